@@ -1,0 +1,1 @@
+"""Controller, compensators and safety monitor of a hybrid test."""

@@ -1,0 +1,1 @@
+"""From the recording of a hybrid test to insight: tables, energy, timing, report."""

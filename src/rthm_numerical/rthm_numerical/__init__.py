@@ -1,0 +1,1 @@
+"""Numerical substructure of a hybrid test."""

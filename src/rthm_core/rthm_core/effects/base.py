@@ -1,0 +1,167 @@
+"""What every kind of effect declares, and the registry in which every part of the system finds it.
+
+An effect is one class in one module of this package. The spec checks its parameters, the simulator and the plant node compute with it, the
+diagnosis looks for it, and the reference page prints it, all from the same declaration::
+
+    @register
+    class CoulombFriction(PlantLaw):
+        kind = "coulomb_friction"
+        blocks = ("plant",)
+        parameters = {"force": EffectParameter("N", "friction force", minimum=0.0)}
+        equation = "F = -F_f sign(v)"
+        words = "dry friction of {force} acts on {dof}"
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from string import Formatter
+from typing import ClassVar, TypeVar
+
+from rthm_core.errors import Refused
+from rthm_core.quantity import Quantity, Text
+
+EffectParameter = Quantity
+"""A number of an effect: unit, description, bounds, default."""
+
+EffectText = Text
+"""An entry of an effect that is text."""
+
+LINKS = ("tau1", "tau2", "tau3", "tau4")
+SENSORS = {"position": "m", "velocity": "m/s", "force": "N"}
+BLOCKS = (
+    "plant",
+    "wire",
+    "motor",
+    "numerical",
+    "controller",
+    *(f"link.{name}" for name in LINKS),
+    *(f"sensor.{name}" for name in SENSORS),
+)
+"""Where an effect may sit (contract, section 6)."""
+
+PLACES = {
+    "plant": "dof",
+    "wire": "actuator",
+    "motor": "actuator",
+    "sensor.position": "dof",
+    "sensor.velocity": "dof",
+    "sensor.force": "actuator",
+}
+"""Which key of the spec names the place within a block; blocks that are one thing have none."""
+
+
+class Effect:
+    """Optional physics of one kind.
+
+    Attributes
+    ----------
+    kind
+        Its name in the spec.
+    blocks
+        Families of blocks in which it may sit: ``plant``, ``wire``, ``motor``, ``numerical``, ``controller``, ``link``, ``sensor``.
+    parameters
+        What it needs, in the order in which compiled code gets it.
+    equation
+        The formula, with the sign of the contract.
+    words
+        What it is, for a test engineer; ``{force}`` becomes value and unit, ``{dof}``, ``{actuator}`` or ``{block}`` the place.
+    states
+        Number of internal states.
+    """
+
+    kind: ClassVar[str]
+    blocks: ClassVar[tuple[str, ...]]
+    parameters: ClassVar[Mapping[str, EffectParameter | EffectText]] = {}
+    equation: ClassVar[str] = ""
+    words: ClassVar[str] = ""
+    states: ClassVar[int] = 0
+
+    @classmethod
+    def unit(cls, parameter: str, block: str) -> str:
+        """SI unit of a parameter in `block`; that of a sensor's effect follows the sensor's signal."""
+        entry = cls.parameters[parameter]
+        if isinstance(entry, Text):
+            return ""
+        return entry.unit.replace("signal", SENSORS.get(block.removeprefix("sensor."), "signal"))
+
+    @classmethod
+    def describe(cls, block: str, place: str, values: Mapping[str, float | str]) -> str:
+        """Return the words with values and place filled in."""
+        texts = {name: cls._text(name, value, block) for name, value in values.items()}
+        return cls.words.format(dof=place, actuator=place, block=block, **texts)
+
+    @classmethod
+    def _text(cls, name: str, value: float | str, block: str) -> str:
+        if isinstance(value, str):
+            return value
+        unit = cls.unit(name, block)
+        return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"
+
+
+E = TypeVar("E", bound=type[Effect])
+
+_EFFECTS: dict[tuple[str, str], type[Effect]] = {}
+
+
+def register(declared: E) -> E:
+    """Make a kind known in each of its families of blocks; a class decorator."""
+    fields = {name for _, name, _, _ in Formatter().parse(declared.words) if name}
+    unknown = fields - {*declared.parameters, "dof", "actuator", "block"}
+    if unknown:
+        raise TypeError(f"the words of {declared.kind} use {sorted(unknown)}, which are not parameters of it")
+    for family in declared.blocks:
+        if _EFFECTS.setdefault((family, declared.kind), declared) is not declared:
+            raise TypeError(f"{declared.kind} is declared twice for {family}")
+    return declared
+
+
+@cache
+def _load() -> None:
+    """Import every module of this package, so that its kinds are registered."""
+    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+        importlib.import_module(f"{__package__}.{module.name}")
+
+
+def family(block: str) -> str:
+    """Family of a block: ``link`` of ``link.tau1``."""
+    return block.partition(".")[0]
+
+
+def check_block(block: object) -> str:
+    """Return a block's name; raise Refused if there is none of this name."""
+    if block not in BLOCKS:
+        raise Refused(block, f"one of {', '.join(BLOCKS)}", suggestion(str(block), BLOCKS))
+    return str(block)
+
+
+def kinds(block: str) -> tuple[str, ...]:
+    """Kinds of effect that `block` can have, in alphabetical order."""
+    check_block(block)
+    _load()
+    return tuple(sorted(kind for where, kind in _EFFECTS if where == family(block)))
+
+
+def effect(kind: str, block: str) -> type[Effect]:
+    """Effect of a `kind` in a `block`.
+
+    Raises
+    ------
+    Refused
+        If the block is not known or has no such kind; names those that it has.
+    """
+    known = kinds(block)
+    if kind not in known:
+        raise Refused(kind, f"a kind that {block} knows ({', '.join(known)})", suggestion(str(kind), known), "kind")
+    return _EFFECTS[family(block), kind]
+
+
+def suggestion(given: str, known: tuple[str, ...] | list[str]) -> str:
+    """Return "write ..." with the nearest known name; empty when none is near."""
+    nearest = get_close_matches(given[:100], known, n=1)
+    return f"write {nearest[0]}" if nearest else ""

@@ -1,0 +1,55 @@
+"""What can be wrong with a link: its samples come late, unevenly, not at all, or with stamps of another clock."""
+
+from __future__ import annotations
+
+from rthm_core.effects.base import Effect, EffectParameter, register
+
+
+@register
+class LinkExtraDelay(Effect):
+    """Delay beside the link's tau."""
+
+    kind = "extra_delay"
+    blocks = ("link",)
+    parameters = {"delay": EffectParameter("s", "delay that is added to the link's tau", minimum=0.0, maximum=60.0)}
+    equation = "due = stamp + tau + delay"
+    words = "samples reach the receiver of {block} {delay} later than its delay says"
+
+
+@register
+class Jitter(Effect):
+    """Random extra delay, drawn anew for every sample; it never makes a sample early."""
+
+    kind = "jitter"
+    blocks = ("link",)
+    parameters = {
+        "std": EffectParameter("s", "standard deviation of the normal number behind it", minimum=0.0, maximum=60.0)
+    }
+    equation = "due = stamp + tau + |N(0, std)|"
+    words = "the delay of {block} jitters: each sample is late by a random time of about {std}"
+
+
+@register
+class Loss(Effect):
+    """Samples that never arrive."""
+
+    kind = "loss"
+    blocks = ("link",)
+    parameters = {"fraction": EffectParameter("1", "share of samples that are lost", minimum=0.0, maximum=1.0)}
+    equation = "P(sample lost) = fraction"
+    words = "of the samples on {block}, a share of {fraction} is lost"
+
+
+@register
+class ClockOffset(Effect):
+    """Sender and receiver disagree about the time, so the receiver keeps a sample too long or too short."""
+
+    kind = "clock_offset"
+    blocks = ("link",)
+    parameters = {
+        "offset": EffectParameter(
+            "s", "sender's clock minus receiver's clock; + keeps samples longer", minimum=-60.0, maximum=60.0
+        )
+    }
+    equation = "due = max(stamp, stamp + tau + offset)"
+    words = "the clocks at the two ends of {block} differ by {offset}"

@@ -1,0 +1,58 @@
+"""The spec: one ROS 2 parameter file that describes a test for every part of the system (contract, section 2)."""
+
+from rthm_core.spec.changes import apply
+from rthm_core.spec.parameters import Parameter, parameters, spec_from_parameters
+from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text
+from rthm_core.spec.schema import (
+    ActuatorSpec,
+    ConstantLoad,
+    EffectSpec,
+    FileLoad,
+    HarmonicLoad,
+    InterfaceSpec,
+    LimitsSpec,
+    LoadSpec,
+    LoadsSpec,
+    Loop,
+    MultisineLoad,
+    NoiseSpec,
+    NoLoad,
+    Spec,
+    SubstructureSpec,
+    TimingSpec,
+    TransmissionSpec,
+    UncertaintySpec,
+)
+from rthm_core.spec.writing import write_spec
+from rthm_core.spec.yaml_text import NODE_PARAMETERS
+
+__all__ = [
+    "NODE_PARAMETERS",
+    "ActuatorSpec",
+    "ConstantLoad",
+    "EffectSpec",
+    "FileLoad",
+    "HarmonicLoad",
+    "InterfaceSpec",
+    "LimitsSpec",
+    "LoadSpec",
+    "LoadsSpec",
+    "Loop",
+    "MultisineLoad",
+    "NoLoad",
+    "NoiseSpec",
+    "Parameter",
+    "Spec",
+    "SubstructureSpec",
+    "TimingSpec",
+    "TransmissionSpec",
+    "UncertaintySpec",
+    "apply",
+    "parameters",
+    "read_spec",
+    "shipped_names",
+    "shipped_spec",
+    "shipped_text",
+    "spec_from_parameters",
+    "write_spec",
+]

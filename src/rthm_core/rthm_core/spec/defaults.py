@@ -1,0 +1,55 @@
+"""What a spec may leave out because there is only one sensible value."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rthm_core.effects.base import PLACES
+
+
+def completed(tree: dict[str, Any]) -> dict[str, Any]:
+    """Return the sections with such values filled in; what cannot be understood is left as it is, for the checks to tell."""
+    done = {key: dict(value) if isinstance(value, dict) else value for key, value in tree.items()}
+    plant, numerical, actuator = done.get("plant"), done.get("numerical"), done.get("actuator")
+    _zeros(plant, "dofs", "initial_velocity")
+    _zeros(numerical, "dofs", "initial_position", "initial_velocity")
+    _zeros(actuator, "names", "pretension")
+    dofs = {"plant": _names(plant, "dofs"), "numerical": _names(numerical, "dofs")}
+    done["load"] = _loads(done.get("load", {}), dofs)
+    places = {"dof": dofs["plant"], "actuator": _names(actuator, "names")}
+    done["effects"] = [_placed(dict(one), places) for one in done["effects"]]
+    return done
+
+
+def _names(section: Any, key: str) -> list[Any]:
+    names = section.get(key) if isinstance(section, dict) else None
+    return list(names) if isinstance(names, list | tuple) else []
+
+
+def _zeros(section: Any, names: str, *keys: str) -> None:
+    if isinstance(section, dict):
+        for key in keys:
+            section.setdefault(key, [0.0] * len(_names(section, names)))
+
+
+def _loads(loads: Any, dofs: dict[str, list[Any]]) -> Any:
+    """No load where none is given; the only dof where none is named."""
+    if not isinstance(loads, dict):
+        return loads
+    done = dict(loads)
+    for side, names in dofs.items():
+        load = done.get(side, {"kind": "none"} if names else None)
+        if isinstance(load, dict) and "dof" not in load and (len(names) == 1 or load.get("kind") == "none") and names:
+            load = {"dof": names[0], **load}
+        if load is not None or side in done:
+            done[side] = load
+    return done
+
+
+def _placed(one: dict[str, Any], places: dict[str, list[Any]]) -> dict[str, Any]:
+    """Put an effect at the only dof or actuator there is."""
+    block = one.get("block")
+    key = PLACES.get(block) if isinstance(block, str) else None
+    if key and key not in one and len(places[key]) == 1:
+        one[key] = places[key][0]
+    return one

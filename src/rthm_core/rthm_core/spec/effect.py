@@ -1,0 +1,98 @@
+"""Effects in a spec: user-named sections that the registry of effects checks."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationInfo, field_validator
+
+from rthm_core.effects.base import LINKS, PLACES, check_block, effect, suggestion
+from rthm_core.errors import MISSING, Refused, shown
+from rthm_core.spec.entries import Name
+from rthm_core.spec.sections import Section
+
+HEAD = ("block", "kind", "dof", "actuator", "link")
+"""Keys of an effect's section that are not parameters of its kind."""
+
+
+class EffectSpec(Section):
+    """One effect: its name, where it is, what it is, and its parameters."""
+
+    name: Annotated[str, Name("name of the effect, which is the name of its section")]
+    block: Annotated[str, Name("where it is")]
+    kind: Annotated[str, Name("what it is")]
+    dof: Annotated[str | None, Name("dof at which it acts")] = None
+    actuator: Annotated[str | None, Name("actuator that has it")] = None
+    parameters: Annotated[dict[str, float | str], Field(validate_default=True)] = {}
+
+    @property
+    def link(self) -> str | None:
+        """Link that has it, such as ``tau1``; None in other blocks."""
+        return self.block.removeprefix("link.") if self.block.startswith("link.") else None
+
+    @property
+    def place(self) -> str:
+        """Name of the dof, the actuator or the block that it sits at."""
+        return self.dof or self.actuator or self.block
+
+    @field_validator("block")
+    @classmethod
+    def _known_block(cls, block: str) -> str:
+        return check_block(block)
+
+    @field_validator("kind")
+    @classmethod
+    def _known_kind(cls, kind: str, info: ValidationInfo) -> str:
+        if "block" in info.data:
+            try:
+                effect(kind, info.data["block"])
+            except Refused as refused:
+                raise Refused(kind, refused.allowed, refused.way_out) from None
+        return kind
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _known_parameters(cls, given: dict[str, Any], info: ValidationInfo) -> dict[str, float | str]:
+        if "block" not in info.data or "kind" not in info.data:
+            return {}
+        declared = effect(info.data["kind"], info.data["block"]).parameters
+        for name in given:
+            if name not in declared:
+                raise _unknown(name, given[name], info.data, tuple(declared))
+        values: dict[str, float | str] = {}
+        for name, entry in declared.items():
+            if name not in given and getattr(entry, "default", None) is None:
+                raise Refused(MISSING, f"given: {entry.description}", f"add {name}", name)
+            try:
+                values[name] = entry.convert(given.get(name, getattr(entry, "default", None)))
+            except Refused as refused:
+                raise Refused(refused.value, refused.allowed, refused.way_out, name) from None
+        return values
+
+
+def _unknown(name: str, value: Any, head: dict[str, Any], declared: tuple[str, ...]) -> Refused:
+    known = (*HEAD, *declared)
+    allowed = f"left out, as {head['kind']} of {head['block']} has only {', '.join(declared) or 'no parameters'}"
+    return Refused(value, allowed, suggestion(name, known) or f"remove {name}", name)
+
+
+def from_section(name: str, section: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of an `EffectSpec` from a section as it stands in a file.
+
+    A block of ``link`` with a link of ``tau1`` is the block ``link.tau1``.
+    """
+    head = {key: section[key] for key in HEAD if key in section}
+    block, link = head.get("block"), head.pop("link", None)
+    if link is not None:
+        if link not in LINKS:
+            raise Refused(link, f"one of {', '.join(LINKS)}", within="link")
+        if block not in ("link", f"link.{link}"):
+            raise Refused(link, f"the link of its block {shown(block)}", "say it once, in block", "link")
+        head["block"] = f"link.{link}"
+    rest = {key: value for key, value in section.items() if key not in HEAD}
+    return {"name": name, **head, "parameters": rest}
+
+
+def place_key(block: str) -> str | None:
+    """Which key names the place in `block`: dof, actuator or None."""
+    return PLACES.get(block)

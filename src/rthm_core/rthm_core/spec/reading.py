@@ -1,0 +1,101 @@
+"""Read a spec from a ROS 2 parameter file or from its text."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from rthm_core.errors import InputError, printable, shown
+from rthm_core.spec.parameters import spec_from_parameters
+from rthm_core.spec.schema import Spec
+from rthm_core.spec.yaml_text import parameters_in
+
+LARGEST_FILE = 4_000_000
+"""Bytes; a larger file is no spec."""
+
+
+def read_spec(source: str | Path) -> Spec:
+    """Read a spec.
+
+    Parameters
+    ----------
+    source
+        Path of a file, or YAML text (anything with a line break or with ``: `` in it that names no file). In a file, the path of a load
+        counts from the file's folder.
+
+    Raises
+    ------
+    InputError
+        One sentence: what is wrong, what is allowed, the way out.
+    """
+    path = _as_path(source)
+    if path is None:
+        return spec_from_parameters(parameters_in(str(source)))
+    try:
+        given = parameters_in(_text_of(path))
+        return spec_from_parameters({name: _from_folder(name, value, path) for name, value in given.items()})
+    except InputError as error:
+        raise InputError(f"{printable(str(path))}: {error}") from None
+
+
+def _as_path(source: str | Path) -> Path | None:
+    if isinstance(source, Path):
+        return source
+    if not isinstance(source, str):
+        raise InputError(f"a spec is {shown(source)}, but must be a path or YAML text; give one of the two.")
+    if "\n" in source or "\0" in source or not source.strip():
+        return None
+    return None if ": " in source and not _exists(Path(source)) else Path(source)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _text_of(path: Path) -> str:
+    """Content of a spec file."""
+    try:
+        if path.is_dir():
+            raise InputError("this is a folder, but must be a spec file; name the file in it.")
+        if not path.exists():
+            raise InputError("there is no such file; give the path of a spec, or a shipped one's name.")
+        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+            raise InputError("this is no ordinary file of at most 4 MB; give the path of a spec.")
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError("this is not text in UTF-8, but must be a YAML file; give the path of a spec.") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"the file cannot be read ({reason}); check its name and permissions.") from None
+
+
+def _from_folder(name: str, value: Any, spec: Path) -> Any:
+    if name in ("load.plant.path", "load.numerical.path") and isinstance(value, str) and value.isprintable():
+        return str(spec.parent.absolute() / Path(value).expanduser()) if not value.startswith("~") else value
+    return value
+
+
+def shipped_names() -> tuple[str, ...]:
+    """Names of the specs that come with the package."""
+    folder = resources.files(__package__) / "shipped"
+    return tuple(sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml")))
+
+
+def shipped_text(name: str) -> str:
+    """Text of a shipped spec, comments included."""
+    if name not in shipped_names():
+        raise InputError(f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; use one of these.")
+    return (resources.files(__package__) / "shipped" / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+@cache
+def shipped_spec(name: str = "paper") -> Spec:
+    """Return a spec that comes with the package; InputError names all of them."""
+    return spec_from_parameters(parameters_in(shipped_text(name)))

@@ -1,0 +1,169 @@
+"""Sections of a spec, except loads and effects: every field with unit, bounds and description."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict
+
+from rthm_core.clock import to_ns
+from rthm_core.spec.entries import Choice, Entry, Names, Number, Numbers, Whole
+
+LONGEST_TIME = 3600.0
+SHORTEST_PERIOD = 1e-6
+COMPENSATORS = ("none", "taylor", "polynomial", "ats", "model", "inverse", "passivity")
+
+
+class Section(BaseModel):
+    """A section of a spec: immutable, and without keys beside its fields."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @classmethod
+    def entries(cls) -> Iterator[tuple[str, Entry]]:
+        """Name and entry of every field that is not a section itself."""
+        for name, field in cls.model_fields.items():
+            yield from ((name, entry) for entry in field.metadata if isinstance(entry, Entry))
+
+    def items(self) -> Iterator[tuple[str, Any]]:
+        """Name and value of every field."""
+        return ((name, getattr(self, name)) for name in type(self).model_fields)
+
+
+class SubstructureSpec(Section):
+    """Substructure with n degrees of freedom, ``M a = -C v - K x + forces``; matrices row-major, n*n."""
+
+    dofs: Annotated[tuple[str, ...], Names("names of the degrees of freedom, one for each")]
+    mass: Annotated[tuple[float, ...], Numbers("kg", "mass matrix M, symmetric and positive definite")]
+    damping: Annotated[tuple[float, ...], Numbers("N s/m", "damping matrix C")]
+    stiffness: Annotated[tuple[float, ...], Numbers("N/m", "stiffness matrix K, symmetric")]
+    initial_position: Annotated[tuple[float, ...], Numbers("m", "position at the start, of every dof")]
+    initial_velocity: Annotated[tuple[float, ...], Numbers("m/s", "velocity at the start, of every dof")]
+
+    @property
+    def n(self) -> int:
+        """Number of degrees of freedom."""
+        return len(self.dofs)
+
+
+class InterfaceSpec(Section):
+    """What connects the substructures, one spring and damper per actuator: ``F_c = -c2 (v1 - v2) - k2 (x1 - x2)``."""
+
+    plant_dof: Annotated[tuple[str, ...], Names("dof of the plant at which each actuator pulls")]
+    numerical_dof: Annotated[tuple[str, ...], Names("dof of the numerical substructure at the other end")]
+    stiffness: Annotated[tuple[float, ...], Numbers("N/m", "stiffness k2 of each connection")]
+    damping: Annotated[tuple[float, ...], Numbers("N s/m", "damping c2 of each connection")]
+
+
+class TransmissionSpec(Section):
+    """Clock spring, pulley and wire of the paper's (3a), the same for every actuator; replaces ``actuator.stiffness``."""
+
+    spring: Annotated[float, Number("N m/rad", "clock spring k_theta", above=0.0)]
+    wire: Annotated[float, Number("N/m", "wire k_w", above=0.0)]
+    radius: Annotated[float, Number("m", "pulley radius r_w", above=0.0)]
+    inertia: Annotated[float, Number("kg m^2", "inertia I of the pulley", minimum=0.0)]
+    damping: Annotated[float, Number("N m s/rad", "rotational damping c_theta of the pulley", minimum=0.0)]
+
+    @property
+    def k_tot(self) -> float:
+        """Stiffness of wire and spring in series, in N/m: ``1 / (1/k_w + r_w^2/k_theta)``, the corrected (5)."""
+        return 1.0 / (1.0 / self.wire + self.radius**2 / self.spring)
+
+
+class ActuatorSpec(Section):
+    """Actuators: a motor ``h(s)`` that pulls at the plant over an elastic wire, ``F = k_tot (u - x1)``."""
+
+    names: Annotated[tuple[str, ...], Names("names of the actuators, one for each")]
+    stiffness: Annotated[
+        tuple[float, ...] | None, Numbers("N/m", "k_tot of each actuator; not needed beside a transmission", above=0.0)
+    ] = None
+    pretension: Annotated[
+        tuple[float, ...], Numbers("N", "tension of each wire at rest; 0: never slack", minimum=0.0)
+    ]
+    motor_poles: Annotated[
+        tuple[float, ...] | None,
+        Numbers("rad/s", "poles kv and ka of every motor, h(s) = 1/((1 + s/kv)(1 + s/ka)); absent: h(s) = 1", above=0.0, count=2),
+    ] = None
+    transmission: TransmissionSpec | None = None
+    compensator: Annotated[str, Choice(COMPENSATORS, "how the controller makes up for delays")] = "none"
+
+    @property
+    def k_tot(self) -> tuple[float, ...]:
+        """Stiffness between motor and plant, in N/m, of every actuator."""
+        if self.transmission is not None:
+            return (self.transmission.k_tot,) * len(self.names)
+        return self.stiffness or ()
+
+
+def _period(description: str) -> Number:
+    return Number("s", description, minimum=SHORTEST_PERIOD, maximum=LONGEST_TIME)
+
+
+def _delay(description: str) -> Number:
+    return Number("s", description, minimum=0.0, maximum=LONGEST_TIME)
+
+
+class TimingSpec(Section):
+    """Periods and delays of the loop, in s."""
+
+    td1: Annotated[float, _period("period Td1 of the data acquisition")]
+    td2: Annotated[float, _period("period Td2 of the numerical substructure")]
+    td3: Annotated[float, _period("period Td3 of the controller, which holds z1")]
+    td4: Annotated[
+        float, _delay("period Td4 at which the controller takes the force reference; 0: as soon as it is due")
+    ]
+    tau1: Annotated[float, _delay("delay of the plant's state to the controller")]
+    tau2: Annotated[float, _delay("delay of the plant's state to the numerical substructure")]
+    tau3: Annotated[float, _delay("delay of the force reference to the controller")]
+    tau4: Annotated[float, _delay("delay of the command to the motor")]
+
+    def ns(self, name: str) -> int:
+        """Return a period or delay, such as ``"tau1"``, in integer ns."""
+        return to_ns(getattr(self, name))
+
+
+class NoiseSpec(Section):
+    """Noise of the simulated sensors: white, standard deviation per sample."""
+
+    position: Annotated[float, Number("m", "noise of the plant's positions", minimum=0.0)] = 0.0
+    velocity: Annotated[float, Number("m/s", "noise of the plant's velocities", minimum=0.0)] = 0.0
+    motor: Annotated[float, Number("m", "noise of the motor positions", minimum=0.0)] = 0.0
+    force: Annotated[float, Number("N", "noise of the actuator forces", minimum=0.0)] = 0.0
+    seed: Annotated[int, Whole("1", "number from which every random draw of a test follows")] = 0
+
+
+def _spread(what: str) -> Number:
+    return Number("1", f"relative standard deviation of {what}; 0: exact", minimum=0.0, maximum=100.0)
+
+
+class PlantUncertainty(Section):
+    """How well the plant is known."""
+
+    mass: Annotated[float, _spread("the plant's masses")] = 0.0
+    damping: Annotated[float, _spread("the plant's dampings")] = 0.0
+    stiffness: Annotated[float, _spread("the plant's stiffnesses")] = 0.0
+
+
+class ActuatorUncertainty(Section):
+    """How well the actuators are known."""
+
+    stiffness: Annotated[float, _spread("k_tot of the real wire")] = 0.0
+
+
+class UncertaintySpec(Section):
+    """Which physical properties are not known exactly."""
+
+    plant: PlantUncertainty = PlantUncertainty()
+    actuator: ActuatorUncertainty = ActuatorUncertainty()
+
+
+class LimitsSpec(Section):
+    """What the safety monitor of the actuator allows; an absent entry is no limit."""
+
+    command: Annotated[float | None, Number("m", "largest command u_d, either way", above=0.0)] = None
+    rate: Annotated[float | None, Number("m/s", "largest rate of the command", above=0.0)] = None
+    force: Annotated[float | None, Number("N", "largest force, either way", above=0.0)] = None
+    stale: Annotated[float | None, Number("s", "age of an input at which the monitor stops the test", above=0.0)] = None
+    ramp: Annotated[float | None, Number("s", "time over which commands fade in and out", minimum=0.0)] = None
+

@@ -1,0 +1,42 @@
+"""Write a spec as a ROS 2 parameter file that ROS and every YAML reader understand alike.
+
+Numbers are always floats with a dot, names are quoted, and empty lists are left out, as ROS cannot type them.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from rthm_core.spec.parameters import nested, parameters
+from rthm_core.spec.schema import Spec
+
+
+def write_spec(spec: Spec) -> str:
+    """Return the spec as YAML text with every default written out; ``read_spec`` of it gives the same spec."""
+    tree = nested({one.name: one.value for one in parameters(spec)})
+    return "\n".join(["/**:", "  ros__parameters:", *_lines(tree, "    ")]) + "\n"
+
+
+def _lines(tree: dict[str, Any], indent: str) -> list[str]:
+    lines: list[str] = []
+    for key, value in tree.items():
+        if isinstance(value, dict):
+            lines += [f"{indent}{key}:", *_lines(value, indent + "  ")]
+        else:
+            lines.append(f"{indent}{key}: {_text(value)}")
+    return lines
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_text(one) for one in value)}]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    return _float(value) if isinstance(value, float) else str(value)
+
+
+def _float(value: float) -> str:
+    """Shortest text that gives the same float; the dot keeps ``1e-05`` from being a string to YAML 1.1."""
+    mantissa, e, exponent = repr(value).partition("e")
+    return f"{mantissa}{'' if '.' in mantissa else '.0'}{e}{exponent}"

@@ -1,0 +1,196 @@
+"""From a bag to a `Recording`: the tables of the loop's topics, the spec, and what had to be mended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from rthm_analysis.recording.cdr import decode_string
+from rthm_analysis.recording.files import read_raw
+from rthm_analysis.recording.raw import RawBag, RawTopic
+from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
+from rthm_core.clock import NS
+from rthm_core.compiled import Integers
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec, read_spec
+
+PLANT_STATE = "plant/state"
+STATES = (PLANT_STATE, "numerical/state", "numerical/force_reference", "actuator/command", "energy")
+LINKS = ("tau1", "tau2", "tau3", "tau4")
+
+T = TypeVar("T", Table, LinkTable)
+
+_JOINT_STATE = "sensor_msgs/msg/JointState"
+_TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a bag says about one test.
+
+    Attributes
+    ----------
+    path : Path
+        The bag.
+    namespace : str
+        Where its topics were, such as ``/rthm``.
+    spec : Spec or None
+        The spec in the bag; None when there is none, or one that cannot be read (`notes` then says why).
+    spec_text : str
+        The text of the topic ``spec``; empty when there is none.
+    tables : dict of Table
+        By relative topic name, such as ``plant/state``; only topics with samples.
+    links : dict of LinkTable
+        By link name, ``tau1`` to ``tau4``; only links with uses.
+    start_ns : int
+        Start of the test: the first stamp of ``plant/state``, tick 0 of every clock.
+    notes : tuple of str
+        What was missing, damaged or mended, one sentence each.
+    """
+
+    path: Path
+    namespace: str
+    spec: Spec | None
+    spec_text: str
+    tables: dict[str, Table]
+    links: dict[str, LinkTable]
+    start_ns: int
+    notes: tuple[str, ...]
+
+    @property
+    def plant(self) -> Table:
+        """Samples of ``plant/state``."""
+        return self.tables[PLANT_STATE]
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first to the last sample of the plant."""
+        return float(self.plant.stamp_ns[-1] - self.start_ns) / NS
+
+    def seconds(self, stamps_ns: Integers) -> np.ndarray:
+        """Seconds since the start of the test."""
+        return (stamps_ns - self.start_ns) / NS
+
+    def known_spec(self) -> Spec:
+        """Return the spec; InputError when the bag has none that can be read."""
+        if self.spec is None:
+            reason = next((note for note in self.notes if "spec" in note), "")
+            raise InputError(
+                f"{self.path} has no spec that can be read: record the topic spec as well. {reason}"
+            )
+        return self.spec
+
+
+def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
+    """Read a bag folder, or one .mcap or .db3 file, whole or cut off by a crash.
+
+    Parameters
+    ----------
+    path : str or Path
+        What `rthm run` or `ros2 bag record` wrote; compressed or not, with or without metadata.yaml.
+    namespace : str, optional
+        Which test to take when the bag holds several; by default the one with most samples of the plant.
+
+    Raises
+    ------
+    InputError
+        There is no bag, nothing in it can be read, or it has no samples of ``plant/state``.
+    """
+    bag = read_raw(path)
+    namespace = _namespace(bag, path, namespace)
+    tables, links = _tables(bag, namespace), _links(bag, namespace)
+    if PLANT_STATE not in tables:
+        reasons = " ".join(bag.notes)
+        topic = f"{namespace}/{PLANT_STATE}"
+        raise InputError(
+            f"{path} has no message of {topic} that can be read: record it as {_JOINT_STATE}. {reasons}"
+        )
+    span = _span(tables[PLANT_STATE].stamp_ns)
+    tables = {name: _within(table, table.stamp_ns, span, name, bag) for name, table in tables.items()}
+    links = {name: _within(link, link.use_ns, span, f"links/{name}", bag) for name, link in links.items()}
+    text, spec = _spec(bag, namespace)
+    start_ns = int(tables[PLANT_STATE].stamp_ns[0])
+    present = {name: table for name, table in tables.items() if len(table)}
+    used = {name: link for name, link in links.items() if len(link)}
+    return Recording(Path(path), namespace, spec, text, present, used, start_ns, tuple(bag.notes))
+
+
+def _namespace(bag: RawBag, path: str | Path, wanted: str | None) -> str:
+    """Namespace of the test: the `wanted` one, or the one with most samples of the plant."""
+    ending = f"/{PLANT_STATE}"
+    absolute = {f"/{name.lstrip('/')}": topic for name, topic in bag.topics.items()}
+    sizes = {
+        name.removesuffix(ending): len(topic) for name, topic in absolute.items() if name.endswith(ending)
+    }
+    if wanted is not None:
+        wanted = f"/{wanted.strip('/')}".rstrip("/")
+    if not sizes or (wanted is not None and wanted not in sizes):
+        topics = ", ".join(sorted(filter(str.isprintable, bag.topics))[:12]) or "no other"
+        raise InputError(
+            f"{path} has no topic {wanted or ''}{ending} but {topics}: record it. {' '.join(bag.notes)}"
+        )
+    if len(sizes) > 1:
+        bag.note(f"the bag holds {len(sizes)} tests, in {', '.join(name or '/' for name in sorted(sizes))}.")
+    return max(sizes, key=lambda name: sizes[name]) if wanted is None else wanted
+
+
+def _topic(bag: RawBag, namespace: str, name: str, message_type: str) -> RawTopic | None:
+    topic = bag.topics.get(f"{namespace}/{name}") or bag.topics.get(f"{namespace}/{name}".lstrip("/"))
+    if topic is not None and topic.type not in (message_type, message_type.replace("/msg/", "/"), ""):
+        bag.note(f"{topic.name} has the type {topic.type!r}, not {message_type}: left out.")
+        return None
+    return topic if topic else None
+
+
+def _tables(bag: RawBag, namespace: str) -> dict[str, Table]:
+    tables = {}
+    for name in STATES:
+        if topic := _topic(bag, namespace, name, _JOINT_STATE):
+            table, notes = joint_table(topic)
+            bag.notes += notes
+            if len(table):
+                tables[name] = table
+    return tables
+
+
+def _links(bag: RawBag, namespace: str) -> dict[str, LinkTable]:
+    links = {}
+    for name in LINKS:
+        if topic := _topic(bag, namespace, f"links/{name}", _TIME_REFERENCE):
+            link, notes = link_table(topic)
+            bag.notes += notes
+            if len(link):
+                links[name] = link
+    return links
+
+
+def _span(stamps_ns: Integers) -> tuple[int, int]:
+    """Bounds of stamps that can belong to a test with these samples; a damaged one may be decades away."""
+    period = float(np.median(np.diff(stamps_ns))) if stamps_ns.size > 1 else 0.0
+    middle, reach = int(stamps_ns[stamps_ns.size // 2]), int(10.0 * period * stamps_ns.size) + 10 * NS
+    return middle - reach, middle + reach
+
+
+def _within(table: T, times: Integers, span: tuple[int, int], name: str, bag: RawBag) -> T:
+    inside = (times >= span[0]) & (times <= span[1])
+    if not inside.all():
+        strays = int(np.count_nonzero(~inside))
+        bag.note(f"{name}: {strays} messages have stamps far away from the rest of the test: left out.")
+    return table.rows(np.flatnonzero(inside))
+
+
+def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
+    """Text and value of the newest spec, of this namespace or the only one."""
+    topic = _topic(bag, namespace, "spec", "std_msgs/msg/String")
+    if topic is None:
+        bag.note(f"the bag has no topic {namespace}/spec.")
+        return "", None
+    try:
+        text = decode_string(topic.message(len(topic) - 1))
+        return text, read_spec(text)
+    except (InputError, ValueError) as reason:
+        bag.note(f"the spec in the bag cannot be used: {reason}")
+        return "", None

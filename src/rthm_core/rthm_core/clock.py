@@ -1,8 +1,10 @@
-"""Time is integer nanoseconds. Tick k of a clock is ``k * period``, never a sum of periods, so clocks do not drift.
+"""Time is integer nanoseconds. Tick k of a clock is ``k * period``, never a sum of periods: no drift.
 
-    ticks      0         1         2         3
+The tick at an instant belongs to that instant::
+
+    tick       0         1         2         3
                |---------|---------|---------|---->  ns
-    index_at   0 0 0 0 0 1 1 1 ...                   the tick at an instant belongs to that instant
+    index_at   0000000000111111111122222222223333
 """
 
 from __future__ import annotations
@@ -53,13 +55,15 @@ def to_seconds(ns: int) -> float:
 
 @dataclass(frozen=True)
 class Clock:
-    """Ticks at ``k * period_ns`` for k = 0, 1, 2, ...; the first tick of every clock is the start of the test."""
+    """Ticks at ``k * period_ns`` for k = 0, 1, 2, ...; the first tick is the start of the test."""
 
     period_ns: int
 
     def __post_init__(self) -> None:
         if self.period_ns <= 0:
-            raise InputError(f"a clock's period is {self.period_ns} ns, but must be at least 1 ns; correct it.")
+            raise InputError(
+                f"a clock's period is {self.period_ns} ns, but must be at least 1 ns; correct it."
+            )
 
     def tick(self, k: int) -> int:
         """Instant of tick `k` in ns after the start."""

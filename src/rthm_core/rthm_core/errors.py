@@ -26,7 +26,7 @@ class InputError(ValueError):
     """Something that a user gave cannot be used; the message is one sentence with the way out."""
 
 
-class Refused(ValueError):
+class RefusedError(ValueError):
     """A value that is not allowed, told by a part that does not know the value's full name.
 
     Parameters
@@ -55,7 +55,8 @@ class Refused(ValueError):
 
 def refusal(key: str, value: object, allowed: str, way_out: str = "") -> InputError:
     """One sentence about a value that is not allowed."""
-    return InputError(f"{printable(key)} is {shown(value)}, but must be {allowed}; {way_out or 'correct it'}.")
+    way_out = way_out or ("add it" if value is MISSING else "correct it")
+    return InputError(f"{printable(key)} is {shown(value)}, but must be {allowed}; {way_out}.")
 
 
 def unknown(key: str, value: object, known: Iterable[str]) -> InputError:
@@ -64,7 +65,8 @@ def unknown(key: str, value: object, known: Iterable[str]) -> InputError:
     nearest = get_close_matches(key.rpartition(".")[2][:100], names, n=1)
     way_out = f"write {nearest[0]}" if nearest else "remove it"
     return InputError(
-        f"{printable(key)} (given as {shown(value)}) is not a key of the spec, which knows {', '.join(names)} there; {way_out}."
+        f"{printable(key)} (given as {shown(value)}) is not a key of the spec, "
+        f"which knows {', '.join(names)} there; {way_out}."
     )
 
 
@@ -83,5 +85,5 @@ def shown(value: Any) -> str:
 
 
 def printable(name: str) -> str:
-    """Return a name as it stands, or quoted when it is empty, long or holds anything that would break the line."""
+    """Return a name as it stands, or quoted when it is empty, long or would break the line."""
     return name if name and name.isprintable() and len(name) <= 120 else shown(name)

@@ -1,4 +1,7 @@
-"""A number with unit, bounds and a description: the one definition behind validation, ROS descriptors and the reference pages."""
+"""A number with unit, bounds and a description.
+
+The one definition behind validation, ROS descriptors and the reference pages.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import numbers
 import re
 from dataclasses import dataclass
 
-from rthm_core.errors import Refused
+from rthm_core.errors import RefusedError
 
 
 @dataclass(frozen=True)
@@ -17,7 +20,8 @@ class Quantity:
     Parameters
     ----------
     unit
-        SI unit as text, ``"N s/m"``; ``"1"`` for a pure number. ``signal`` stands for the unit of the signal that an effect acts on.
+        SI unit as text, ``"N s/m"``; ``"1"`` for a pure number. ``signal`` stands for the unit of the signal
+        that an effect acts on.
     description
         One sentence for a test engineer.
     minimum, maximum
@@ -39,8 +43,8 @@ class Quantity:
     @property
     def bounds(self) -> str:
         """Bounds in words, ``"above 0"``; empty without bounds."""
-        pairs = (("above", self.above), ("at least", self.minimum), ("at most", self.maximum), ("below", self.below))
-        return " and ".join(f"{word} {bound:g}" for word, bound in pairs if bound is not None)
+        bounds = {"above": self.above, "at least": self.minimum, "at most": self.maximum, "below": self.below}
+        return " and ".join(f"{word} {bound:g}" for word, bound in bounds.items() if bound is not None)
 
     @property
     def lowest(self) -> float | None:
@@ -63,12 +67,12 @@ class Quantity:
 
         Raises
         ------
-        Refused
+        RefusedError
             If it is not a finite number within the bounds.
         """
         number = as_number(value)
         if number is None or not math.isfinite(number) or not self.holds(number):
-            raise Refused(value, self.allowed)
+            raise RefusedError(value, self.allowed)
         return number
 
     def holds(self, number: float) -> bool:
@@ -91,11 +95,11 @@ class Text:
     allowed = "text of 1 to 200 printable characters"
 
     def convert(self, value: object) -> str:
-        """Return `value` if it is text that fits one line; else raise Refused."""
-        if not isinstance(value, str) or not value.strip() or not value.isprintable() or len(value) > self.longest:
-            way_out = "put it in quotes" if isinstance(value, bool | int | float) else ""
-            raise Refused(value, self.allowed, way_out)
-        return value
+        """Return `value` if it is text that fits one line; else raise RefusedError."""
+        if isinstance(value, str) and value.strip() and value.isprintable() and len(value) <= self.longest:
+            return value
+        way_out = "put it in quotes" if isinstance(value, bool | int | float) else ""
+        raise RefusedError(value, self.allowed, way_out)
 
 
 _NUMBER = re.compile(r"[-+]?(\d+\.\d*|\.\d+|0|[1-9]\d*)([eE][-+]?\d+)?", re.ASCII)

@@ -1,4 +1,4 @@
-"""Optional physics, one small class per kind: equation, parameters with units, words, and where it may sit."""
+"""Optional physics, one small class per kind: equation, parameters with units, words, where it sits."""
 
 from rthm_core.effects.base import BLOCKS, Effect, EffectParameter, EffectText, effect, kinds, register
 

@@ -1,7 +1,7 @@
 """What every kind of effect declares, and the registry in which every part of the system finds it.
 
-An effect is one class in one module of this package. The spec checks its parameters, the simulator and the plant node compute with it, the
-diagnosis looks for it, and the reference page prints it, all from the same declaration::
+An effect is one class in one module of this package. The spec checks its parameters, the simulator and the
+plant node compute with it, the diagnosis looks for it, the reference page prints it: from one declaration::
 
     @register
     class CoulombFriction(PlantLaw):
@@ -23,7 +23,7 @@ from pathlib import Path
 from string import Formatter
 from typing import ClassVar, TypeVar
 
-from rthm_core.errors import Refused
+from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
 
 EffectParameter = Quantity
@@ -64,13 +64,15 @@ class Effect:
     kind
         Its name in the spec.
     blocks
-        Families of blocks in which it may sit: ``plant``, ``wire``, ``motor``, ``numerical``, ``controller``, ``link``, ``sensor``.
+        Families of blocks in which it may sit: ``plant``, ``wire``, ``motor``, ``numerical``, ``controller``,
+        ``link``, ``sensor``.
     parameters
         What it needs, in the order in which compiled code gets it.
     equation
         The formula, with the sign of the contract.
     words
-        What it is, for a test engineer; ``{force}`` becomes value and unit, ``{dof}``, ``{actuator}`` or ``{block}`` the place.
+        What it is, for a test engineer; ``{force}`` becomes value and unit, ``{dof}``, ``{actuator}`` or
+        ``{block}`` the place.
     states
         Number of internal states.
     """
@@ -134,9 +136,9 @@ def family(block: str) -> str:
 
 
 def check_block(block: object) -> str:
-    """Return a block's name; raise Refused if there is none of this name."""
+    """Return a block's name; raise RefusedError if there is none of this name."""
     if block not in BLOCKS:
-        raise Refused(block, f"one of {', '.join(BLOCKS)}", suggestion(str(block), BLOCKS))
+        raise RefusedError(block, f"one of {', '.join(BLOCKS)}", suggestion(str(block), BLOCKS))
     return str(block)
 
 
@@ -152,12 +154,13 @@ def effect(kind: str, block: str) -> type[Effect]:
 
     Raises
     ------
-    Refused
+    RefusedError
         If the block is not known or has no such kind; names those that it has.
     """
     known = kinds(block)
     if kind not in known:
-        raise Refused(kind, f"a kind that {block} knows ({', '.join(known)})", suggestion(str(kind), known), "kind")
+        allowed = f"a kind that {block} knows ({', '.join(known)})"
+        raise RefusedError(kind, allowed, suggestion(str(kind), known), "kind")
     return _EFFECTS[family(block), kind]
 
 

@@ -1,4 +1,4 @@
-"""What can be wrong with a link: its samples come late, unevenly, not at all, or with stamps of another clock."""
+"""What can be wrong with a link: samples late, uneven, lost, or stamped by another clock."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class LinkExtraDelay(Effect):
 
     kind = "extra_delay"
     blocks = ("link",)
-    parameters = {"delay": EffectParameter("s", "delay that is added to the link's tau", minimum=0.0, maximum=60.0)}
+    parameters = {"delay": EffectParameter("s", "delay beside the link's tau", minimum=0.0, maximum=60.0)}
     equation = "due = stamp + tau + delay"
     words = "samples reach the receiver of {block} {delay} later than its delay says"
 
@@ -23,7 +23,9 @@ class Jitter(Effect):
     kind = "jitter"
     blocks = ("link",)
     parameters = {
-        "std": EffectParameter("s", "standard deviation of the normal number behind it", minimum=0.0, maximum=60.0)
+        "std": EffectParameter(
+            "s", "standard deviation of the normal number behind it", minimum=0.0, maximum=60.0
+        )
     }
     equation = "due = stamp + tau + |N(0, std)|"
     words = "the delay of {block} jitters: each sample is late by a random time of about {std}"
@@ -35,7 +37,7 @@ class Loss(Effect):
 
     kind = "loss"
     blocks = ("link",)
-    parameters = {"fraction": EffectParameter("1", "share of samples that are lost", minimum=0.0, maximum=1.0)}
+    parameters = {"fraction": EffectParameter("1", "share of samples lost", minimum=0.0, maximum=1.0)}
     equation = "P(sample lost) = fraction"
     words = "of the samples on {block}, a share of {fraction} is lost"
 

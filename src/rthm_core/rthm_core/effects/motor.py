@@ -33,7 +33,9 @@ class MotorSaturation(Effect):
 
     kind = "saturation"
     blocks = ("motor",)
-    parameters = {"limit": EffectParameter("m", "largest distance from the zero position, either way", above=0.0)}
+    parameters = {
+        "limit": EffectParameter("m", "largest distance from the zero position, either way", above=0.0)
+    }
     equation = "u = min(max(u_d, -limit), limit)"
     words = "the motor of {actuator} goes no further than {limit} from its zero, either way"
 
@@ -44,7 +46,7 @@ class MotorLag(Effect):
 
     kind = "lag"
     blocks = ("motor",)
-    parameters = {"time_constant": EffectParameter("s", "time constant of the lag, after tau4", above=0.0)}
+    parameters = {"time_constant": EffectParameter("s", "time constant, after tau4", above=0.0)}
     equation = "time_constant du/dt = u_d(t - tau4) - u"
     words = "the motor of {actuator} follows its command with a lag of {time_constant}"
     states = 1

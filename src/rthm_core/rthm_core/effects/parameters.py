@@ -1,4 +1,8 @@
-"""Blocks that compute: what they compute with is exact by definition, so a different value there is an effect."""
+"""What is wrong with a block that computes: another value than the spec's.
+
+What the controller and the numerical substructure compute with is exact by definition, so this is not
+uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,9 @@ class WrongParameter(Effect):
     kind = "wrong_parameter"
     blocks = ("numerical", "controller")
     parameters = {
-        "name": EffectText("spec entry that is wrong in this block, such as actuator.stiffness or numerical.mass[0]"),
+        "name": EffectText(
+            "spec entry that this block has wrong, as actuator.stiffness or numerical.mass[0]"
+        ),
         "value": EffectParameter("1", "value that the block computes with, in the unit of that entry"),
     }
     equation = "entry = value, in this block only"

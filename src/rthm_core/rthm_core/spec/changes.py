@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 from rthm_core.errors import refusal
-from rthm_core.spec.load import LOAD_KINDS
-from rthm_core.spec.parameters import parameters, spec_from_parameters
+from rthm_core.spec.building import spec_from_parameters
+from rthm_core.spec.parameters import parameters
 from rthm_core.spec.schema import Spec
 
+PLACE_KEYS = ("block", "dof", "actuator")
 _INDEXED = re.compile(r"(?P<name>.+)\[(?P<index>\d{1,9})\]")
 
 
@@ -20,9 +22,10 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
     Parameters
     ----------
     changes
-        Values by dotted name: ``{"timing.tau1": 0.005, "plant.mass[0]": 1.3, "guide.force": 0.1}``. A section may be given as a dict, a list
-        of one by its number, None takes an entry or a section out. A new kind of load, or effects that are no longer listed, take their old
-        entries with them.
+        Values by dotted name: ``{"timing.tau1": 0.005, "plant.mass[0]": 1.3, "guide.force": 0.1}``. A
+        section may be given as a dict, a list of one as its number; None takes an entry or a section out.
+        What belonged to a load of another kind or to effects that are no longer listed goes by itself. A
+        stiffness of the actuators takes out the transmission, which would replace it.
 
     Raises
     ------
@@ -30,7 +33,9 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
         If a name is not known or a value not allowed.
     """
     flat: dict[str, Any] = {one.name: one.value for one in parameters(spec)}
-    for name, value in _flattened(changes).items():
+    changed = _flattened(changes)
+    _make_way(flat, changed, spec)
+    for name, value in changed.items():
         _set(flat, name, value)
     listed = flat.get("effects", [])
     for one in spec.effects:
@@ -47,6 +52,19 @@ def _flattened(changes: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
+def _make_way(flat: dict[str, Any], changed: dict[str, Any], spec: Spec) -> None:
+    """Remove what a change makes meaningless: entries of the old kind, a transmission beside a new k_tot."""
+    for name, value in changed.items():
+        if name.endswith(".kind") and flat.get(name, value) != value:
+            section = name.removesuffix(".kind")
+            kept = {f"{section}.{key}" for key in PLACE_KEYS}
+            for key in [key for key in flat if key.startswith(f"{section}.") and key not in kept]:
+                del flat[key]
+    if any(name.partition("[")[0] == "actuator.stiffness" for name in changed):
+        _remove(flat, "actuator.transmission")
+        flat["actuator.stiffness"] = list(spec.k_tot)
+
+
 def _set(flat: dict[str, Any], name: str, value: Any) -> None:
     indexed = _INDEXED.fullmatch(name)
     if indexed:
@@ -54,28 +72,24 @@ def _set(flat: dict[str, Any], name: str, value: Any) -> None:
     elif value is None:
         _remove(flat, name)
     else:
-        if name in ("load.plant.kind", "load.numerical.kind") and value in LOAD_KINDS and flat.get(name) != value:
-            _remove_other_entries(flat, name.removesuffix(".kind"))
-        one_number = isinstance(flat.get(name), list) and len(flat[name]) == 1 and not isinstance(value, list | tuple)
-        flat[name] = [value] if one_number and not hasattr(value, "tolist") or one_number and not getattr(value, "ndim", 0) else value
+        flat[name] = [value] if _is_only_element(flat.get(name), value) else value
+
+
+def _is_only_element(old: Any, new: Any) -> bool:
+    """Whether a lone number or name is meant for a list that has one element."""
+    return isinstance(old, list) and len(old) == 1 and isinstance(new, Real | str)
 
 
 def _set_element(flat: dict[str, Any], name: str, index: int, value: Any) -> None:
     values = flat.get(name)
     if not isinstance(values, list) or index >= len(values):
-        have = f"has {len(values)} elements" if isinstance(values, list) else "is no list of the spec"
-        raise refusal(f"{name}[{index}]", value, f"an element that there is, and {name} {have}")
+        have = f"{len(values)} elements" if isinstance(values, list) else "no elements"
+        raise refusal(f"{name}[{index}]", value, f"an element that there is, and {name} has {have}")
     flat[name] = [*values[:index], value, *values[index + 1 :]]
 
 
 def _remove(flat: dict[str, Any], name: str) -> None:
     for key in [key for key in flat if key == name or key.startswith(f"{name}.")]:
-        del flat[key]
-
-
-def _remove_other_entries(flat: dict[str, Any], section: str) -> None:
-    """Forget what belonged to the old kind of load."""
-    for key in [key for key in flat if key.startswith(f"{section}.") and not key.endswith(".dof")]:
         del flat[key]
 
 

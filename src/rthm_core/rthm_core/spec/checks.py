@@ -1,4 +1,7 @@
-"""What the parts of a spec owe each other: lengths, names, matrices, completeness. Raises Refused with the dotted key."""
+"""What the parts of a spec owe each other: lengths, names, matrices, completeness.
+
+Every check raises `RefusedError` with the dotted key.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.effects.base import PLACES, check_block, effect, family, suggestion
-from rthm_core.errors import MISSING, Refused
+from rthm_core.errors import MISSING, RefusedError
 from rthm_core.spec.load import MultisineLoad
 
 if TYPE_CHECKING:
@@ -42,13 +45,15 @@ def _complete(spec: Spec) -> None:
     missing = [name for name in LOOP if name not in given]
     if missing and given not in ([], ["timing"]):
         way_out = f"add {' and '.join(missing)}, or remove {' and '.join(given)} for a plant alone"
-        raise Refused(MISSING, f"given, as a loop needs {', '.join(('plant', *LOOP))}", way_out, missing[0])
+        raise RefusedError(
+            MISSING, f"given, as a loop needs {', '.join(('plant', *LOOP))}", way_out, missing[0]
+        )
 
 
 def _substructure(key: str, section: SubstructureSpec) -> None:
     n = section.n
     if n == 0:
-        raise Refused(section.dofs, "at least one name", "name each degree of freedom", f"{key}.dofs")
+        raise RefusedError(section.dofs, "at least one name", "name each degree of freedom", f"{key}.dofs")
     _distinct(f"{key}.dofs", section.dofs)
     for name in ("mass", "damping", "stiffness"):
         _length(f"{key}.{name}", getattr(section, name), n * n, f"{n}*{n} numbers, row by row, for {n} dofs")
@@ -56,9 +61,11 @@ def _substructure(key: str, section: SubstructureSpec) -> None:
         _length(f"{key}.{name}", getattr(section, name), n, f"{n} numbers, one for each dof")
     mass = np.array(section.mass).reshape(n, n)
     if not _symmetric(mass) or not _positive_definite(mass):
-        raise Refused(section.mass, "a symmetric, positive definite matrix", within=f"{key}.mass")
+        raise RefusedError(section.mass, "a symmetric, positive definite matrix", within=f"{key}.mass")
     if not _symmetric(np.array(section.stiffness).reshape(n, n)):
-        raise Refused(section.stiffness, "a symmetric matrix, as springs have one", within=f"{key}.stiffness")
+        raise RefusedError(
+            section.stiffness, "a symmetric matrix, as springs have one", within=f"{key}.stiffness"
+        )
 
 
 def _symmetric(matrix: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> bool:
@@ -75,13 +82,13 @@ def _positive_definite(matrix: np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 def _length(key: str, values: Sequence[object], count: int, allowed: str) -> None:
     if len(values) != count:
-        raise Refused(values, allowed, f"give {count} instead of {len(values)}", key)
+        raise RefusedError(values, allowed, f"give {count} instead of {len(values)}", key)
 
 
 def _distinct(key: str, names: Sequence[str]) -> None:
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise Refused(name, "a name that is used once", "rename one of the two", f"{key}[{i}]")
+            raise RefusedError(name, "a name that is used once", "rename one of the two", f"{key}[{i}]")
 
 
 def _names_apart(spec: Spec) -> None:
@@ -93,7 +100,9 @@ def _names_apart(spec: Spec) -> None:
     ):
         for i, name in enumerate(names):
             if name in taken:
-                raise Refused(name, "a name that no other dof or actuator has", "rename it", f"{key}[{i}]")
+                raise RefusedError(
+                    name, "a name that no other dof or actuator has", "rename it", f"{key}[{i}]"
+                )
         taken.extend(names)
 
 
@@ -102,10 +111,11 @@ def _actuator(spec: Spec) -> None:
         return
     m = len(spec.actuator.names)
     if m == 0:
-        raise Refused(spec.actuator.names, "at least one name", "name each actuator", "actuator.names")
+        raise RefusedError(spec.actuator.names, "at least one name", "name each actuator", "actuator.names")
     _distinct("actuator.names", spec.actuator.names)
     if spec.actuator.stiffness is None and spec.actuator.transmission is None:
-        raise Refused(MISSING, "given", "add actuator.stiffness (k_tot) or actuator.transmission", "actuator.stiffness")
+        way_out = "add actuator.stiffness (k_tot) or actuator.transmission"
+        raise RefusedError(MISSING, "given", way_out, "actuator.stiffness")
     for name in ("stiffness", "pretension"):
         values = getattr(spec.actuator, name)
         if values is not None:
@@ -125,7 +135,7 @@ def _interface(spec: Spec) -> None:
 
 def _known(key: str, name: str, known: Sequence[str]) -> None:
     if name not in known:
-        raise Refused(name, f"one of {', '.join(known)}", suggestion(name, list(known)), key)
+        raise RefusedError(name, f"one of {', '.join(known)}", suggestion(name, list(known)), key)
 
 
 def _loads(spec: Spec) -> None:
@@ -134,38 +144,47 @@ def _loads(spec: Spec) -> None:
         if load is None:
             continue
         if substructure is None:
-            raise Refused(load.kind, f"left out, as there is no section {side}", within=f"load.{side}.kind")
+            raise RefusedError(
+                load.kind, f"left out, as there is no section {side}", within=f"load.{side}.kind"
+            )
         _known(f"load.{side}.dof", load.dof, substructure.dofs)
         if isinstance(load, MultisineLoad) and load.high < load.low:
-            raise Refused(load.high, f"at least load.{side}.low, {load.low:g}", within=f"load.{side}.high")
+            raise RefusedError(
+                load.high, f"at least load.{side}.low, {load.low:g}", within=f"load.{side}.high"
+            )
 
 
 def _effect(spec: Spec, one: EffectSpec) -> None:
     if [other.name for other in spec.effects].count(one.name) > 1:
-        raise Refused(one.name, "a name that is used once", "list each effect once", "effects")
+        raise RefusedError(one.name, "a name that is used once", "list each effect once", "effects")
     block = check_block(one.block)
     if family(block) != "plant" and not spec.is_loop and not block.startswith("sensor."):
-        raise Refused(block, "plant, or a sensor of it, as the spec describes a plant alone", within=f"{one.name}.block")
+        allowed = "plant or a sensor of it, as the spec describes a plant alone"
+        raise RefusedError(block, allowed, within=f"{one.name}.block")
     known = {"dof": spec.plant.dofs, "actuator": spec.actuator.names if spec.actuator else ()}
     for key, names in known.items():
         given = getattr(one, key)
         if PLACES.get(block) == key:
             allowed = f"one of {', '.join(names)}" if names else "an actuator, and the spec has none"
             if given not in names:
-                raise Refused(given, allowed, f"say which {key}", f"{one.name}.{key}")
+                raise RefusedError(given, allowed, f"say which {key}", f"{one.name}.{key}")
         elif given is not None:
-            raise Refused(given, f"left out, as {block} has no {key}", f"remove {key}", f"{one.name}.{key}")
+            raise RefusedError(
+                given, f"left out, as {block} has no {key}", f"remove {key}", f"{one.name}.{key}"
+            )
     if effect(one.kind, block).kind == "wrong_parameter":
         _wrong_parameter(spec, one)
 
 
 def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
-    from rthm_core.spec.parameters import numbers  # parameters need the schema
+    from rthm_core.spec.numbers import numbers  # which needs the schema
 
     known = {name: entry for name, entry in numbers(spec).items() if name.startswith(COMPUTED[one.block])}
     name = str(one.parameters["name"])
     if name not in known:
         allowed = f"a number that {one.block} computes with ({', '.join(list(known)[:8])} ...)"
-        raise Refused(name, allowed, suggestion(name, list(known)), f"{one.name}.name")
+        raise RefusedError(name, allowed, suggestion(name, list(known)), f"{one.name}.name")
     if not known[name].holds(float(one.parameters["value"])):
-        raise Refused(one.parameters["value"], f"{known[name].bounds}, as {name}", within=f"{one.name}.value")
+        raise RefusedError(
+            one.parameters["value"], f"{known[name].bounds}, as {name}", within=f"{one.name}.value"
+        )

@@ -8,7 +8,7 @@ from rthm_core.effects.base import PLACES
 
 
 def completed(tree: dict[str, Any]) -> dict[str, Any]:
-    """Return the sections with such values filled in; what cannot be understood is left as it is, for the checks to tell."""
+    """Return the sections with such values filled in; what is wrong stays, for the checks to tell."""
     done = {key: dict(value) if isinstance(value, dict) else value for key, value in tree.items()}
     plant, numerical, actuator = done.get("plant"), done.get("numerical"), done.get("actuator")
     _zeros(plant, "dofs", "initial_velocity")
@@ -39,7 +39,7 @@ def _loads(loads: Any, dofs: dict[str, list[Any]]) -> Any:
     done = dict(loads)
     for side, names in dofs.items():
         load = done.get(side, {"kind": "none"} if names else None)
-        if isinstance(load, dict) and "dof" not in load and (len(names) == 1 or load.get("kind") == "none") and names:
+        if isinstance(load, dict) and names and (len(names) == 1 or load.get("kind") == "none"):
             load = {"dof": names[0], **load}
         if load is not None or side in done:
             done[side] = load

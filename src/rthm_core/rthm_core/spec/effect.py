@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 
 from rthm_core.effects.base import LINKS, PLACES, check_block, effect, suggestion
-from rthm_core.errors import MISSING, Refused, shown
+from rthm_core.errors import MISSING, RefusedError, shown
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
 
@@ -46,8 +46,8 @@ class EffectSpec(Section):
         if "block" in info.data:
             try:
                 effect(kind, info.data["block"])
-            except Refused as refused:
-                raise Refused(kind, refused.allowed, refused.way_out) from None
+            except RefusedError as refused:
+                raise RefusedError(kind, refused.allowed, refused.way_out) from None
         return kind
 
     @field_validator("parameters", mode="before")
@@ -62,18 +62,20 @@ class EffectSpec(Section):
         values: dict[str, float | str] = {}
         for name, entry in declared.items():
             if name not in given and getattr(entry, "default", None) is None:
-                raise Refused(MISSING, f"given: {entry.description}", f"add {name}", name)
+                raise RefusedError(MISSING, f"given: {entry.description}", f"add {name}", name)
             try:
                 values[name] = entry.convert(given.get(name, getattr(entry, "default", None)))
-            except Refused as refused:
-                raise Refused(refused.value, refused.allowed, refused.way_out, name) from None
+            except RefusedError as refused:
+                raise RefusedError(refused.value, refused.allowed, refused.way_out, name) from None
         return values
 
 
-def _unknown(name: str, value: Any, head: dict[str, Any], declared: tuple[str, ...]) -> Refused:
+def _unknown(name: str, value: Any, head: dict[str, Any], declared: tuple[str, ...]) -> RefusedError:
     known = (*HEAD, *declared)
-    allowed = f"left out, as {head['kind']} of {head['block']} has only {', '.join(declared) or 'no parameters'}"
-    return Refused(value, allowed, suggestion(name, known) or f"remove {name}", name)
+    allowed = (
+        f"left out, as {head['kind']} of {head['block']} has only {', '.join(declared) or 'no parameters'}"
+    )
+    return RefusedError(value, allowed, suggestion(name, known) or f"remove {name}", name)
 
 
 def from_section(name: str, section: dict[str, Any]) -> dict[str, Any]:
@@ -85,9 +87,9 @@ def from_section(name: str, section: dict[str, Any]) -> dict[str, Any]:
     block, link = head.get("block"), head.pop("link", None)
     if link is not None:
         if link not in LINKS:
-            raise Refused(link, f"one of {', '.join(LINKS)}", within="link")
+            raise RefusedError(link, f"one of {', '.join(LINKS)}", within="link")
         if block not in ("link", f"link.{link}"):
-            raise Refused(link, f"the link of its block {shown(block)}", "say it once, in block", "link")
+            raise RefusedError(link, f"the link of its block {shown(block)}", "say it once, in block", "link")
         head["block"] = f"link.{link}"
     rest = {key: value for key, value in section.items() if key not in HEAD}
     return {"name": name, **head, "parameters": rest}

@@ -1,7 +1,7 @@
-"""Kinds of entry of a spec. Each knows its ROS type, unit, bounds and description, and turns what was given into a value.
+"""Kinds of entry of a spec: ROS type, unit, bounds, description, and the way from what was given to a value.
 
-Used as ``Annotated[tuple[float, ...], Numbers("kg", "mass matrix")]``: pydantic calls `convert`, ROS descriptors and the reference page read
-the rest.
+Used as ``Annotated[tuple[float, ...], Numbers("kg", "mass matrix")]``: pydantic calls `convert`; ROS
+descriptors and the reference page read the rest.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from rthm_core.effects.base import suggestion
-from rthm_core.errors import Refused
+from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text, as_number
 
 LARGEST_WHOLE = 2**53
@@ -35,7 +35,7 @@ class Entry:
         raise NotImplementedError
 
     def convert(self, value: Any) -> Any:
-        """Return the value to store; raise Refused if it is not allowed."""
+        """Return the value to store; raise RefusedError if it is not allowed."""
         raise NotImplementedError
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -62,18 +62,18 @@ class Numbers(Quantity, Entry):
         many = "numbers" if self.count is None else f"{self.count} numbers"
         return " ".join(f"a list of finite {many}{', each ' if self.bounds else ''}{self.bounds}".split())
 
-    def convert(self, value: Any) -> tuple[float, ...]:
+    def convert(self, value: Any) -> tuple[float, ...]:  # type: ignore[override]
         """Return the numbers; integers and text such as ``1e-3`` are numbers."""
         values = as_list(value, self.allowed)
         if self.count is not None and len(values) != self.count:
-            raise Refused(value, self.allowed, f"give {self.count} numbers, not {len(values)}")
+            raise RefusedError(value, self.allowed, f"give {self.count} numbers, not {len(values)}")
         return tuple(self._element(i, one) for i, one in enumerate(values))
 
     def _element(self, index: int, value: Any) -> float:
         try:
             return super().convert(value)
-        except Refused:
-            raise Refused(value, super().allowed, within=f"[{index}]") from None
+        except RefusedError:
+            raise RefusedError(value, super().allowed, within=f"[{index}]") from None
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Whole(Entry):
         """Return the number; 3, 3.0 and "3" are whole."""
         number = as_number(value)
         if number is None or not self.minimum <= number <= self.maximum or number != int(number):
-            raise Refused(value, self.allowed)
+            raise RefusedError(value, self.allowed)
         return int(value) if isinstance(value, int) else int(number)
 
 
@@ -122,8 +122,8 @@ class Names(Text, Entry):
     def _element(self, index: int, value: Any) -> str:
         try:
             return super().convert(value)
-        except Refused as refused:
-            raise Refused(value, refused.allowed, refused.way_out, within=f"[{index}]") from None
+        except RefusedError as refused:
+            raise RefusedError(value, refused.allowed, refused.way_out, within=f"[{index}]") from None
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class Choice(Entry):
     def convert(self, value: Any) -> str:
         """Return the word."""
         if not isinstance(value, str) or value not in self.choices:
-            raise Refused(value, self.allowed, suggestion(str(value), self.choices))
+            raise RefusedError(value, self.allowed, suggestion(str(value), self.choices))
         return value
 
 
@@ -152,5 +152,5 @@ def as_list(value: Any, allowed: str) -> list[Any]:
     if isinstance(value, list | tuple) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) == 1):
         return list(value)
     if isinstance(value, int | float | str) and not isinstance(value, bool):
-        raise Refused(value, allowed, f"write it in brackets, [{str(value)[:40]}]")
-    raise Refused(value, allowed)
+        raise RefusedError(value, allowed, f"write it in brackets, [{str(value)[:40]}]")
+    raise RefusedError(value, allowed)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from rthm_core.errors import MISSING, InputError, Refused, joined, refusal, unknown
+from rthm_core.errors import MISSING, InputError, RefusedError, joined, refusal, unknown
 from rthm_core.spec.catalogue import entry_at, keys_in
 from rthm_core.spec.load import LOAD_KINDS
 
@@ -41,7 +41,7 @@ def _key(loc: tuple[int | str, ...], tree: dict[str, Any]) -> str:
 def _sentence(finding: ErrorDetails, key: str) -> InputError:
     kind, value = finding["type"], finding["input"]
     cause = finding.get("ctx", {}).get("error")
-    if isinstance(cause, Refused):
+    if isinstance(cause, RefusedError):
         return cause.at(key)
     if kind == "extra_forbidden":
         section = key.rpartition(".")[0]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rthm_core.errors import InputError, printable, shown
-from rthm_core.spec.parameters import spec_from_parameters
+from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.schema import Spec
 from rthm_core.spec.yaml_text import parameters_in
 
@@ -22,8 +22,8 @@ def read_spec(source: str | Path) -> Spec:
     Parameters
     ----------
     source
-        Path of a file, or YAML text (anything with a line break or with ``: `` in it that names no file). In a file, the path of a load
-        counts from the file's folder.
+        Path of a file, or YAML text (what has a line break, or a ``: `` and names no file). In a file, the
+        path of a load counts from the file's folder.
 
     Raises
     ------
@@ -68,7 +68,9 @@ def _text_of(path: Path) -> str:
             raise InputError("this is no ordinary file of at most 4 MB; give the path of a spec.")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError("this is not text in UTF-8, but must be a YAML file; give the path of a spec.") from None
+        raise InputError(
+            "this is not text in UTF-8, but must be a YAML file; give the path of a spec."
+        ) from None
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
@@ -85,13 +87,17 @@ def _from_folder(name: str, value: Any, spec: Path) -> Any:
 def shipped_names() -> tuple[str, ...]:
     """Names of the specs that come with the package."""
     folder = resources.files(__package__) / "shipped"
-    return tuple(sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml")))
+    return tuple(
+        sorted(file.name.removesuffix(".yaml") for file in folder.iterdir() if file.name.endswith(".yaml"))
+    )
 
 
 def shipped_text(name: str) -> str:
     """Text of a shipped spec, comments included."""
     if name not in shipped_names():
-        raise InputError(f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; use one of these.")
+        raise InputError(
+            f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; use one of them."
+        )
     return (resources.files(__package__) / "shipped" / f"{name}.yaml").read_text(encoding="utf-8")
 
 

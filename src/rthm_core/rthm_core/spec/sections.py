@@ -48,7 +48,7 @@ class SubstructureSpec(Section):
 
 
 class InterfaceSpec(Section):
-    """What connects the substructures, one spring and damper per actuator: ``F_c = -c2 (v1 - v2) - k2 (x1 - x2)``."""
+    """Connection of the substructures, ``F_c = -c2 (v1 - v2) - k2 (x1 - x2)``, one per actuator."""
 
     plant_dof: Annotated[tuple[str, ...], Names("dof of the plant at which each actuator pulls")]
     numerical_dof: Annotated[tuple[str, ...], Names("dof of the numerical substructure at the other end")]
@@ -57,7 +57,7 @@ class InterfaceSpec(Section):
 
 
 class TransmissionSpec(Section):
-    """Clock spring, pulley and wire of the paper's (3a), the same for every actuator; replaces ``actuator.stiffness``."""
+    """Clock spring, pulley and wire of the paper's (3a); replaces ``stiffness`` of every actuator."""
 
     spring: Annotated[float, Number("N m/rad", "clock spring k_theta", above=0.0)]
     wire: Annotated[float, Number("N/m", "wire k_w", above=0.0)]
@@ -67,7 +67,7 @@ class TransmissionSpec(Section):
 
     @property
     def k_tot(self) -> float:
-        """Stiffness of wire and spring in series, in N/m: ``1 / (1/k_w + r_w^2/k_theta)``, the corrected (5)."""
+        """Stiffness of wire and spring in series, N/m: ``1 / (1/k_w + r_w^2/k_theta)``, the corrected (5)."""
         return 1.0 / (1.0 / self.wire + self.radius**2 / self.spring)
 
 
@@ -76,14 +76,20 @@ class ActuatorSpec(Section):
 
     names: Annotated[tuple[str, ...], Names("names of the actuators, one for each")]
     stiffness: Annotated[
-        tuple[float, ...] | None, Numbers("N/m", "k_tot of each actuator; not needed beside a transmission", above=0.0)
+        tuple[float, ...] | None,
+        Numbers("N/m", "k_tot of each actuator; not needed beside a transmission", above=0.0),
     ] = None
     pretension: Annotated[
         tuple[float, ...], Numbers("N", "tension of each wire at rest; 0: never slack", minimum=0.0)
     ]
     motor_poles: Annotated[
         tuple[float, ...] | None,
-        Numbers("rad/s", "poles kv and ka of every motor, h(s) = 1/((1 + s/kv)(1 + s/ka)); absent: h(s) = 1", above=0.0, count=2),
+        Numbers(
+            "rad/s",
+            "poles kv and ka of every motor, h(s) = 1/((1 + s/kv)(1 + s/ka)); absent: h(s) = 1",
+            above=0.0,
+            count=2,
+        ),
     ] = None
     transmission: TransmissionSpec | None = None
     compensator: Annotated[str, Choice(COMPENSATORS, "how the controller makes up for delays")] = "none"
@@ -164,6 +170,7 @@ class LimitsSpec(Section):
     command: Annotated[float | None, Number("m", "largest command u_d, either way", above=0.0)] = None
     rate: Annotated[float | None, Number("m/s", "largest rate of the command", above=0.0)] = None
     force: Annotated[float | None, Number("N", "largest force, either way", above=0.0)] = None
-    stale: Annotated[float | None, Number("s", "age of an input at which the monitor stops the test", above=0.0)] = None
+    stale: Annotated[
+        float | None, Number("s", "age of an input at which the monitor stops the test", above=0.0)
+    ] = None
     ramp: Annotated[float | None, Number("s", "time over which commands fade in and out", minimum=0.0)] = None
-

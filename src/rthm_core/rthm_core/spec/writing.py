@@ -8,12 +8,13 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from rthm_core.spec.parameters import nested, parameters
+from rthm_core.spec.building import nested
+from rthm_core.spec.parameters import parameters
 from rthm_core.spec.schema import Spec
 
 
 def write_spec(spec: Spec) -> str:
-    """Return the spec as YAML text with every default written out; ``read_spec`` of it gives the same spec."""
+    """Return the spec as YAML text with every default written out; `read_spec` of it gives the same spec."""
     tree = nested({one.name: one.value for one in parameters(spec)})
     return "\n".join(["/**:", "  ros__parameters:", *_lines(tree, "    ")]) + "\n"
 

@@ -1,7 +1,7 @@
 """From the text of a ROS 2 parameter file to values by dotted name, typed as ROS types them.
 
-YAML 1.1, as Python reads it, takes ``1e-3`` for text and ``1:30`` for 90; ROS does neither. So the types here follow rcl_yaml_param_parser,
-which is also why aliases are refused and ``y`` is a truth value.
+YAML 1.1, as Python reads it, takes ``1e-3`` for text and ``1:30`` for 90; ROS does neither. So the types here
+follow rcl_yaml_param_parser, which is also why aliases are refused and ``y`` is a truth value.
 """
 
 from __future__ import annotations
@@ -44,8 +44,9 @@ class _Loader(yaml.SafeLoader):
     def compose_node(self, parent: Any, index: Any) -> Any:
         """Refuse aliases: ROS does, and they can make a short text grow without end."""
         if self.check_event(yaml.AliasEvent):
+            line = self.peek_event().start_mark.line + 1  # type: ignore[no-untyped-call]
             raise InputError(
-                f"line {self.peek_event().start_mark.line + 1} has an alias (*name), which ROS cannot read; write the values out."
+                f"line {line} has an alias (*name), which ROS cannot read; write the values out."
             )
         return super().compose_node(parent, index)
 
@@ -53,7 +54,7 @@ class _Loader(yaml.SafeLoader):
 for _name, _pattern in (
     ("bool", r"[yYnN]|yes|Yes|YES|no|No|NO|true|True|TRUE|false|False|FALSE|on|On|ON|off|Off|OFF"),
     ("int", r"[-+]?(0|[1-9][0-9]*)"),
-    ("float", r"[-+]?([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)"),
+    ("float", r"[-+]?([0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))([eE][-+]?[0-9]+)?"),
     ("null", r"~|null|Null|NULL|"),
 ):
     _Loader.add_implicit_resolver(_TAG + _name, re.compile(rf"(?:{_pattern})\Z"), None)
@@ -65,7 +66,7 @@ def parameters_in(text: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the text is no ROS parameter file, a key is there twice, or two nodes' sections contradict each other.
+        If the text is no ROS parameter file, a key is there twice, or sections of nodes contradict each other.
     """
     root = _compose(text)
     merged: dict[str, Any] = {}
@@ -73,11 +74,13 @@ def parameters_in(text: str) -> dict[str, Any]:
         for name, value in _flat(section, ""):
             if name in merged and merged[name] != value:
                 raise InputError(
-                    f"{printable(name)} is {shown(merged[name])} and again, for {printable(node)}, {shown(value)}, "
-                    "but all parts of a test need the same spec; keep one of the two."
+                    f"{printable(name)} is {shown(merged[name])}, and {shown(value)} for {printable(node)}, "
+                    "but must be the same for all parts of a test; keep one of the two."
                 )
             merged[name] = value
-    kept = {name: value for name, value in merged.items() if name not in NODE_PARAMETERS and not _is_qos(name)}
+    kept = {
+        name: value for name, value in merged.items() if name not in NODE_PARAMETERS and not _is_qos(name)
+    }
     if not kept:
         raise InputError("the spec has no entries under ros__parameters; at least a section plant is needed.")
     return kept
@@ -94,13 +97,19 @@ def _compose(text: str) -> yaml.MappingNode:
         mark = getattr(error, "problem_mark", None)
         where = f" at line {mark.line + 1}" if mark else ""
         problem = getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable"
-        raise InputError(f"the text is not YAML{where} ({problem}); correct it, or give the path of a spec.") from None
+        raise InputError(
+            f"the text is not YAML{where} ({problem}); correct it, or give the path of a spec."
+        ) from None
     except RecursionError:
-        raise InputError("the text is nested too deeply for a spec; give the text of a ROS parameter file.") from None
+        raise InputError(
+            "the text is nested too deeply for a spec; give the text of a ROS parameter file."
+        ) from None
     if root is None:
         raise InputError("the spec is empty; give a ROS parameter file, or a shipped spec's name.")
     if not isinstance(root, yaml.MappingNode):
-        raise InputError("the text is YAML but no ROS parameter file, which begins with '/**': ros__parameters; wrap it so.")
+        raise InputError(
+            "the text is YAML but no ROS parameter file, which begins /**: ros__parameters:; wrap it so."
+        )
     return root
 
 
@@ -109,7 +118,8 @@ def _node_sections(node: yaml.MappingNode, name: str) -> Iterator[tuple[str, yam
     found = list(_all_node_sections(node, name))
     if not found:
         raise InputError(
-            "the text has no ros__parameters, but a spec is a ROS parameter file; put the sections under '/**': ros__parameters."
+            "the text has no ros__parameters, but a spec is a ROS parameter file; "
+            "put the sections under /**: ros__parameters:."
         )
     return ((name, section) for name, section in found if len(found) == 1 or _is_ours(name, section))
 
@@ -117,11 +127,9 @@ def _node_sections(node: yaml.MappingNode, name: str) -> Iterator[tuple[str, yam
 def _all_node_sections(node: yaml.MappingNode, name: str) -> Iterator[tuple[str, yaml.MappingNode]]:
     for key, value in _pairs(node, name):
         if not isinstance(value, yaml.MappingNode):
-            raise refusal(
-                f"{name}/{key}".lstrip("/"), _value(value), "a section with ros__parameters",
-                "put the sections under '/**': ros__parameters",
-            )
-        if key == PARAMETERS:
+            way_out = "put the sections under /**: ros__parameters:"
+            raise refusal(key, _value(value), "a section with ros__parameters", way_out)
+        if key == PARAMETERS and name:
             yield name, value
         else:
             yield from _all_node_sections(value, f"{name}/{key}" if name else key)
@@ -130,7 +138,9 @@ def _all_node_sections(node: yaml.MappingNode, name: str) -> Iterator[tuple[str,
 def _is_ours(name: str, section: yaml.MappingNode) -> bool:
     """Whether a section is for every node, for one of ours, or holds a part of a spec anyway."""
     last = name.rpartition("/")[2]
-    return "*" in last or last in NODES or any(key.partition(".")[0] in ROOT for key, _ in _pairs(section, name))
+    return (
+        "*" in last or last in NODES or any(key.partition(".")[0] in ROOT for key, _ in _pairs(section, name))
+    )
 
 
 def _pairs(node: yaml.MappingNode, name: str) -> Iterator[tuple[str, yaml.Node]]:
@@ -138,12 +148,13 @@ def _pairs(node: yaml.MappingNode, name: str) -> Iterator[tuple[str, yaml.Node]]
     seen: set[str] = set()
     for key_node, value in node.value:
         if not isinstance(key_node, yaml.ScalarNode):
-            raise InputError(f"line {key_node.start_mark.line + 1} has a key that is not text; write a name before the colon.")
+            line = key_node.start_mark.line + 1
+            raise InputError(f"line {line} has a key that is not text; write a name before the colon.")
         key = key_node.value
         if key in seen:
+            line, dotted = key_node.start_mark.line + 1, printable(f"{name}.{key}" if name else key)
             raise InputError(
-                f"{printable(f'{name}.{key}' if name else key)} is there twice, at line {key_node.start_mark.line + 1} again, "
-                "but a key may be given once; keep one of the two."
+                f"{dotted} is there twice, again at line {line}, but must be there once; remove one."
             )
         seen.add(key)
         yield key, value

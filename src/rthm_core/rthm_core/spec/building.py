@@ -1,0 +1,88 @@
+"""From values by dotted name to a checked spec."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from rthm_core.errors import MISSING, InputError, RefusedError, refusal, unknown
+from rthm_core.spec.catalogue import ROOT
+from rthm_core.spec.defaults import completed
+from rthm_core.spec.effect import HEAD, from_section
+from rthm_core.spec.messages import input_error
+from rthm_core.spec.schema import Spec
+
+
+def spec_from_parameters(given: Mapping[str, Any], besides: Collection[str] = ()) -> Spec:
+    """Return the spec that ROS parameters describe.
+
+    Parameters
+    ----------
+    given
+        Values by dotted name.
+    besides
+        Names that are no part of a spec and are passed over, such as a node's own parameters.
+
+    Raises
+    ------
+    InputError
+        On the first thing that is not allowed.
+    """
+    tree = nested({name: value for name, value in given.items() if name not in besides})
+    gathered = completed(_with_effects(tree))
+    try:
+        return Spec.model_validate(gathered)
+    except ValidationError as error:
+        raise input_error(error, gathered) from None
+
+
+def nested(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Sections within sections from dotted names."""
+    tree: dict[str, Any] = {}
+    for name, value in flat.items():
+        *path, last = name.split(".")
+        section = tree
+        for part in path:
+            section = section.setdefault(part, {})
+            if not isinstance(section, dict):
+                raise refusal(name.rpartition(".")[0], section, f"a section, as {name} is given too")
+        if last in section:
+            raise refusal(name, value, "a section, as entries of it are given too")
+        section[last] = value
+    return tree
+
+
+def _with_effects(tree: dict[str, Any]) -> dict[str, Any]:
+    """Move the sections of effects into the list of effects."""
+    names = tree.get("effects", [])
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+        raise refusal("effects", names, "a list of names, each with a section of that name")
+    sections = {key: value for key, value in tree.items() if key not in ROOT}
+    for key, value in sections.items():
+        if key not in names:
+            raise _stray(key, value)
+    effects = [_effect(name, sections.get(name, MISSING)) for name in names]
+    return {key: value for key, value in tree.items() if key in ROOT} | {"effects": effects}
+
+
+def _effect(name: str, section: Any) -> dict[str, Any]:
+    if name in ROOT or not name.isascii() or not name.isidentifier() or len(name) > 60:
+        allowed = "names of letters, digits and _ that are no section of the spec"
+        raise refusal("effects", name, allowed, "rename the effect")
+    if not isinstance(section, dict):
+        allowed = f"a section with {', '.join(HEAD[:2])}, its place and its parameters"
+        raise refusal(name, section, allowed, f"add it, or take {name} out of effects")
+    try:
+        return from_section(name, section)
+    except RefusedError as refused:
+        raise refused.at(name) from None
+
+
+def _stray(key: str, value: Any) -> InputError:
+    if isinstance(value, dict) and ("kind" in value or "block" in value):
+        return refusal(
+            "effects", MISSING, f"a list that names {key}, which has a section", f"add {key} to effects"
+        )
+    return unknown(key, value, ROOT)

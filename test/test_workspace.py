@@ -91,7 +91,9 @@ def test_launch_files_and_configuration_are_installed(built: Path, folder: str) 
 
 def test_rthm_is_on_the_path_of_a_sourced_workspace(built: Path) -> None:
     command = '. "$0/setup.bash" && command -v rthm && rthm --help'
-    done = subprocess.run(["bash", "-c", command, str(built)], capture_output=True, text=True)
+    # The scripts of colcon do not survive a space in the path of Python, which the checkout may have.
+    environment = os.environ | {"COLCON_PYTHON_EXECUTABLE": os.path.realpath(sys.executable)}
+    done = subprocess.run(["bash", "-c", command, str(built)], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == str(built / "rthm_bringup/bin/rthm")
 

@@ -82,6 +82,10 @@ def test_a_built_package_has_its_programs(built: Path, package: str) -> None:
     assert [name for name in scripts if not os.access(built / package / place / name, os.X_OK)] == []
 
 
+def test_a_built_workspace_has_the_recorder_where_launch_looks_for_programs(built: Path) -> None:
+    assert os.access(built / "rthm_bringup/lib/rthm_bringup/recorder", os.X_OK)
+
+
 @pytest.mark.parametrize("folder", ["launch", "config"])
 def test_launch_files_and_configuration_are_installed(built: Path, folder: str) -> None:
     names = sorted(p.name for p in checked_in() if p.parent == Path("src/rthm_bringup", folder))
@@ -93,7 +97,9 @@ def test_rthm_is_on_the_path_of_a_sourced_workspace(built: Path) -> None:
     command = '. "$0/setup.bash" && command -v rthm && rthm --help'
     # The scripts of colcon do not survive a space in the path of Python, which the checkout may have.
     environment = os.environ | {"COLCON_PYTHON_EXECUTABLE": os.path.realpath(sys.executable)}
-    done = subprocess.run(["bash", "-c", command, str(built)], env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        ["bash", "-c", command, str(built)], env=environment, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[0] == str(built / "rthm_bringup/bin/rthm")
 

@@ -22,6 +22,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),
+        (f"lib/{name}", sorted(glob("programs/*"))),
         (f"share/{name}/launch", sorted(glob("launch/*.launch.py"))),
         (f"share/{name}/config", sorted(glob("config/*.yaml"))),
     ],

@@ -10,13 +10,15 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from rthm_analysis.recording.raw import Bytes, RawTopic
 from rthm_core.clock import NS
-from rthm_core.compiled import Floats, Integers
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
 
 FIELDS = ("position", "velocity", "effort")
 

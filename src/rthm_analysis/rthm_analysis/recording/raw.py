@@ -5,10 +5,13 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_core.compiled import Integers
+if TYPE_CHECKING:
+    from rthm_core.compiled import Integers
+
 
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 

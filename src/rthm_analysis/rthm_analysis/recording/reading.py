@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -13,9 +13,11 @@ from rthm_analysis.recording.files import read_raw
 from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
-from rthm_core.compiled import Integers
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, read_spec
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Integers
 
 PLANT_STATE = "plant/state"
 STATES = (PLANT_STATE, "numerical/state", "numerical/force_reference", "actuator/command", "energy")

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from rthm_analysis.recording.cdr import FIELDS, decode_joint_states, decode_time_references
 from rthm_analysis.recording.raw import RawTopic
-from rthm_core.compiled import Floats, Integers
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from rthm_core.errors import MISSING, InputError, RefusedError, refusal, unknown
+from rthm_core.errors import MISSING, InputError, RefusedError, printable, refusal, unknown
 from rthm_core.spec.catalogue import ROOT
 from rthm_core.spec.defaults import completed
 from rthm_core.spec.effect import HEAD, from_section
@@ -43,11 +43,19 @@ def nested(flat: Mapping[str, Any]) -> dict[str, Any]:
     tree: dict[str, Any] = {}
     for name, value in flat.items():
         *path, last = name.split(".")
+        if value is None:
+            raise refusal(name, value, "a value", "give one, or remove the key")
+        if "" in (*path, last):
+            raise refusal(
+                name, value, "left out, as its name has an empty part", "correct the dots in the name"
+            )
         section = tree
         for part in path:
             section = section.setdefault(part, {})
             if not isinstance(section, dict):
-                raise refusal(name.rpartition(".")[0], section, f"a section, as {name} is given too")
+                raise refusal(
+                    name.rpartition(".")[0], section, f"a section, as {printable(name)} is given too"
+                )
         if last in section:
             raise refusal(name, value, "a section, as entries of it are given too")
         section[last] = value
@@ -82,7 +90,6 @@ def _effect(name: str, section: Any) -> dict[str, Any]:
 
 def _stray(key: str, value: Any) -> InputError:
     if isinstance(value, dict) and ("kind" in value or "block" in value):
-        return refusal(
-            "effects", MISSING, f"a list that names {key}, which has a section", f"add {key} to effects"
-        )
+        allowed = f"a list with {printable(key)}, which has a section"
+        return refusal("effects", MISSING, allowed, "add it to the list")
     return unknown(key, value, ROOT)

@@ -56,9 +56,9 @@ def _substructure(key: str, section: SubstructureSpec) -> None:
         raise RefusedError(section.dofs, "at least one name", "name each degree of freedom", f"{key}.dofs")
     _distinct(f"{key}.dofs", section.dofs)
     for name in ("mass", "damping", "stiffness"):
-        _length(f"{key}.{name}", getattr(section, name), n * n, f"{n}*{n} numbers, row by row, for {n} dofs")
+        _length(f"{key}.{name}", getattr(section, name), n * n, f"a list of {n} x {n}, row by row")
     for name in ("initial_position", "initial_velocity"):
-        _length(f"{key}.{name}", getattr(section, name), n, f"{n} numbers, one for each dof")
+        _length(f"{key}.{name}", getattr(section, name), n, f"a list with one number for each of {n} dof(s)")
     mass = np.array(section.mass).reshape(n, n)
     if not _symmetric(mass) or not _positive_definite(mass):
         raise RefusedError(section.mass, "a symmetric, positive definite matrix", within=f"{key}.mass")
@@ -119,7 +119,7 @@ def _actuator(spec: Spec) -> None:
     for name in ("stiffness", "pretension"):
         values = getattr(spec.actuator, name)
         if values is not None:
-            _length(f"actuator.{name}", values, m, f"{m} numbers, one for each actuator")
+            _length(f"actuator.{name}", values, m, f"a list with one number for each of {m} actuator(s)")
 
 
 def _interface(spec: Spec) -> None:
@@ -127,7 +127,7 @@ def _interface(spec: Spec) -> None:
         return
     m = len(spec.actuator.names)
     for name, values in spec.interface.items():
-        _length(f"interface.{name}", values, m, f"{m} entries, one for each actuator")
+        _length(f"interface.{name}", values, m, f"a list with one entry for each of {m} actuator(s)")
     for name, known in (("plant_dof", spec.plant.dofs), ("numerical_dof", spec.numerical.dofs)):
         for i, dof in enumerate(getattr(spec.interface, name)):
             _known(f"interface.{name}[{i}]", dof, known)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 
 from rthm_core.effects.base import LINKS, PLACES, check_block, effect, suggestion
-from rthm_core.errors import MISSING, RefusedError, shown
+from rthm_core.errors import MISSING, RefusedError, printable, shown
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
 
@@ -75,7 +75,7 @@ def _unknown(name: str, value: Any, head: dict[str, Any], declared: tuple[str, .
     allowed = (
         f"left out, as {head['kind']} of {head['block']} has only {', '.join(declared) or 'no parameters'}"
     )
-    return RefusedError(value, allowed, suggestion(name, known) or f"remove {name}", name)
+    return RefusedError(value, allowed, suggestion(name, known) or f"remove {printable(name)}", name)
 
 
 def from_section(name: str, section: dict[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ descriptors and the reference page read the rest.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -13,7 +14,7 @@ from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from rthm_core.effects.base import suggestion
-from rthm_core.errors import RefusedError
+from rthm_core.errors import RefusedError, printable
 from rthm_core.quantity import Quantity, Text, as_number
 
 LARGEST_WHOLE = 2**53
@@ -59,12 +60,12 @@ class Numbers(Quantity, Entry):
     @property
     def allowed(self) -> str:
         """What may be given."""
-        many = "numbers" if self.count is None else f"{self.count} numbers"
-        return " ".join(f"a list of finite {many}{', each ' if self.bounds else ''}{self.bounds}".split())
+        many = "" if self.count is None else f"{self.count} "
+        return f"a list of {many}finite numbers" + (f", each {self.bounds}" if self.bounds else "")
 
     def convert(self, value: Any) -> tuple[float, ...]:  # type: ignore[override]
         """Return the numbers; integers and text such as ``1e-3`` are numbers."""
-        values = as_list(value, self.allowed)
+        values = as_list(value, self.allowed, lone=as_number(value) is not None)
         if self.count is not None and len(values) != self.count:
             raise RefusedError(value, self.allowed, f"give {self.count} numbers, not {len(values)}")
         return tuple(self._element(i, one) for i, one in enumerate(values))
@@ -117,7 +118,8 @@ class Names(Text, Entry):
 
     def convert(self, value: Any) -> tuple[str, ...]:  # type: ignore[override]
         """Return the names."""
-        return tuple(self._element(i, one) for i, one in enumerate(as_list(value, self.allowed)))
+        values = as_list(value, self.allowed, lone=isinstance(value, str))
+        return tuple(self._element(i, one) for i, one in enumerate(values))
 
     def _element(self, index: int, value: Any) -> str:
         try:
@@ -147,10 +149,10 @@ class Choice(Entry):
         return value
 
 
-def as_list(value: Any, allowed: str) -> list[Any]:
-    """Return the elements of a list or tuple; a lone value is refused, as ROS types it differently."""
-    if isinstance(value, list | tuple) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) == 1):
+def as_list(value: Any, allowed: str, *, lone: bool) -> list[Any]:
+    """Return the elements; a `lone` value that could be one is refused with advice, as ROS needs a list."""
+    if getattr(value, "ndim", 0) == 1 or (isinstance(value, Sequence) and not isinstance(value, str | bytes)):
         return list(value)
-    if isinstance(value, int | float | str) and not isinstance(value, bool):
-        raise RefusedError(value, allowed, f"write it in brackets, [{str(value)[:40]}]")
+    if lone:
+        raise RefusedError(value, allowed, f"write it in brackets, [{printable(str(value))}]")
     raise RefusedError(value, allowed)

@@ -66,7 +66,7 @@ def parameters_in(text: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the text is no ROS parameter file, a key is there twice, or sections of nodes contradict each other.
+        If the text is no ROS parameter file, a key is there twice, or sections of nodes differ.
     """
     root = _compose(text)
     merged: dict[str, Any] = {}

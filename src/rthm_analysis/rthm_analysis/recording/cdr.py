@@ -83,33 +83,33 @@ class _Cursor:
 
     def time(self) -> int:
         start = self._aligned(4)
-        self._pass(8)
+        self.skip(8)
         return start
 
     def count(self) -> int:
         start = self._aligned(4)
-        self._pass(4)
+        self.skip(4)
         self.fixed.append(slice(start, self.at))
         (count,) = struct.unpack_from(self.order + "I", self.message, start)
         return int(count)
 
     def free_string(self) -> None:
-        self._pass(self.count())
+        self.skip(self.count())
 
     def string(self) -> str:
         length = self.count()
         start = self.at
-        self._pass(length)
+        self.skip(length)
         self.fixed.append(slice(start, self.at))
         return self.message[start : self.at].rstrip(b"\x00").decode("utf-8", "replace")
 
     def doubles(self) -> tuple[int, int]:
         length = self.count()
         start = self._aligned(8) if length else self.at
-        self._pass(8 * length)
+        self.skip(8 * length)
         return start, length
 
-    def _pass(self, size: int) -> None:
+    def skip(self, size: int) -> None:
         self.at += size
         if self.at > len(self.message):
             raise ValueError("message ends too early")
@@ -160,6 +160,31 @@ def decode_string(message: bytes) -> str:
         return _Cursor(message + b"\x00" * 8).string()
     except struct.error:
         raise ValueError("not a std_msgs/String") from None
+
+
+def decode_diagnostics(message: bytes) -> dict[str, dict[str, str]]:
+    """Values of every status of a diagnostic_msgs/DiagnosticArray, by the name of the status and the key.
+
+    Raises
+    ------
+    ValueError
+        The bytes are not such a message.
+    """
+    try:
+        cursor = _Cursor(message)
+        cursor.time()
+        cursor.free_string()
+        return dict(_status(cursor) for _ in range(cursor.count()))
+    except struct.error:
+        raise ValueError("not a diagnostic_msgs/DiagnosticArray") from None
+
+
+def _status(cursor: _Cursor) -> tuple[str, dict[str, str]]:
+    cursor.skip(1)
+    name = cursor.string()
+    cursor.free_string()
+    cursor.free_string()
+    return name, {cursor.string(): cursor.string() for _ in range(cursor.count())}
 
 
 def _by_layout(topic: RawTopic, read: Callable[[bytes], L]) -> Iterator[tuple[L, Integers, Bytes]]:

@@ -47,10 +47,12 @@ class RawTopic:
         """Times of reception by the recorder, shape (messages,)."""
         return np.array(self.received, dtype=np.int64)
 
-    def message(self, index: int) -> bytes:
-        """Bytes of one message."""
-        start = sum(self.sizes[:index])
-        return bytes(self.data[start : start + self.sizes[index]])
+    def last_messages(self, count: int) -> Iterator[bytes]:
+        """Yield the bytes of the last `count` messages, in order."""
+        start = sum(self.sizes[:-count])
+        for size in self.sizes[-count:]:
+            yield bytes(self.data[start : start + size])
+            start += size
 
     def by_size(self) -> Iterator[tuple[Integers, Bytes]]:
         """Yield, for each size, indices and bytes (messages, size) of all messages of that size."""

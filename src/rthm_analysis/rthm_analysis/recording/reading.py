@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from rthm_analysis.recording.cdr import decode_string
+from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
 from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
@@ -24,6 +25,9 @@ STATES = (PLANT_STATE, "numerical/state", "numerical/force_reference", "actuator
 LINKS = ("tau1", "tau2", "tau3", "tau4")
 
 T = TypeVar("T", Table, LinkTable)
+
+LAST_REPORTS = 200
+"""How many of the last messages on /diagnostics are read: counts run on, so the last ones say it all."""
 
 _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
@@ -51,6 +55,8 @@ class Recording:
         Start of the test: the first stamp of ``plant/state``, tick 0 of every clock.
     notes : tuple of str
         What was missing, damaged or mended, one sentence each.
+    diagnostics : dict of dict of str
+        What each node last said of itself on ``/diagnostics``: values by name of the status and key.
     """
 
     path: Path
@@ -61,6 +67,7 @@ class Recording:
     links: dict[str, LinkTable]
     start_ns: int
     notes: tuple[str, ...]
+    diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
 
     @property
     def plant(self) -> Table:
@@ -117,7 +124,17 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
     start_ns = int(tables[PLANT_STATE].stamp_ns[0])
     present = {name: table for name, table in tables.items() if len(table)}
     used = {name: link for name, link in links.items() if len(link)}
-    return Recording(Path(path), namespace, spec, text, present, used, start_ns, tuple(bag.notes))
+    return Recording(
+        Path(path),
+        namespace,
+        spec,
+        text,
+        present,
+        used,
+        start_ns,
+        tuple(bag.notes),
+        _diagnostics(bag, namespace),
+    )
 
 
 def _namespace(bag: RawBag, path: str | Path, wanted: str | None) -> str:
@@ -191,8 +208,18 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
         bag.note(f"the bag has no topic {namespace}/spec.")
         return "", None
     try:
-        text = decode_string(topic.message(len(topic) - 1))
+        text = decode_string(next(topic.last_messages(1)))
         return text, read_spec(text)
     except (InputError, ValueError) as reason:
         bag.note(f"the spec in the bag cannot be used: {reason}")
         return "", None
+
+
+def _diagnostics(bag: RawBag, namespace: str) -> dict[str, dict[str, str]]:
+    """Last status of each node of this test."""
+    topic = bag.topics.get("/diagnostics")
+    statuses: dict[str, dict[str, str]] = {}
+    for message in topic.last_messages(LAST_REPORTS) if topic else []:
+        with suppress(ValueError):
+            statuses |= decode_diagnostics(message)
+    return {name: values for name, values in statuses.items() if name.startswith(f"{namespace}/")}

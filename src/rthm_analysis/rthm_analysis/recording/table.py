@@ -120,7 +120,7 @@ def joint_table(topic: RawTopic) -> tuple[Table, list[str]]:
             elif values.shape[1]:
                 unlike += len(block.indices)
     table = Table(stamps, topic.received_ns, names, **fields).rows(np.flatnonzero(filled))
-    table, notes = _in_time_order(table, table.stamp_ns, topic)
+    table, notes = _in_time_order(table, topic, table.stamp_ns)
     if unlike:
         notes.append(f"{topic.name}: {unlike} arrays do not have one number for each name: left out.")
     return table, notes
@@ -135,22 +135,23 @@ def link_table(topic: RawTopic) -> tuple[LinkTable, list[str]]:
         uses[block.indices], samples[block.indices] = block.use_ns, block.sample_ns
         filled[block.indices] = True
     table = LinkTable(uses, samples, topic.received_ns).rows(np.flatnonzero(filled))
-    return _in_time_order(table, table.use_ns, topic)
+    return _in_time_order(table, topic, table.use_ns, table.sample_ns)
 
 
-def _in_time_order(table: T, times: Integers, topic: RawTopic) -> tuple[T, list[str]]:
-    """Sort by time; of several rows at one instant the last received one stays."""
+def _in_time_order(table: T, topic: RawTopic, *keys: Integers) -> tuple[T, list[str]]:
+    """Sort by `keys`, the time first; of several rows with the same keys the last received one stays."""
     notes = []
     if len(table) < len(topic):
         undecoded = len(topic) - len(table)
         notes.append(f"{topic.name}: {undecoded} messages could not be decoded as {topic.type}: left out.")
-    late = int(np.count_nonzero(np.diff(times) < 0))
+    late = int(np.count_nonzero(np.diff(keys[0]) < 0))
     if late:
         notes.append(
             f"{topic.name}: {late} messages came after a later one: put into the order of their stamps."
         )
-    order = np.argsort(times, kind="stable")
-    last = np.append(np.diff(times[order]) != 0, True)[: order.size]
+    order = np.lexsort(keys[::-1])
+    differs = np.logical_or.reduce([np.diff(key[order]) != 0 for key in keys])
+    last = np.append(differs, True)[: order.size]
     if not last.all():
         twins = int(np.count_nonzero(~last))
         notes.append(

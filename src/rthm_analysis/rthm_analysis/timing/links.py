@@ -1,0 +1,191 @@
+"""Age of every sample at its use, and by how much that is more than the exact schedule's age.
+
+sample k of the source        use j of the receiver
+--|---------------------------------------|-------------->
+  stamp       age = use - stamp            use
+  stamp       exact age            |excess |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_core.clock import NS
+from rthm_core.compiled import Floats, Integers
+from rthm_core.link import NEVER, Link
+from rthm_core.schedule import Schedule, newest, newest_arrived
+
+SOURCES = {
+    "tau1": "plant/state",
+    "tau2": "plant/state",
+    "tau3": "numerical/force_reference",
+    "tau4": "actuator/command",
+}
+"""Topic of the samples that go over each link."""
+
+LATE_NS = 1_000_000
+"""A use that comes by more than this after the end of its delay is late, unless the receiver tells better."""
+
+
+@dataclass(frozen=True)
+class LinkTiming:
+    """Uses of one link.
+
+    Attributes
+    ----------
+    use : (n,) array
+        Instants of use, s after the start of the test.
+    age, excess : (n,) arrays
+        Age of the sample at its use, and that age minus the one of the exact schedule, s; NaN: not known.
+    lost, late : int
+        Samples that never arrived, and uses at which the sample that was due had not arrived in time.
+    """
+
+    use: Floats
+    age: Floats
+    excess: Floats
+    lost: int
+    late: int
+
+    def as_dict(self) -> dict[str, object]:
+        """Contract, section 5: ``links.tau1``."""
+        numbers = {"lost": self.lost, "late": self.late, "count": int(self.use.size)}
+        return {"age": distribution(self.age), "excess": distribution(self.excess), **numbers}
+
+
+def distribution(values: Floats) -> dict[str, float | None]:
+    """Mean, median, 99th percentile and maximum; None where there is nothing to tell."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return dict.fromkeys(("mean", "p50", "p99", "max"))
+    median, high = np.quantile(known, [0.5, 0.99])
+    return {"mean": float(known.mean()), "p50": float(median), "p99": float(high), "max": float(known.max())}
+
+
+def ticks_of(uses: Integers, period: int) -> Integers:
+    """Tick to which each of the ascending instants `uses` belongs, ns after the start.
+
+    A use never precedes its tick, and of two uses at one instant the earlier one belongs to the earlier tick: so a
+    receiver that stood still and then caught up is not taken for one that was early.
+    """
+    order = np.arange(uses.size)
+    newest_possible = (uses + period // 20) // period - order
+    return np.minimum.accumulate(newest_possible[::-1])[::-1] + order
+
+
+def clock_of(name: str, schedule: Schedule) -> tuple[int, int]:
+    """Periods in ns of a link's source and of its receiver; 0: at once when a sample is due."""
+    source = {"tau1": schedule.td1, "tau2": schedule.td1, "tau3": schedule.td2, "tau4": 0}
+    receiver = {"tau1": schedule.td3, "tau2": schedule.td2, "tau3": schedule.td4, "tau4": 0}
+    return source[name], receiver[name]
+
+
+def link_timing(recording: Recording, schedule: Schedule, name: str) -> tuple[LinkTiming, list[str]]:
+    """Timing of one link, and what could not be measured, as sentences."""
+    source = recording.tables.get(SOURCES[name])
+    uses, notes = _uses(recording, schedule, name, source)
+    if uses is None:
+        return LinkTiming(np.empty(0), np.empty(0), np.empty(0), 0, 0), notes
+    use, sample = uses.use_ns - recording.start_ns, uses.sample_ns - recording.start_ns
+    exact = _exact_age(schedule, name, use, sample)
+    age = (use - sample).astype(float)
+    excess = np.where(exact == NEVER, np.nan, age - exact)
+    told = _told(recording.diagnostics, name)
+    stamps = source.stamp_ns - recording.start_ns if source else np.empty(0, dtype=np.int64)
+    lost = max(_lost(schedule, name, stamps, use, sample), told.get("lost", 0))
+    late = max(_late(schedule, name, excess), told.get("late", 0))
+    return LinkTiming(use / NS, age / NS, excess / NS, lost, late), notes
+
+
+def _uses(
+    recording: Recording, schedule: Schedule, name: str, source: Table | None
+) -> tuple[LinkTable | None, list[str]]:
+    if name in recording.links:
+        return recording.links[name], []
+    derived = derived_uses(recording, schedule, name) if source else None
+    if derived is None or not len(derived):
+        return None, [f"links/{name} is not recorded, and cannot be derived: its delay is not known."]
+    return derived, [
+        f"links/{name} is not recorded: taken as the exact schedule's on the recorded stamps."
+    ]
+
+
+def derived_uses(recording: Recording, schedule: Schedule, name: str) -> LinkTable | None:
+    """Uses that the exact schedule gives for the recorded stamps; None when the receiver left no trace."""
+    source = recording.tables[SOURCES[name]]
+    due = due_of(schedule.links[name], source.stamp_ns - recording.start_ns)
+    receivers = {"tau1": "actuator/command", "tau2": "numerical/state"}
+    if name not in receivers:
+        kept = due < NEVER
+        use, sample = due[kept], source.stamp_ns[kept] - recording.start_ns
+    elif receivers[name] in recording.tables:
+        use = recording.tables[receivers[name]].stamp_ns - recording.start_ns
+        use = use[use % clock_of(name, schedule)[1] == 0]
+        row = newest_arrived(np.arange(due.size), due, use)
+        use, sample = use[row >= 0], source.stamp_ns[row[row >= 0]] - recording.start_ns
+    else:
+        return None
+    order = np.argsort(use, kind="stable")
+    use, sample = use[order] + recording.start_ns, sample[order] + recording.start_ns
+    return LinkTable(use, sample, use)
+
+
+def due_of(link: Link, stamps: Integers) -> Integers:
+    """End of the delay of samples stamped `stamps` (ns after the start); NEVER: lost."""
+    return link.due_all(stamps)
+
+
+def _exact_age(schedule: Schedule, name: str, use: Integers, sample: Integers) -> Integers:
+    """Age in ns that the exact schedule gives at each use; NEVER where it gives none."""
+    link, (source, receiver) = schedule.links[name], clock_of(name, schedule)
+    if receiver == 0:
+        due = due_of(link, sample)
+        again = np.append(False, np.diff(sample) == 0)[: sample.size]
+        return np.where((due == NEVER) | again, NEVER, due - sample)
+    instants = np.maximum(ticks_of(use, receiver), 0) * receiver
+    number = newest(link, source, instants)
+    return np.where(number < 0, NEVER, instants - number * source)
+
+
+def _lost(schedule: Schedule, name: str, stamps: Integers, use: Integers, sample: Integers) -> int:
+    """Samples that the link lost by the spec, and, where every sample is used, those that were never used.
+
+    A sample is only overtaken, not lost, when a newer one was in use before its own delay was over.
+    """
+    link, (source, receiver) = schedule.links[name], clock_of(name, schedule)
+    due = due_of(link, stamps)
+    if receiver:
+        gaps = int(np.sum(np.maximum(np.rint(np.diff(stamps) / source) - 1, 0))) if source else 0
+        return int(np.count_nonzero(due == NEVER)) + gaps
+    if not use.size:
+        return 0
+    unused = ~np.isin(stamps, sample) & ((due == NEVER) | (due <= use[-1])) & (stamps <= sample.max())
+    order = np.argsort(sample, kind="stable")
+    earliest = np.minimum.accumulate(use[order][::-1])[::-1]
+    row = np.searchsorted(sample[order], stamps, side="right")
+    overtaken = (row < order.size) & (
+        earliest[np.minimum(row, order.size - 1)] <= np.where(due == NEVER, -1, due)
+    )
+    return int(np.count_nonzero(unused & ~overtaken))
+
+
+def _late(schedule: Schedule, name: str, excess: Floats) -> int:
+    """Uses of an older sample than the schedule has there, or of a sample whose delay had long been over."""
+    source, receiver = clock_of(name, schedule)
+    tolerance = source // 2 if receiver else LATE_NS
+    return int(np.count_nonzero(excess[np.isfinite(excess)] > tolerance))
+
+
+def _told(diagnostics: Mapping[str, Mapping[str, str]], name: str) -> dict[str, int]:
+    """What the receiver itself counted."""
+    counts: dict[str, int] = {}
+    for values in diagnostics.values():
+        for what in ("lost", "late"):
+            text = values.get(f"{name} {what}", "")
+            if text.isdecimal():
+                counts[what] = max(counts.get(what, 0), int(text))
+    return counts

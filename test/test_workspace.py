@@ -97,8 +97,8 @@ def test_launch_files_and_configuration_are_installed(built: Path, folder: str) 
 
 def test_rthm_is_on_the_path_of_a_sourced_workspace(built: Path) -> None:
     command = '. "$0/setup.bash" && command -v rthm && "$1" "$(command -v rthm)" --help'
-    # Python is named twice: neither colcon's scripts nor a first line `#!` survive a space in its path, which a
-    # checkout may have.
+    # Python is named twice: neither colcon's scripts nor a first line `#!` survive a space in its path,
+    # which a checkout may have.
     environment = os.environ | {"COLCON_PYTHON_EXECUTABLE": os.path.realpath(sys.executable)}
     done = subprocess.run(
         ["bash", "-c", command, built, sys.executable], env=environment, capture_output=True, text=True

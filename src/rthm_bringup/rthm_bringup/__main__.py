@@ -1,0 +1,5 @@
+"""``python -m rthm_bringup VERB ...``."""
+
+from rthm_bringup.cli.main import main
+
+main()

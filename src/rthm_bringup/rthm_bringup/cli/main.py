@@ -1,0 +1,72 @@
+"""Find the verbs, run one, and turn every failure into one line and an exit status."""
+
+from __future__ import annotations
+
+import os
+import pkgutil
+import sys
+from importlib import import_module
+
+import typer
+
+from rthm_bringup.cli import verbs
+from rthm_core.errors import InputError
+
+UsageError = typer.BadParameter.__bases__[0]
+ClickError = UsageError.__bases__[0]
+
+BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
+
+
+def application() -> typer.Typer:
+    """Command line with every verb; ``import_.py`` is the verb ``import``, ``check_driver.py`` is ``check-driver``."""
+    app = typer.Typer(
+        name="rthm",
+        help="Real-time hybrid testing: run, simulate and understand a test.",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback()(lambda: None)  # a single verb is a verb, too
+    for module in pkgutil.iter_modules(verbs.__path__):
+        name = module.name.rstrip("_").replace("_", "-")
+        app.command(name)(import_module(f"{verbs.__name__}.{module.name}").verb)
+    return app
+
+
+def main() -> None:
+    """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
+    sys.exit(_status())
+
+
+def _status() -> int:
+    try:
+        return application()(standalone_mode=False, prog_name="rthm") or 0
+    except InputError as error:
+        return _told(str(error), BAD_INPUT)
+    except ClickError as error:
+        return _told(f"{error.format_message()} See {_path(error)} --help.", BAD_INPUT)  # type: ignore[attr-defined]
+    except (KeyboardInterrupt, typer.Abort):
+        return _told("interrupted.", INTERRUPTED)
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - whoever read the output has gone
+        return FAULT
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        return _told(f"{place}{error.strerror or error}.", BAD_INPUT)
+    except Exception as error:
+        if os.environ.get("RTHM_TRACEBACK"):
+            raise
+        what = f"{type(error).__name__}: {error}".splitlines()[0]
+        return _told(f"a fault in this program ({what}); RTHM_TRACEBACK=1 shows where.", FAULT)
+
+
+def _told(sentence: str, status: int) -> int:
+    print("rthm:", " ".join(sentence.split()), file=sys.stderr)
+    return status
+
+
+def _path(error: object) -> str:
+    context = getattr(error, "ctx", None)
+    return context.command_path if context else "rthm"

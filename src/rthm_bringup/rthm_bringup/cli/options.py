@@ -1,0 +1,33 @@
+"""Arguments that several verbs share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+Json = Annotated[
+    str | None,
+    typer.Option("--json", metavar="PATH", help="Write the result as JSON; - is standard output."),
+]
+SpecName = Annotated[str, typer.Argument(metavar="[SPEC]", help="A spec file, or the name of a shipped one.")]
+Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
+
+
+def spec_named(name: str) -> Spec:
+    """Read the spec that an argument names: a file, else a shipped spec.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or not a spec.
+    """
+    from rthm_core.spec import read_spec, shipped_names, shipped_spec
+
+    if name in shipped_names() and not Path(name).is_file():
+        return shipped_spec(name)
+    return read_spec(Path(name))

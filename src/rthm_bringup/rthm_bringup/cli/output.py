@@ -1,0 +1,50 @@
+"""Results as text and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+
+def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> None:
+    """Print `lines`, or, with a JSON path, write `result` there; with ``-`` the JSON is all that is printed."""
+    if path != "-":
+        print(*lines, sep="\n")
+    if path is None:
+        return
+    text = json.dumps(plain(result), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    if path == "-":
+        sys.stdout.write(text)
+    else:
+        Path(path).write_text(text, encoding="utf-8")
+
+
+def plain(value: Any) -> Any:
+    """Return the value in the types of JSON; what is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, str | int | bool) or value is None:
+        return value
+    if isinstance(value, Iterable):
+        return [plain(one) for one in value]
+    return str(value)
+
+
+def table(rows: Iterable[tuple[str, ...]]) -> list[str]:
+    """Lines with the columns of the rows under each other; the first column is left, the others right."""
+    kept = list(rows)
+    widths = [max(map(len, column)) for column in zip(*kept, strict=True)]
+    return [
+        "  ".join(
+            [row[0].ljust(widths[0]), *(cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True))]
+        )
+        for row in kept
+    ]

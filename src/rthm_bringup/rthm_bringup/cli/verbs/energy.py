@@ -1,0 +1,22 @@
+"""``rthm energy``: energy bookkeeping of a recording."""
+
+from __future__ import annotations
+
+from rthm_bringup.cli.options import Bag, Json
+
+
+def verb(bag: Bag, json: Json = None) -> int:
+    """Say where the energy of a recorded test came from and where it went."""
+    from rthm_analysis.energy import energy_of
+    from rthm_analysis.recording import read_recording
+    from rthm_bringup.cli.output import put, table
+
+    recording = read_recording(bag)
+    result = energy_of(recording, recording.spec).as_dict()
+    rows = [
+        (name, f"{values[-1]:+.6e} J")
+        for name, values in result.items()
+        if name.startswith("E_") and len(values)
+    ]
+    put(result, table(rows), json)
+    return 0

@@ -1,0 +1,74 @@
+"""``rthm run``: the node graph as processes, recorded."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
+from rthm_bringup.cli.options import Json, SpecName
+
+
+class Plant(str, Enum):
+    """Who provides the plant."""
+
+    simulated = "simulated"
+    external = "external"
+
+
+def verb(
+    spec: SpecName = "paper",
+    duration: Annotated[
+        float, typer.Option(metavar="S", help="Length of the test in s; 0: until Ctrl-C.")
+    ] = 20.0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Folder for recording, report and logs.", show_default="out/DATE_TIME"
+        ),
+    ] = None,
+    virtual: Annotated[
+        bool,
+        typer.Option("--virtual", help="Simulated time in lock step: deterministic, faster than real time."),
+    ] = False,
+    plant: Annotated[
+        Plant, typer.Option(help="external: wait for whatever publishes plant/state, as a hardware driver.")
+    ] = Plant.simulated,
+    external: Annotated[
+        str,
+        typer.Option(
+            metavar="PART,...", help="Parts that run elsewhere, started with scripts/plant and so on."
+        ),
+    ] = "",
+    wait: Annotated[float, typer.Option(metavar="S", help="How long to wait for external parts.")] = 300.0,
+    domain: Domain = None,
+    network: OpenNetwork = False,
+    peers: Peers = "",
+    priority: Annotated[
+        int | None,
+        typer.Option(min=0, max=99, help="Real-time priority of the loop, if the system grants it."),
+    ] = None,
+    json: Json = None,
+) -> int:
+    """Run a test: start its nodes, record it, stop it cleanly and report.
+
+    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input.
+    """
+    from rthm_bringup.cli.network import network_of
+    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.output import put
+    from rthm_bringup.run.perform import perform
+    from rthm_bringup.run.plan import Plan, new_folder
+
+    parts = frozenset(part.strip() for part in external.split(",") if part.strip())
+    if plant is Plant.external:
+        parts |= {"plant"}
+    test = spec_named(spec)
+    with network_of(domain, network, peers, shared=bool(parts)) as reach:
+        plan = Plan(test, out or new_folder(), duration, reach, virtual, parts, priority, wait)
+        result = perform(plan)
+    put(result.as_dict(), result.lines(), json)
+    return result.status

@@ -1,0 +1,35 @@
+"""``rthm timing``: delays, jitter, lost and late samples of a recording."""
+
+from __future__ import annotations
+
+from rthm_bringup.cli.options import Bag, Json
+
+
+def verb(bag: Bag, json: Json = None) -> int:
+    """Measure the effective delays of every link and the punctuality of every clock."""
+    from rthm_analysis.recording import read_recording
+    from rthm_analysis.timing import timing_of
+    from rthm_bringup.cli.output import put
+
+    recording = read_recording(bag)
+    result = timing_of(recording, recording.spec).as_dict()
+    put(result, _lines(result), json)
+    return 0
+
+
+def _lines(result: dict) -> list[str]:
+    from rthm_bringup.cli.output import table
+
+    links = [("link", "age mean", "excess p99", "excess max", "lost", "late", "uses")]
+    for name, link in result["links"].items():
+        age, excess = link["age"], link["excess"]
+        numbers = (_ms(age["mean"]), _ms(excess["p99"]), _ms(excess["max"]))
+        links.append((name, *numbers, str(link["lost"]), str(link["late"]), str(link["count"])))
+    clocks = [("clock", "period mean", "period p99", "missed")]
+    for name, clock in result["clocks"].items():
+        clocks.append((name, _ms(clock["period_mean"]), _ms(clock["period_p99"]), str(clock["missed"])))
+    return [*table(links), "", *table(clocks)]
+
+
+def _ms(seconds: float | None) -> str:
+    return "-" if seconds is None else f"{seconds * 1e3:.3f} ms"

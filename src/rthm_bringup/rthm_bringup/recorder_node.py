@@ -1,0 +1,235 @@
+"""The recorder: a node that writes every topic of the test to a bag and on which nothing depends.
+
+Messages stay the bytes they are. The bag is opened, with the spec in it, when the node is configured; samples of
+the loop are taken while it is active; it is closed when the node is deactivated.
+"""
+
+from __future__ import annotations
+
+import gc
+import signal
+import sys
+import time
+from functools import partial
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import JointState, TimeReference
+from std_msgs.msg import Int64MultiArray, String
+from std_srvs.srv import Trigger
+
+from rthm_analysis.recording.writing import BagWriter
+from rthm_bringup.run.attendance import Attendance
+from rthm_bringup.run.intake import Intake
+from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
+from rthm_core.clock import to_ns
+from rthm_core.errors import InputError
+from rthm_core.ros.grants import DONE, GRANT
+from rthm_core.spec import read_spec, write_spec
+
+TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
+DEPTH = 1000
+FLUSH = 0.2  # s
+
+PARAMETERS: dict[str, tuple[Any, str]] = {
+    "bag": ("", "folder of the recording; it must not exist, or be empty"),
+    "spec_file": ("", "spec of the test, which goes into the bag first"),
+    "start_time": (0, "begin of the test [ns]; 0: whatever comes after activation belongs to it"),
+    "duration": (0.0, "length of the test [s]; 0: until the node is deactivated"),
+    "virtual": (False, "whether stamps are simulated time"),
+    "awaited": (list(LOOP), "topics that must have a publisher before the test begins"),
+}
+
+
+class Recorder(LifecycleNode):
+    """Lifecycle node around `Intake`."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder", namespace=NAMESPACE)
+        for name, (value, description) in PARAMETERS.items():
+            self.declare_parameter(name, value, ParameterDescriptor(description=description))
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._intake: Intake | None = None
+        self._attendance: Attendance | None = None
+        self._subscriptions_: dict[str, Any] = {}
+        self.failure: str | None = None
+        self.create_service(Trigger, "~/ready", self._ready)
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Open the bag, write and publish the spec, and subscribe."""
+        try:
+            self._open()
+        except InputError as error:
+            return self._refuse(str(error))
+        for topic, type_name in (LOOP | BESIDE).items():
+            self._subscribe(topic, type_name)
+        if self._value("virtual"):
+            self._attend()
+        self._flush_timer = self.create_timer(FLUSH, self._flush)
+        self._report_timer = self.create_timer(1.0, self._report)
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Take samples from the start of the test on."""
+        assert self._intake is not None
+        begin, duration = self._value("start_time"), to_ns(self._value("duration"))
+        known = duration and (begin or self._value("virtual"))
+        self._intake.open(begin, begin + duration if known else None)
+        if self._attendance is not None:
+            self._done.publish(self._attendance.greeting())
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Close the bag."""
+        self._close()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Be ready for another test."""
+        self._close()
+        return TransitionCallbackReturn.SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Leave a closed bag behind."""
+        self._close()
+        return TransitionCallbackReturn.SUCCESS
+
+    def destroy_node(self) -> None:
+        """Leave a closed bag behind, also when the process is asked to end."""
+        self._close()
+        super().destroy_node()
+
+    def _open(self) -> None:
+        text = write_spec(read_spec(self._value("spec_file")))
+        writer = BagWriter(self._value("bag"))
+        names = {name: self.resolve_topic_name(name) for name in (SPEC, *LOOP, *BESIDE)}
+        self._intake = Intake(writer, names, self._value("virtual"))
+        self._intake.put_spec(text, 0 if self._value("virtual") else time.time_ns())
+        writer.flush()
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._spec = self.create_publisher(String, SPEC, latched)
+        self._spec.publish(String(data=text))
+
+    def _subscribe(self, topic: str, type_name: str) -> None:
+        take = partial(self._take, topic, type_name)
+        subscription = self.create_subscription(
+            TYPES[type_name], topic, take, QoSProfile(depth=DEPTH), raw=True
+        )
+        # The events executor hands over one pair; the usual reading of a signature expects two arguments.
+        subscription._callback_type = subscription.CallbackType.WithMessageInfo
+        self._subscriptions_[topic] = subscription
+
+    def _attend(self) -> None:
+        """Take part in lock step, so that simulated time does not run away."""
+        attendance = self._attendance = Attendance("recorder")
+        self._done = self.create_publisher(Int64MultiArray, DONE, QoSProfile(depth=DEPTH))
+
+        def receive(grant: bytes) -> None:
+            self._answer(attendance.receive(grant))
+
+        self._grants = self.create_subscription(Int64MultiArray, GRANT, receive, QoSProfile(depth=DEPTH), raw=True)
+
+    def _answer(self, answer: bytes | None) -> None:
+        if answer is not None:
+            self._done.publish(answer)
+
+    def _take(self, topic: str, type_name: str, message: tuple[bytes, Any]) -> None:
+        if self._intake is None:
+            return
+        try:
+            self._intake.take(topic, type_name, *message)
+        except InputError as error:
+            self._fail(str(error))
+        if self._attendance is not None:
+            self._answer(self._attendance.hear(topic))
+
+    def _flush(self) -> None:
+        if self._intake is None:
+            return
+        try:
+            self._intake.writer.flush()
+        except InputError as error:
+            self._fail(str(error))
+
+    def _close(self) -> None:
+        if self._intake is None:
+            return
+        intake, self._intake = self._intake, None
+        intake.writer.custom["lost"] = str(intake.lost)
+        try:
+            intake.writer.close()
+        except InputError as error:
+            self._fail(str(error))
+        for subscription in self._subscriptions_.values():
+            self.destroy_subscription(subscription)
+        self._subscriptions_.clear()
+
+    def _ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        missing = [
+            topic
+            for topic in self._value("awaited")
+            if topic not in self._subscriptions_ or not self._subscriptions_[topic].get_publisher_count()
+        ]
+        if self._attendance is not None and not self._attendance.complete():
+            missing.append("the newest samples")
+        response.success = not missing
+        response.message = f"waits for {', '.join(missing)}" if missing else "ready"
+        return response
+
+    def _report(self) -> None:
+        if self._intake is None:
+            return
+        counts = self._intake.writer.counts
+        values = {"messages": sum(counts.values()), "lost": self._intake.lost} | counts
+        level = DiagnosticStatus.WARN if self._intake.lost else DiagnosticStatus.OK
+        status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message="recording")
+        status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
+
+    def _value(self, name: str) -> Any:
+        return self.get_parameter(name).value
+
+    def _refuse(self, sentence: str) -> TransitionCallbackReturn:
+        print(sentence, file=sys.stderr, flush=True)
+        return TransitionCallbackReturn.FAILURE
+
+    def _fail(self, sentence: str) -> None:
+        """End the process: a test that is not recorded must not go on unnoticed."""
+        self._intake = None
+        self.failure = sentence
+
+
+def main() -> int:
+    """Run the node until it is asked to end; 1 when the recording failed."""
+    signal.signal(
+        signal.SIGINT, signal.SIG_IGN
+    )  # an exception from Python's handler would abort the executor
+    rclpy.init()
+    node = Recorder()
+    executor = EventsExecutor()
+    executor.add_node(node)
+    gc.freeze()
+    try:
+        while rclpy.ok() and node.failure is None:
+            executor.spin_once(timeout_sec=1.0)
+    except ExternalShutdownException:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+    if node.failure is not None:
+        print(node.failure, file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

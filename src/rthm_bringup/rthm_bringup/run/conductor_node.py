@@ -1,0 +1,215 @@
+"""The hand of a run on its nodes: lifecycle transitions, parameters and readiness, over their services."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from rthm_bringup.topics import NAMESPACE
+from rthm_core.clock import NS
+from rthm_core.errors import InputError
+
+STEPS = {
+    "configure": Transition.TRANSITION_CONFIGURE,
+    "activate": Transition.TRANSITION_ACTIVATE,
+    "deactivate": Transition.TRANSITION_DEACTIVATE,
+    "cleanup": Transition.TRANSITION_CLEANUP,
+}
+
+
+class StoppedError(Exception):
+    """The run cannot go on; the message says why in one sentence.
+
+    Attributes
+    ----------
+    node : str or None
+        Whose fault it is.
+    """
+
+    def __init__(self, sentence: str, node: str | None = None) -> None:
+        super().__init__(sentence)
+        self.node = node
+
+
+class Conductor:
+    """Client of the nodes of one test.
+
+    Parameters
+    ----------
+    watch
+        Called all the time while something is awaited; what it raises ends the waiting.
+    domain
+        Domain of the nodes.
+
+    Attributes
+    ----------
+    diagnostics : dict
+        What each node told last on ``/diagnostics``, by the name of its status.
+    simulated_time : float
+        How far a run in simulated time has come, s.
+    """
+
+    def __init__(self, watch: Callable[[], None], domain: int) -> None:
+        self.watch = watch
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node("run", namespace=NAMESPACE, context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._clients: dict[tuple[str, str], Any] = {}
+        self.diagnostics: dict[str, dict[str, str]] = {}
+        self.simulated_time = 0.0
+        self._node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 100)
+        self._node.create_subscription(Float64, "virtual/time", self._note_time, 10)
+
+    def __enter__(self) -> Conductor:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+
+    def wait_until(self, condition: Callable[[], bool], seconds: float, why: Callable[[], str]) -> None:
+        """Wait for `condition`.
+
+        Raises
+        ------
+        StoppedError
+            With the sentence of `why` when it is not met after `seconds`.
+        """
+        deadline = time.monotonic() + seconds
+        while not condition():
+            self.watch()
+            if time.monotonic() > deadline:
+                raise StoppedError(why())
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def sleep_until(self, wall: int) -> None:
+        """Wait for an instant of the wall clock, ns."""
+        remaining = (wall - time.time_ns()) / NS
+        self.wait_until(
+            lambda: time.time_ns() >= wall, remaining + 10.0, lambda: "The clock of this host stands."
+        )
+
+    def is_managed(self, name: str) -> bool:
+        """Whether a node of this name offers lifecycle services now."""
+        return bool(self._client(name, "change_state").service_is_ready())
+
+    def wait_for(self, names: Iterable[str], seconds: float) -> None:
+        """Wait until all of these nodes can be asked."""
+        absent = list(names)
+
+        def arrived() -> bool:
+            absent[:] = [name for name in absent if not self.is_managed(name)]
+            return not absent
+
+        self.wait_until(
+            arrived, seconds, lambda: f"{' and '.join(absent)} did not appear within {seconds:g} s."
+        )
+
+    def step(self, step: str, names: Iterable[str], seconds: float = 20.0) -> None:
+        """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup."""
+        request = ChangeState.Request(transition=Transition(id=STEPS[step]))
+        for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds).items():
+            if not answer.success:
+                raise StoppedError(f"{name} refused to {step}", name)
+
+    def set(self, parameters: Mapping[str, Mapping[str, Any]]) -> None:
+        """Set parameters, per node."""
+        requests = {
+            name: SetParameters.Request(parameters=[_parameter(*item) for item in values.items()])
+            for name, values in parameters.items()
+        }
+        for name, answer in self._ask(requests, "set_parameters", 10.0).items():
+            for result in answer.results:
+                if not result.successful:
+                    raise StoppedError(f"{name} refused a parameter: {result.reason}")
+
+    def trigger(self, name: str, service: str, seconds: float) -> tuple[bool, str]:
+        """Call a service without arguments; return whether it worked, and what it said."""
+        answer = self._ask({name: Trigger.Request()}, service, seconds)[name]
+        return bool(answer.success), str(answer.message)
+
+    def wait_ready(self, names: Iterable[str], seconds: float) -> None:
+        """Wait until each of these nodes is connected to all that it needs.
+
+        Raises
+        ------
+        StoppedError
+            With what each of the others waits for.
+        """
+        waiting = dict.fromkeys(names, "")
+        deadline = time.monotonic() + seconds
+        while waiting:
+            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", seconds)
+            waiting = {name: answer.message for name, answer in answers.items() if not answer.success}
+            if waiting and time.monotonic() > deadline:
+                raise StoppedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
+            pause = time.monotonic() + 0.05
+            self.wait_until(lambda until=pause: time.monotonic() > until, 1.0, str)
+
+    def samples(self, topic: str) -> list[JointState]:
+        """List that fills with the samples of a topic."""
+        found: list[JointState] = []
+        self._node.create_subscription(JointState, topic, found.append, 100)
+        return found
+
+    def _note(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.diagnostics[status.name] = {pair.key: pair.value for pair in status.values}
+
+    def _note_time(self, message: Float64) -> None:
+        self.simulated_time = message.data
+
+    def _ask(self, requests: Mapping[str, Any], service: str, seconds: float) -> dict[str, Any]:
+        """Ask several nodes at once; return their answers."""
+        futures = {
+            name: self._client(name, service).call_async(request) for name, request in requests.items()
+        }
+
+        def silent() -> list[str]:
+            return [name for name, future in futures.items() if not future.done()]
+
+        self.wait_until(
+            lambda: not silent(),
+            seconds,
+            lambda: f"{' and '.join(silent())} did not answer within {seconds:g} s.",
+        )
+        return {name: future.result() for name, future in futures.items()}
+
+    def _client(self, name: str, service: str) -> Any:
+        if (name, service) not in self._clients:
+            kind = {"change_state": ChangeState, "set_parameters": SetParameters}.get(service, Trigger)
+            self._clients[name, service] = self._node.create_client(kind, f"{NAMESPACE}/{name}/{service}")
+        return self._clients[name, service]
+
+
+def _parameter(name: str, value: Any) -> Parameter:
+    kinds = {
+        bool: (ParameterType.PARAMETER_BOOL, "bool_value"),
+        int: (ParameterType.PARAMETER_INTEGER, "integer_value"),
+        float: (ParameterType.PARAMETER_DOUBLE, "double_value"),
+        str: (ParameterType.PARAMETER_STRING, "string_value"),
+        list: (ParameterType.PARAMETER_STRING_ARRAY, "string_array_value"),
+    }
+    if type(value) not in kinds:
+        raise InputError(f"{name} is {value!r}, which is no value of a parameter.")
+    kind, member = kinds[type(value)]
+    return Parameter(name=name, value=ParameterValue(type=kind, **{member: value}))

@@ -1,0 +1,80 @@
+"""A domain id that no other run on this host uses."""
+
+from __future__ import annotations
+
+import os
+import random
+import socket
+
+from rthm_core.errors import InputError
+
+LAST_PRIVATE = 101  # above, the ports of a domain meet those that Linux gives to clients
+
+
+class Claim:
+    """A domain id, claimed until `release` or the end of this process.
+
+    Parameters
+    ----------
+    wanted
+        A domain id to use, claimed by nobody; None chooses a free one.
+
+    Attributes
+    ----------
+    domain : int
+    """
+
+    def __init__(self, wanted: int | None = None) -> None:
+        self._lock: socket.socket | None = None
+        self.domain = self._free() if wanted is None else wanted
+
+    def release(self) -> None:
+        """Let others use the domain."""
+        if self._lock is not None:
+            self._lock.close()
+
+    def _free(self) -> int:
+        for domain in random.sample(range(1, LAST_PRIVATE + 1), LAST_PRIVATE):
+            claim = _claimed(domain)
+            if claim is not None and _silent(domain):
+                self._lock = claim
+                return domain
+            if claim is not None:
+                claim.close()
+        raise InputError("Every domain from 1 to 101 is in use on this host; name one with --domain.")
+
+
+def wanted(option: int | None, fixed: bool) -> int | None:
+    """Domain that the user asks for: the option, else ROS_DOMAIN_ID, else 0 where others must find it, else any."""
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    if option is not None:
+        return option
+    if not text:
+        return 0 if fixed else None
+    if not text.isascii() or not text.isdigit():
+        raise InputError(
+            f"ROS_DOMAIN_ID is {text!r}, but must be a number from 0 to 232; correct or unset it."
+        )
+    return int(text)
+
+
+def _claimed(domain: int) -> socket.socket | None:
+    """Hold the name of the domain among the runs of this host; the kernel gives it back when the process ends."""
+    claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    try:
+        claim.bind(f"\0rthm-domain-{domain}")
+    except OSError:
+        claim.close()
+        return None
+    return claim
+
+
+def _silent(domain: int) -> bool:
+    """Whether no ROS node listens in the domain: its first unicast ports can be bound."""
+    for participant in range(3):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("", 7410 + 250 * domain + 2 * participant))
+            except OSError:
+                return False
+    return True

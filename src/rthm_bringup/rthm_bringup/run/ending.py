@@ -1,0 +1,30 @@
+"""How a session ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Ending:
+    """What is known when the last process is gone.
+
+    Attributes
+    ----------
+    reason
+        Why the test could not go on, in one sentence; None: it ended as planned, or by Ctrl-C.
+    interrupted
+        Whether Ctrl-C ended it.
+    begin
+        Start of the test, ns; None: it never began.
+    realtime
+        Nodes that the system gave real-time priority.
+    diagnostics
+        What each node told last, by the name of its status.
+    """
+
+    reason: str | None = None
+    interrupted: bool = False
+    begin: int | None = None
+    realtime: tuple[str, ...] = ()
+    diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -1,0 +1,97 @@
+"""What of the messages received goes into the bag, when each was received, and whether any is missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from struct import Struct
+from typing import TypedDict
+
+from rthm_analysis.recording.writing import BagWriter
+from rthm_bringup.topics import LOOP, SPEC, STRING
+from rthm_core.clock import NS
+
+_STAMP = Struct("<iI")  # of a header, behind the four bytes of encapsulation
+_UNKNOWN = 2**63  # a middleware that does not number messages gives the largest integer
+
+
+class Info(TypedDict):
+    """What the middleware tells of a message; times in ns."""
+
+    source_timestamp: int
+    received_timestamp: int
+    publication_sequence_number: int | None
+
+
+@dataclass
+class Intake:
+    """Sorts messages into a bag.
+
+    Parameters
+    ----------
+    writer
+        The bag.
+    names
+        Full name of every topic by its relative name.
+    virtual
+        Whether the test runs in simulated time: a message is then received and sent at its stamp.
+
+    Attributes
+    ----------
+    lost : int
+        Messages of the loop that were published and never received.
+    """
+
+    writer: BagWriter
+    names: dict[str, str]
+    virtual: bool = False
+    begin: int | None = None
+    end: int | None = None
+    lost: int = 0
+    _newest: dict[str, int] = field(default_factory=dict)
+
+    def open(self, begin: int, end: int | None) -> None:
+        """Take samples of the loop stamped from `begin` to `end` (ns); None: until closed."""
+        self.begin, self.end = begin, end
+
+    def put_spec(self, text: str, now: int) -> None:
+        """Write the spec, before anything else."""
+        data = text.encode() + b"\x00"
+        message = b"\x00\x01\x00\x00" + len(data).to_bytes(4, "little") + data
+        self.writer.add_topic(self.names[SPEC], STRING, depth=1, latched=True)
+        self.writer.write(self.names[SPEC], STRING, message, now, now)
+
+    def take(self, topic: str, type_name: str, data: bytes, info: Info) -> None:
+        """Write a message of the topic with this relative name, unless it lies outside of the test."""
+        number = info["publication_sequence_number"]
+        stamp = _stamp(data)
+        if topic in LOOP:
+            self._count(topic, number)
+            if not self._within(stamp):
+                return
+        received, sent = info["received_timestamp"], info["source_timestamp"]
+        if self.virtual:
+            received = sent = stamp
+        self.writer.write(
+            self.names[topic], type_name, data, received, sent, number if _known(number) else None
+        )
+
+    def _within(self, stamp: int) -> bool:
+        return self.begin is not None and self.begin <= stamp and (self.end is None or stamp <= self.end)
+
+    def _count(self, topic: str, number: int | None) -> None:
+        if not _known(number):
+            return
+        assert number is not None
+        newest = self._newest.get(topic)
+        if newest is not None and number > newest + 1:
+            self.lost += number - newest - 1
+        self._newest[topic] = number if newest is None else max(number, newest)
+
+
+def _known(number: int | None) -> bool:
+    return number is not None and number < _UNKNOWN
+
+
+def _stamp(data: bytes) -> int:
+    seconds, nanoseconds = _STAMP.unpack_from(data, 4)
+    return int(seconds) * NS + int(nanoseconds)

@@ -1,0 +1,43 @@
+"""A run with all that belongs to it: folders, environment, session, analysis, report."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rthm_bringup.run.environment import ros_in_words
+from rthm_bringup.run.plan import Plan
+from rthm_bringup.run.result import Result, result_of
+from rthm_bringup.run.shared_memory import Caretaker
+from rthm_bringup.run.view import View
+
+
+def perform(plan: Plan) -> Result:
+    """Run a test and analyse its recording.
+
+    Raises
+    ------
+    InputError
+        The output folder cannot be written.
+    """
+    plan.lay_out()
+    os.environ.update(plan.network.variables() | {"ROS_LOG_DIR": str(plan.log.absolute())})
+    with Caretaker(), View() as view, _termination_like_ctrl_c():
+        from rthm_bringup.run.session import Session  # ROS reads its environment when it is first imported
+
+        view.note(f"{ros_in_words()}, domain {plan.network.domain}, {plan.out}")
+        ending = Session(plan, view).run()
+        view.phase("analysing the recording")
+        return result_of(plan, ending)
+
+
+@contextmanager
+def _termination_like_ctrl_c() -> Iterator[None]:
+    """Let a polite request to end be obeyed as Ctrl-C is."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

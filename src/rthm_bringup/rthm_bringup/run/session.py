@@ -1,0 +1,159 @@
+"""One run from the first process to the last.
+
+    start the nodes -> configure -> everybody connected -> agree on the begin -> activate -> wait -> deactivate -> end
+
+However a run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext, suppress
+
+from rthm_bringup.run import roles
+from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.ending import Ending
+from rthm_bringup.run.environment import has_wheels, without_parents_ros
+from rthm_bringup.run.external import wait_for_external
+from rthm_bringup.run.plan import Plan
+from rthm_bringup.run.processes import Process, Processes
+from rthm_bringup.run.view import View
+from rthm_core.clock import NS, to_ns
+
+HEAD_START = NS
+"""From the agreement on the begin to the begin: time for every node to be activated, ns."""
+GRACE = NS // 2
+"""After the end of the test, for messages on their way, ns."""
+
+
+class Session:
+    """A run in progress.
+
+    Parameters
+    ----------
+    plan
+        What is to be done.
+    view
+        Where it is shown.
+    """
+
+    def __init__(self, plan: Plan, view: View) -> None:
+        self._plan, self._view = plan, view
+        self._processes = Processes()
+        self._managed: list[str] = []
+        self.ending = Ending()
+
+    def run(self) -> Ending:
+        """Do all of it."""
+        with self._processes, Conductor(self._watch, self._plan.network.domain) as conductor:
+            try:
+                self._connect(conductor)
+                self._begin(conductor)
+                self._wait(conductor)
+            except StoppedError as stopped:
+                self.ending.reason = self._explained(stopped)
+            except KeyboardInterrupt:
+                self.ending.interrupted = True
+            with suppress(KeyboardInterrupt):
+                self._end(conductor)
+            self.ending.diagnostics = conductor.diagnostics
+        return self.ending
+
+    def _connect(self, conductor: Conductor) -> None:
+        """Start and configure all parts, and wait until they are connected."""
+        self._view.phase("starting the nodes")
+        own = [role for role in roles.PROGRAMS if role not in self._plan.external]
+        own += roles.COORDINATOR if self._plan.virtual else []
+        for role in own:
+            self._start(role)
+        conductor.wait_for(own, 30.0)
+        self._managed = own + wait_for_external(conductor, self._plan, self._view)
+        self._view.phase("configuring the nodes")
+        conductor.step("configure", self._managed, 120.0)
+        self._wait_ready(conductor)
+
+    def _wait_ready(self, conductor: Conductor) -> None:
+        """Wait for all connections; a driver may leave some out, as it need not listen to commands."""
+        with suppress(StoppedError) if self._has_driver() else nullcontext():
+            conductor.wait_ready(self._managed, 5.0 if self._has_driver() else 30.0)
+        self._watch()
+
+    def _has_driver(self) -> bool:
+        return "plant" not in self._managed
+
+    def _start(self, role: str) -> None:
+        plan = self._plan
+        told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
+        process = Process(role, roles.command(role, plan.spec_file, told), plan.log / f"{role}.log")
+        environment = without_parents_ros(os.environ, has_wheels())
+        self._processes.start(
+            process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}
+        )
+
+    def _begin(self, conductor: Conductor) -> None:
+        """Let the clocks of all nodes start together; a coordinator starts last, as it lets time pass."""
+        begin = 0 if self._plan.virtual else time.time_ns() + HEAD_START
+        timing = {"start_time": begin, "duration": self._plan.duration}
+        conductor.set(dict.fromkeys(self._managed, timing))
+        conductor.step("activate", [name for name in self._managed if name != "coordinator"])
+        conductor.step("activate", [name for name in self._managed if name == "coordinator"])
+        if not self._plan.virtual and time.time_ns() > begin:
+            raise StoppedError(
+                "The nodes were not active in time for the begin; this host or the network is too busy."
+            )
+        self.ending.begin = begin
+        self.ending.realtime = tuple(p.name for p in self._processes.living() if p.realtime())
+
+    def _wait(self, conductor: Conductor) -> None:
+        """Let the test happen."""
+        self._view.phase("the test runs")
+        if self._plan.virtual:
+            self._watch_time(lambda: conductor.simulated_time, conductor)
+            conductor.wait_ready(["recorder"], 30.0)
+            return
+        begin = self.ending.begin or 0
+        self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
+        conductor.sleep_until(begin + to_ns(self._plan.duration) + GRACE)
+
+    def _watch_time(self, now: Callable[[], float], conductor: Conductor) -> None:
+        """Wait until the time of the test, in s, is its duration; without end if there is none."""
+        duration = self._plan.duration
+
+        def over() -> bool:
+            self._view.progress(max(0.0, now()), duration)
+            return bool(duration) and now() >= duration
+
+        conductor.wait_until(over, float("inf"), str)
+
+    def _explained(self, stopped: StoppedError) -> str:
+        """Sentence with what the node at fault said last, if it is ours."""
+        words = [p.last_words() for p in self._processes.living() if p.name == stopped.node]
+        return ": ".join([str(stopped), *(word for word in words if word)])
+
+    def _watch(self) -> None:
+        """Stop when a process died."""
+        for process in self._processes.dead():
+            raise StoppedError(process.fate())
+
+    def _end(self, conductor: Conductor) -> None:
+        """End the test in good order: the loop first, the recorder last."""
+        self._view.phase("ending the test")
+        conductor.watch = lambda: None
+        alive = self._answering()
+        self._deactivate(conductor, [name for name in alive if name == "coordinator"])
+        self._deactivate(conductor, [name for name in alive if name in roles.LOOP])
+        self._deactivate(conductor, [name for name in alive if name == "analysis"])
+        self._deactivate(conductor, [name for name in alive if name == "recorder"])
+        with suppress(StoppedError):
+            conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
+
+    def _answering(self) -> list[str]:
+        dead = {process.name for process in self._processes.dead()}
+        return [name for name in self._managed if name not in dead]
+
+    def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> None:
+        for name in names:
+            with suppress(StoppedError):
+                conductor.step("deactivate", [name], 5.0)

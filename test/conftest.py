@@ -1,0 +1,62 @@
+"""What the tests of the whole system share: a domain of their own, processes that end, what is left behind."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rthm_bringup.run import shared_memory
+from rthm_bringup.run.domain import Claim
+from rthm_bringup.run.environment import Network, has_wheels, without_parents_ros
+
+PROGRAMS = Path(__file__).parent / "programs"
+
+
+@pytest.fixture
+def network() -> Iterator[Network]:
+    """A domain that nobody else on this host uses."""
+    claim = Claim()
+    yield Network(claim.domain)
+    claim.release()
+
+
+@pytest.fixture
+def environment(network: Network, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """Environment for processes of the test, this one included."""
+    variables = network.variables() | {"ROS_LOG_DIR": str(tmp_path / "ros_log")}
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    return without_parents_ros(os.environ, has_wheels())
+
+
+@pytest.fixture
+def nothing_left(network: Network) -> Iterator[None]:
+    """Fail when a test leaves processes in its domain, or shared memory without an owner."""
+    memory = shared_memory.abandoned()
+    yield
+    assert processes_in(network.domain) == []
+    assert shared_memory.abandoned() <= memory
+
+
+def processes_in(domain: int) -> list[str]:
+    """Command lines of the processes of this project in a domain."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        try:
+            command, variables = (folder / "cmdline").read_bytes(), (folder / "environ").read_bytes()
+        except OSError:
+            continue
+        if b"rthm" in command and f"ROS_DOMAIN_ID={domain}".encode() in variables.split(b"\0"):
+            found.append(command.replace(b"\0", b" ").decode())
+    return found
+
+
+def program(name: str) -> list[str]:
+    """Command line of a program of the tests."""
+    return [sys.executable, str(PROGRAMS / name)]

@@ -1,4 +1,4 @@
-"""What the tests of the whole system share: a domain of their own, processes that end, what is left behind."""
+"""What the tests of the whole system share: a domain of their own, and what is left behind."""
 
 from __future__ import annotations
 

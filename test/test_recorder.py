@@ -1,4 +1,4 @@
-"""The recorder as a process: nothing lost at 1.5 times the rates of the demo, little lost when it is killed."""
+"""The recorder as a process: nothing lost at 1.5 x the rates of the demo, little lost when it is killed."""
 
 from __future__ import annotations
 

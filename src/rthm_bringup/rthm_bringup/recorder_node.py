@@ -1,7 +1,7 @@
 """The recorder: a node that writes every topic of the test to a bag and on which nothing depends.
 
-Messages stay the bytes they are. The bag is opened, with the spec in it, when the node is configured; samples of
-the loop are taken while it is active; it is closed when the node is deactivated.
+Messages stay the bytes they are. The bag is opened, with the spec in it, when the node is configured; samples
+of the loop are taken while it is active; it is closed when the node is deactivated.
 """
 
 from __future__ import annotations
@@ -133,7 +133,9 @@ class Recorder(LifecycleNode):
         def receive(grant: bytes) -> None:
             self._answer(attendance.receive(grant))
 
-        self._grants = self.create_subscription(Int64MultiArray, GRANT, receive, QoSProfile(depth=DEPTH), raw=True)
+        self._grants = self.create_subscription(
+            Int64MultiArray, GRANT, receive, QoSProfile(depth=DEPTH), raw=True
+        )
 
     def _answer(self, answer: bytes | None) -> None:
         if answer is not None:

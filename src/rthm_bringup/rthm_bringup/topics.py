@@ -1,4 +1,4 @@
-"""The topics of a hybrid test and their types; names are relative to its namespace but for ``/diagnostics``."""
+"""Topics of a hybrid test and their types; names are relative to its namespace but for ``/diagnostics``."""
 
 from __future__ import annotations
 

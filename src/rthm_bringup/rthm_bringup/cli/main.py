@@ -19,12 +19,13 @@ BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
 
 
 def application() -> typer.Typer:
-    """Command line with every verb; ``import_.py`` is the verb ``import``, ``check_driver.py`` is ``check-driver``."""
+    """Command line with every verb: ``import_.py`` is ``import``, ``check_driver.py`` is ``check-driver``."""
     app = typer.Typer(
         name="rthm",
         help="Real-time hybrid testing: run, simulate and understand a test.",
         no_args_is_help=True,
         add_completion=False,
+        rich_markup_mode=None,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
@@ -46,7 +47,7 @@ def _status() -> int:
     except InputError as error:
         return _told(str(error), BAD_INPUT)
     except ClickError as error:
-        return _told(f"{error.format_message()} See {_path(error)} --help.", BAD_INPUT)  # type: ignore[attr-defined]
+        return _told(f"{error.format_message().rstrip('.')}; see {_path(error)} --help.", BAD_INPUT)  # type: ignore[attr-defined]
     except (KeyboardInterrupt, typer.Abort):
         return _told("interrupted.", INTERRUPTED)
     except BrokenPipeError:

@@ -11,7 +11,7 @@ from typing import Any
 
 
 def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> None:
-    """Print `lines`, or, with a JSON path, write `result` there; with ``-`` the JSON is all that is printed."""
+    """Print `lines` and write `result` to a JSON path; with ``-`` the JSON is all that is printed."""
     if path != "-":
         print(*lines, sep="\n")
     if path is None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any
 
@@ -165,11 +166,15 @@ class Conductor:
             pause = time.monotonic() + 0.05
             self.wait_until(lambda until=pause: time.monotonic() > until, 1.0, str)
 
-    def samples(self, topic: str) -> list[JointState]:
-        """List that fills with the samples of a topic."""
+    @contextmanager
+    def samples(self, topic: str) -> Iterator[list[JointState]]:
+        """List that fills with the samples of a topic as long as the ``with`` block lasts."""
         found: list[JointState] = []
-        self._node.create_subscription(JointState, topic, found.append, 100)
-        return found
+        subscription = self._node.create_subscription(JointState, topic, found.append, 100)
+        try:
+            yield found
+        finally:
+            self._node.destroy_subscription(subscription)
 
     def _note(self, message: DiagnosticArray) -> None:
         for status in message.status:

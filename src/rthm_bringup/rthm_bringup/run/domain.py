@@ -45,7 +45,7 @@ class Claim:
 
 
 def wanted(option: int | None, fixed: bool) -> int | None:
-    """Domain that the user asks for: the option, else ROS_DOMAIN_ID, else 0 where others must find it, else any."""
+    """Domain that is asked for: the option, else ROS_DOMAIN_ID, else 0 if others must find it, else any."""
     text = os.environ.get("ROS_DOMAIN_ID", "")
     if option is not None:
         return option
@@ -59,7 +59,7 @@ def wanted(option: int | None, fixed: bool) -> int | None:
 
 
 def _claimed(domain: int) -> socket.socket | None:
-    """Hold the name of the domain among the runs of this host; the kernel gives it back when the process ends."""
+    """Hold the domain among the runs of this host; the kernel gives it back when the process ends."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     try:
         claim.bind(f"\0rthm-domain-{domain}")

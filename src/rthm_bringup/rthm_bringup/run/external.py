@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import time
 
+from sensor_msgs.msg import JointState
+
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.view import View
 from rthm_core.clock import NS
 
+PLANT_STATE = "plant/state"
 SAME_CLOCK = 5 * NS
-"""A stamp that is further from now than this was not made by a synchronised wall clock."""
+"""A stamp that is further from now than this was not made by a synchronised wall clock, ns."""
 
 
 def wait_for_external(conductor: Conductor, plan: Plan, view: View) -> list[str]:
     """Wait until the external parts are there; return those that have a lifecycle and can be led.
 
-    A plant without one is a driver that publishes ``plant/state`` of its own accord: then its samples must flow.
+    A plant without one is a driver that publishes ``plant/state`` of its own accord: its samples must flow.
 
     Raises
     ------
@@ -30,23 +33,33 @@ def wait_for_external(conductor: Conductor, plan: Plan, view: View) -> list[str]
     view.phase("waiting for external parts")
     managed = [name for name in parts if name != "plant"]
     conductor.wait_for(managed, plan.patience)
-    if "plant" in parts and _led_plant(conductor, plan):
+    if "plant" in parts and _has_lifecycle(conductor, plan):
         managed.append("plant")
     return managed
 
 
-def _led_plant(conductor: Conductor, plan: Plan) -> bool:
-    """Whether the external plant has a lifecycle; False once a driver's samples flow."""
-    samples = conductor.samples("plant/state")
-    conductor.wait_until(
-        lambda: bool(samples) or conductor.is_managed("plant"),
-        plan.patience,
-        lambda: f"Nobody published plant/state in domain {plan.network.domain} within {plan.patience:g} s.",
-    )
+def begin_with_driver(conductor: Conductor, plan: Plan, earliest: int) -> int:
+    """Instant (ns) not before `earliest` at which the driver will sample, if it keeps the spec's period."""
+    assert plan.spec.timing is not None
+    period = plan.spec.timing.ns("td1")
+    with conductor.samples(PLANT_STATE) as found:
+        conductor.wait_until(lambda: bool(found), 5.0, lambda: "The driver stopped publishing plant/state.")
+    stamp = _stamp(found[-1])
+    return stamp + -(-(earliest - stamp) // period) * period
+
+
+def _has_lifecycle(conductor: Conductor, plan: Plan) -> bool:
+    """Whether the external plant can be led; False once the samples of a driver flow."""
+    with conductor.samples(PLANT_STATE) as found:
+        conductor.wait_until(
+            lambda: bool(found) or conductor.is_managed("plant"),
+            plan.patience,
+            lambda: f"Nobody published plant/state in domain {plan.network.domain} in {plan.patience:g} s.",
+        )
     if conductor.is_managed("plant"):
         return True
-    _check_names(plan, list(samples[-1].name))
-    _check_clock(samples[-1].header.stamp)
+    _check_names(plan, list(found[-1].name))
+    _check_clock(_stamp(found[-1]))
     return False
 
 
@@ -55,12 +68,19 @@ def _check_names(plan: Plan, names: list[str]) -> None:
     assert plan.spec.actuator is not None
     wanted = [*plan.spec.plant.dofs, *plan.spec.actuator.names]
     if names != wanted:
-        raise StoppedError(f"plant/state has the names {names}, but the spec has {wanted}; change one of them.")
+        raise StoppedError(
+            f"plant/state has the names {names}, but the spec has {wanted}; change one of them."
+        )
 
 
-def _check_clock(stamp: object) -> None:
-    age = time.time_ns() - (stamp.sec * NS + stamp.nanosec)  # type: ignore[attr-defined]
+def _check_clock(stamp: int) -> None:
+    age = time.time_ns() - stamp
     if abs(age) > SAME_CLOCK:
         raise StoppedError(
-            f"The stamp of plant/state is {age / NS:.3f} s old; stamp it with the wall clock and synchronise the hosts."
+            f"A stamp of plant/state is {age / NS:.3f} s behind this host's clock;"
+            " stamp it with the wall clock and synchronise the hosts."
         )
+
+
+def _stamp(sample: JointState) -> int:
+    return int(sample.header.stamp.sec) * NS + int(sample.header.stamp.nanosec)

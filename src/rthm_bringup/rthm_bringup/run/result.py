@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import yaml
 
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.plan import Plan
+from rthm_core.errors import InputError
 
-LINES = (
-    ("E_fx", "energy drained by the position cancellation"),
-    ("E_ff", "energy introduced by the force feedforward"),
-    ("E_num", "energy introduced by the numerical side"),
-)
+if TYPE_CHECKING:
+    from rthm_analysis.recording import Recording
+
+WORDS = {
+    "E_fx": ("drained by the position cancellation", -1.0),
+    "E_ff": ("introduced by the force feedforward", 1.0),
+    "E_num": ("introduced by the numerical side", 1.0),
+}
+"""What the terms mean, and the sign with which they are told."""
 
 
 @dataclass
@@ -21,14 +28,20 @@ class Result:
 
     Attributes
     ----------
+    plan, ending
+        What was to be done, and how it ended.
     energies
-        Last value of each term, J; empty when the recording tells none.
+        Last value of each term of the ledger, J; empty when the recording tells none.
     equivalent_damping
-        Damper between the mass of the plant and the ground that would drain as much, N s/m.
+        Damper between plant and ground that would drain as much as the errors of the loop did, N s/m.
+    links, clocks
+        As ``rthm timing`` tells them.
+    missed_deadlines
+        Of all clocks; None: not known.
     lost
-        Samples that were published and are not in the recording.
-    problem
-        Why the run, or what was made of it, is not complete.
+        Samples that were published and never reached the recorder.
+    problems
+        Why the run, or what was made of it, is not complete; one sentence each.
     """
 
     plan: Plan
@@ -36,12 +49,107 @@ class Result:
     energies: dict[str, float] = field(default_factory=dict)
     equivalent_damping: float | None = None
     links: dict[str, Any] = field(default_factory=dict)
+    clocks: dict[str, Any] = field(default_factory=dict)
     missed_deadlines: int | None = None
     lost: int = 0
-    problem: str | None = None
-    has_report: bool = False
+    problems: list[str] = field(default_factory=list)
 
     @property
     def status(self) -> int:
-        """Exit status: 0, or 1 when a node died or data were lost."""
-        return 1 if self.problem or self.lost else 0
+        """Exit status: 1 when a node died or data were lost, else 0."""
+        return 1 if self.problems or self.lost else 0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of ``rthm run --json``."""
+        plan = self.plan
+        return {
+            "bag": str(plan.bag) if plan.bag.is_dir() else None,
+            "report": str(plan.report) if plan.report.is_file() else None,
+            "duration": plan.duration,
+            "missed_deadlines": self.missed_deadlines,
+            "links": self.links,
+            "clocks": self.clocks,
+            "energies": self.energies,
+            "equivalent_damping": self.equivalent_damping,
+            "lost": self.lost,
+            "interrupted": self.ending.interrupted,
+            "realtime": list(self.ending.realtime),
+            "virtual": plan.virtual,
+            "problems": self.problems,
+        }
+
+    def lines(self) -> list[str]:
+        """What is printed."""
+        told = [
+            (name, value)
+            for name, value in (("bag", self.plan.bag), ("report", self.plan.report))
+            if value.exists()
+        ]
+        lines = [f"{name + ':':8}{value}" for name, value in told]
+        for name, (words, sign) in WORDS.items():
+            if name in self.energies:
+                lines.append(f"energy {words}: {sign * self.energies[name]:.4f} J ({name})")
+        if self.equivalent_damping is not None:
+            lines.append(f"equivalent damping of these three: {self.equivalent_damping:.3f} N s/m")
+        if self.missed_deadlines is not None:
+            lines.append(f"missed deadlines: {self._deadlines()}")
+        return [*lines, *self.problems]
+
+    def _deadlines(self) -> str:
+        if self.plan.virtual:
+            return "none, in simulated time"
+        granted = "with" if self.ending.realtime else "without"
+        return f"{self.missed_deadlines or 'none'}, {granted} real-time priority"
+
+
+def result_of(plan: Plan, ending: Ending) -> Result:
+    """Analyse what was recorded, as far as there is something, and write the report."""
+    result = Result(plan, ending, problems=[ending.reason] if ending.reason else [])
+    if ending.begin is None or "recorder" in plan.external:
+        return result
+    result.lost = lost_in(plan)
+    if result.lost:
+        result.problems.append(f"{result.lost} samples were lost on the way to the recorder.")
+    try:
+        _analyse(result)
+    except InputError as error:
+        result.problems.append(str(error))
+    return result
+
+
+def lost_in(plan: Plan) -> int:
+    """Return how many samples the recorder missed, from its last words in ``metadata.yaml``."""
+    file = plan.bag / "metadata.yaml"
+    if not file.is_file():
+        return 0
+    told = yaml.safe_load(file.read_text())["rosbag2_bagfile_information"].get("custom_data") or {}
+    return int(told.get("lost", 0))
+
+
+def _analyse(result: Result) -> None:
+    from rthm_analysis.report import write_report
+
+    from rthm_analysis.energy import energy_of
+    from rthm_analysis.recording import read_recording
+    from rthm_analysis.timing import timing_of
+
+    recording = read_recording(result.plan.bag)
+    timing = timing_of(recording, recording.spec)
+    told = timing.as_dict()
+    result.links, result.clocks = told["links"], told["clocks"]
+    result.missed_deadlines = timing.missed
+    energies = energy_of(recording, recording.known_spec()).as_dict()
+    result.energies = {name: float(e[-1]) for name, e in energies.items() if name.startswith("E_")}
+    result.equivalent_damping = _equivalent_damping(recording, result.energies["E_err"])
+    write_report(result.plan.bag, result.plan.report)
+
+
+def _equivalent_damping(recording: Recording, energy: float) -> float | None:
+    """Coefficient c for which the work of -c v on the actuated dofs is `energy` (J)."""
+    import numpy as np
+
+    spec = recording.known_spec()
+    assert spec.interface is not None
+    v = recording.plant.columns("velocity", spec.interface.plant_dof)
+    squared = float(np.trapezoid(np.sum(v * v, axis=1), recording.seconds(recording.plant.stamp_ns)))
+    return -energy / squared if squared > 0.0 else None

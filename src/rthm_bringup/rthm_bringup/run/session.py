@@ -1,6 +1,6 @@
 """One run from the first process to the last.
 
-    start the nodes -> configure -> everybody connected -> agree on the begin -> activate -> wait -> deactivate -> end
+    start -> configure -> everybody connected -> agree on the begin -> activate -> wait -> deactivate -> end
 
 However a run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
 """
@@ -16,7 +16,7 @@ from rthm_bringup.run import roles
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
-from rthm_bringup.run.external import wait_for_external
+from rthm_bringup.run.external import begin_with_driver, wait_for_external
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.view import View
@@ -95,6 +95,8 @@ class Session:
     def _begin(self, conductor: Conductor) -> None:
         """Let the clocks of all nodes start together; a coordinator starts last, as it lets time pass."""
         begin = 0 if self._plan.virtual else time.time_ns() + HEAD_START
+        if self._has_driver():
+            begin = begin_with_driver(conductor, self._plan, begin)
         timing = {"start_time": begin, "duration": self._plan.duration}
         conductor.set(dict.fromkeys(self._managed, timing))
         conductor.step("activate", [name for name in self._managed if name != "coordinator"])

@@ -1,8 +1,8 @@
 """Shared memory that killed processes of a run leave behind, and the caretaker that removes it.
 
-The middleware keeps messages between the processes of a host in files under ``/dev/shm``. A process that ends
-removes its own; one that is killed cannot. A living owner holds a lock on the file whose name ends in ``_el`` or
-``_sl``, so what is left by others is told from what is in use.
+The middleware keeps messages between the processes of a host in files under ``/dev/shm``. A process that
+ends removes its own; one that is killed cannot. A living owner holds a lock on the file whose name ends in
+``_el`` or ``_sl``, so what is left is told from what is in use.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def abandoned() -> set[str]:
 class Caretaker:
     """A process that outlives this one, and then removes what was left in shared memory since its own start.
 
-    It is made before ROS is imported, by a fork, and used in a ``with`` block. When this process is killed, its
-    nodes are told to end, and the caretaker goes when they are gone.
+    It is made before ROS is imported, by a fork, and used in a ``with`` block. When this process is killed,
+    its nodes are told to end, and the caretaker goes when they are gone.
     """
 
     def __enter__(self) -> Caretaker:

@@ -1,1 +1,4 @@
-"""One file per verb: its function ``verb`` returns the exit status, and is imported with nothing heavy at its top."""
+"""One file per verb: its function ``verb`` returns the exit status.
+
+All of them are imported at every start, so nothing heavy is imported at their top.
+"""

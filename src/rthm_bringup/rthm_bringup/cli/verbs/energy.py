@@ -6,7 +6,7 @@ from rthm_bringup.cli.options import Bag, Json
 
 
 def verb(bag: Bag, json: Json = None) -> int:
-    """Say where the energy of a recorded test came from and where it went."""
+    """Say where the energy of a recorded test came from."""
     from rthm_analysis.energy import energy_of
     from rthm_analysis.recording import read_recording
     from rthm_bringup.cli.output import put, table

@@ -30,7 +30,10 @@ def verb(
         typer.Option(min=0, max=99, help="Real-time priority of the loop, if the system grants it."),
     ] = None,
 ) -> int:
-    """Start one part of a test on this host and leave it waiting; ``rthm run --external PART`` leads it."""
+    """Start one part of a test on this host.
+
+    It waits to be led by ``rthm run --external PART``, here or on another host.
+    """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.run.alone import become

@@ -15,7 +15,7 @@ def verb(
     out: Annotated[Path, typer.Option("-o", "--out", metavar="FILE.html", help="Where the page goes.")],
     json: Json = None,
 ) -> int:
-    """Write a self-contained page about a recorded test, to be opened in a browser."""
+    """Write a self-contained page about a recorded test."""
     from rthm_analysis.report import write_report
 
     from rthm_bringup.cli.output import put

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +12,7 @@ from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName
 
 
-class Plant(str, Enum):
+class Plant(StrEnum):
     """Who provides the plant."""
 
     simulated = "simulated"
@@ -53,7 +53,7 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """Run a test: start its nodes, record it, stop it cleanly and report.
+    """Start the nodes of a test, record it and report.
 
     Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input.
     """

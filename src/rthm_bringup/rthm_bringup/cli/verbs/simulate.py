@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +11,7 @@ import typer
 from rthm_bringup.cli.options import Json, SpecName
 
 
-class System(str, Enum):
+class System(StrEnum):
     """What is simulated."""
 
     hybrid = "hybrid"
@@ -32,7 +32,7 @@ def verb(
     ] = System.hybrid,
     json: Json = None,
 ) -> int:
-    """Simulate a test exactly and write its motion, forces and energies to an npz file."""
+    """Simulate a test exactly; write it to an npz file."""
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import put
     from rthm_bringup.cli.trajectory import final_energies, save

@@ -6,7 +6,7 @@ from rthm_bringup.cli.options import Bag, Json
 
 
 def verb(bag: Bag, json: Json = None) -> int:
-    """Measure the effective delays of every link and the punctuality of every clock."""
+    """Measure the delays and clocks of a recorded test."""
     from rthm_analysis.recording import read_recording
     from rthm_analysis.timing import timing_of
     from rthm_bringup.cli.output import put

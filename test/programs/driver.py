@@ -1,0 +1,39 @@
+"""Stands for a driver of real hardware: publishes plant/state every 1.2 ms. Plain rclpy, nothing of the project.
+
+The "hardware" is a mass that follows the command like a filter of first order.
+
+usage: driver.py SECONDS
+"""
+
+import sys
+import threading
+import time
+
+import rclpy
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+
+PERIOD = 1_200_000  # ns
+
+rclpy.init()
+node = rclpy.create_node("driver", namespace="/rthm")
+publisher = node.create_publisher(JointState, "plant/state", QoSProfile(depth=100))
+command = [0.5]
+node.create_subscription(
+    JointState, "actuator/command", lambda message: command.__setitem__(0, message.position[0]), 100
+)
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+
+message = JointState(name=["x1", "a1"], effort=[0.0, 0.0])
+x, due = 0.5, time.time_ns()
+end = due + int(float(sys.argv[1]) * 1e9)
+while due < end:
+    time.sleep(max(0.0, (due - time.time_ns()) / 1e9))
+    v = (command[0] - x) / 0.05
+    x += v * PERIOD * 1e-9
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(due, 10**9)
+    message.position, message.velocity = [x, command[0]], [v, 0.0]
+    message.effort = [float("nan"), 40.0 * (command[0] - x)]
+    publisher.publish(message)
+    due += PERIOD
+rclpy.try_shutdown()

@@ -1,0 +1,59 @@
+"""A driver of somebody else takes the place of the simulated plant."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rthm_analysis.recording import read_recording
+from rthm_bringup.run.environment import Network
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+DRIVER = Path(__file__).parent / "programs" / "driver.py"
+RUN = [sys.executable, "-m", "rthm_bringup", "run"]
+
+
+def test_the_driver_imports_nothing_of_the_project() -> None:
+    assert "rthm_" not in DRIVER.read_text()
+
+
+def test_a_small_publisher_replaces_the_plant(
+    environment: dict[str, str], network: Network, tmp_path: Path
+) -> None:
+    options = ["--plant", "external", "--duration", "2", "--out", str(tmp_path / "out"), "--json", "-"]
+    with subprocess.Popen([sys.executable, str(DRIVER), "60"], env=environment) as driver:
+        done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
+        driver.terminate()
+    assert done.returncode == 0, done.stdout + done.stderr
+    recording = read_recording(json.loads(done.stdout)["bag"])
+    plant, commands = recording.plant, recording.tables["actuator/command"]
+    assert plant.names == ("x1", "a1")
+    assert 1 + 2_000_000_000 // 1_200_000 - len(plant) <= 1
+    assert plant.stamp_ns[0] - commands.stamp_ns[0] in (0, 1_200_000)
+    assert set((plant.stamp_ns[1:] - plant.stamp_ns[:-1]).tolist()) == {1_200_000}
+    assert len(recording.links["tau1"]) > 400
+    assert "tau4" not in recording.links
+
+
+def test_names_that_the_spec_does_not_know_are_refused(
+    environment: dict[str, str], network: Network, tmp_path: Path
+) -> None:
+    spec = tmp_path / "spec.yaml"
+    text = subprocess.run(
+        [sys.executable, "-c", "from rthm_core.spec import *; print(write_spec(shipped_spec()))"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    spec.write_text(text.replace('"x1"', '"head"'))
+    options = [str(spec), "--plant", "external", "--duration", "2", "--out", str(tmp_path / "out")]
+    with subprocess.Popen([sys.executable, str(DRIVER), "60"], env=environment) as driver:
+        done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
+        driver.terminate()
+    assert done.returncode == 1
+    assert "['x1', 'a1']" in done.stdout
+    assert "['head', 'a1']" in done.stdout

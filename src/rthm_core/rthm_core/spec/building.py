@@ -67,6 +67,8 @@ def _with_effects(tree: dict[str, Any]) -> dict[str, Any]:
     names = tree.get("effects", [])
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
         raise refusal("effects", names, "a list of names, each with a section of that name")
+    for name in names:
+        _check_name(name)
     sections = {key: value for key, value in tree.items() if key not in ROOT}
     for key, value in sections.items():
         if key not in names:
@@ -75,10 +77,13 @@ def _with_effects(tree: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in tree.items() if key in ROOT} | {"effects": effects}
 
 
-def _effect(name: str, section: Any) -> dict[str, Any]:
+def _check_name(name: str) -> None:
     if name in ROOT or not name.isascii() or not name.isidentifier() or len(name) > 60:
         allowed = "names of letters, digits and _ that are no section of the spec"
         raise refusal("effects", name, allowed, "rename the effect")
+
+
+def _effect(name: str, section: Any) -> dict[str, Any]:
     if not isinstance(section, dict):
         allowed = f"a section with {', '.join(HEAD[:2])}, its place and its parameters"
         raise refusal(name, section, allowed, f"add it, or take {name} out of effects")

@@ -56,7 +56,7 @@ def _substructure(key: str, section: SubstructureSpec) -> None:
         raise RefusedError(section.dofs, "at least one name", "name each degree of freedom", f"{key}.dofs")
     _distinct(f"{key}.dofs", section.dofs)
     for name in ("mass", "damping", "stiffness"):
-        _length(f"{key}.{name}", getattr(section, name), n * n, f"a list of {n} x {n}, row by row")
+        _length(f"{key}.{name}", getattr(section, name), n * n, f"a list of {n} x {n} numbers, row by row")
     for name in ("initial_position", "initial_velocity"):
         _length(f"{key}.{name}", getattr(section, name), n, f"a list with one number for each of {n} dof(s)")
     mass = np.array(section.mass).reshape(n, n)

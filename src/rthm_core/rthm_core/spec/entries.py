@@ -125,7 +125,7 @@ class Names(Text, Entry):
         try:
             return super().convert(value)
         except RefusedError as refused:
-            raise RefusedError(value, refused.allowed, refused.way_out, within=f"[{index}]") from None
+            raise RefusedError(value, Text.allowed, refused.way_out, within=f"[{index}]") from None
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,11 @@ import json
 from typing import Any
 
 from rthm_core.spec.building import nested
+from rthm_core.spec.catalogue import sections
 from rthm_core.spec.parameters import parameters
 from rthm_core.spec.schema import Spec
+
+KEYS = {name for _, section in sections() for name in section.model_fields}
 
 
 def write_spec(spec: Spec) -> str:
@@ -23,7 +26,10 @@ def _lines(tree: dict[str, Any], indent: str) -> list[str]:
     lines: list[str] = []
     for key, value in tree.items():
         if isinstance(value, dict):
-            lines += [f"{indent}{key}:", *_lines(value, indent + "  ")]
+            name = (
+                key if key in KEYS else json.dumps(key)
+            )  # an effect may be called "on", which is true in YAML
+            lines += [f"{indent}{name}:", *_lines(value, indent + "  ")]
         else:
             lines.append(f"{indent}{key}: {_text(value)}")
     return lines

@@ -26,10 +26,16 @@ Integers = npt.NDArray[np.int64]
 """Array of instants in ns, indices or codes."""
 
 
+_NOT_COMPILED = ("ros", "spec")
+"""Folders of this package that no compiled function comes from."""
+
+
 def _source_hash() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     package = Path(__file__).parent
     for source in sorted(package.rglob("*.py")):
+        if source.parent.name in _NOT_COMPILED:
+            continue
         digest.update(str(source.relative_to(package)).encode())
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -64,29 +70,24 @@ def inlined(function: F) -> F:
     return numba.njit(error_model="numpy")(function)  # type: ignore[no-any-return]
 
 
-def chained(functions: list[Callable[..., Any]], otherwise: Callable[..., Any]) -> Callable[..., Any]:
-    """One compiled function ``f(code, *args)`` that calls ``functions[code]``.
+def chosen(functions: list[Callable[..., Any]], otherwise: Callable[..., Any], arguments: str) -> Callable[..., Any]:
+    """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any other code.
 
-    Compiled code cannot look a Python object up; the chain makes a list of laws callable by number without a second list of names.
+    Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of laws stands in one place only. A function
+    that stands in the list several times (a method that is not overridden) is compiled once.
     """
-    rest = inlined(otherwise)
-    for code in range(len(functions) - 1, -1, -1):
-        rest = _choose(code, inlined(functions[code]), rest, first=code == len(functions) - 1)
-    return rest
+    distinct = [function for function in dict.fromkeys(functions) if function is not otherwise]
+    names = {f"f{i}": inlined(function) for i, function in enumerate(distinct)} | {"otherwise": inlined(otherwise)}
+    lines = [f"def choice(code, {arguments}):"]
+    for i, function in enumerate(distinct):
+        codes = " or ".join(f"code == {code}" for code, one in enumerate(functions) if one is function)
+        lines += [f"    if {codes}:", f"        return f{i}({arguments})"]
+    exec("\n".join([*lines, f"    return otherwise({arguments})"]), names)
+    return inlined(names["choice"])
 
 
-def _choose(code: int, head: Callable[..., Any], rest: Callable[..., Any], *, first: bool) -> Callable[..., Any]:
-    if first:
-
-        def choice(number, *args):  # type: ignore[no-untyped-def]
-            if number == code:
-                return head(*args)
-            return rest(*args)
-    else:
-
-        def choice(number, *args):  # type: ignore[no-untyped-def]
-            if number == code:
-                return head(*args)
-            return rest(number, *args)
-
-    return inlined(choice)
+@inlined
+def copy_into(target, source):  # type: ignore[no-untyped-def]
+    """Copy a vector; a plain loop compiles far faster than a slice."""
+    for i in range(target.size):
+        target[i] = source[i]

@@ -1,0 +1,56 @@
+"""Contacts that open and close with position."""
+
+from __future__ import annotations
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.laws import PlantLaw
+
+
+@register
+class EndStop(PlantLaw):
+    """Spring and damper that act beyond a position: above it when the position is positive, below it when negative."""
+
+    kind = "end_stop"
+    blocks = ("plant",)
+    parameters = {
+        "position": EffectParameter("m", "where the stop begins; its sign says on which side"),
+        "stiffness": EffectParameter("N/m", "stiffness of the stop", minimum=0.0),
+        "damping": EffectParameter("N s/m", "damping of the stop", minimum=0.0),
+    }
+    equation = "F = -k (x - p) - c v where x is beyond p"
+    words = "{dof} runs into a stop at {position} of stiffness {stiffness}"
+    split = "position"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        beyond = piece == 1 if p[0] >= 0.0 else piece == 0
+        return -p[1] * (x - p[0]) - p[2] * v if beyond else 0.0
+
+    @staticmethod
+    def thresholds(p):  # type: ignore[no-untyped-def]
+        return (p[0],)
+
+
+@register
+class Clearance(PlantLaw):
+    """Spring with play: it acts only beyond a gap on either side."""
+
+    kind = "clearance"
+    blocks = ("plant",)
+    parameters = {
+        "gap": EffectParameter("m", "half the play", minimum=0.0),
+        "stiffness": EffectParameter("N/m", "stiffness beyond the gap"),
+    }
+    equation = "F = -k (x - gap sign x) where |x| > gap"
+    words = "a spring of {stiffness} with a play of +-{gap} acts on {dof}"
+    split = "position"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        if piece == 1:
+            return 0.0
+        return -p[1] * (x - p[0] * (piece - 1))
+
+    @staticmethod
+    def thresholds(p):  # type: ignore[no-untyped-def]
+        return (-p[0], p[0])

@@ -1,0 +1,50 @@
+"""Forces that come from outside and that nobody listed."""
+
+from __future__ import annotations
+
+import math
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.laws import PlantLaw
+
+
+@register
+class HarmonicLoad(PlantLaw):
+    """Unlisted harmonic force."""
+
+    kind = "harmonic_load"
+    blocks = ("plant",)
+    parameters = {
+        "amplitude": EffectParameter("N", "amplitude"),
+        "frequency": EffectParameter("rad/s", "angular frequency", minimum=0.0),
+        "phase": EffectParameter("rad", "phase at the start of the test", default=0.0),
+    }
+    equation = "F = A sin(w t + phase)"
+    words = "a harmonic force of {amplitude} at {frequency} that nobody listed acts on {dof}"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return p[0] * math.sin(p[1] * t + p[2])
+
+    @staticmethod
+    def excitation(p):  # type: ignore[no-untyped-def]
+        return (0.0, p[0], p[1], p[2])
+
+
+@register
+class ConstantLoad(PlantLaw):
+    """Unlisted constant force."""
+
+    kind = "constant_load"
+    blocks = ("plant",)
+    parameters = {"force": EffectParameter("N", "force along +x")}
+    equation = "F = F_0"
+    words = "a constant force of {force} that nobody listed acts on {dof}"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return p[0]
+
+    @staticmethod
+    def excitation(p):  # type: ignore[no-untyped-def]
+        return (p[0], 0.0, 0.0, 0.0)

@@ -1,0 +1,55 @@
+"""Dry friction with exact sticking."""
+
+from __future__ import annotations
+
+import math
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.laws import PlantLaw
+
+
+@register
+class CoulombFriction(PlantLaw):
+    """Constant friction against the motion; the dof sticks while less than this force pulls at it."""
+
+    kind = "coulomb_friction"
+    blocks = ("plant",)
+    parameters = {"force": EffectParameter("N", "friction force", minimum=0.0)}
+    equation = "F = -F_f sign(v); |F| <= F_f at rest"
+    words = "dry friction of {force} acts on {dof}"
+    split = "friction"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return -p[0] * piece
+
+    @staticmethod
+    def breakaway(p):  # type: ignore[no-untyped-def]
+        return p[0]
+
+
+@register
+class StribeckFriction(PlantLaw):
+    """Friction that is larger at rest than in motion and falls off with speed."""
+
+    kind = "stribeck_friction"
+    blocks = ("plant",)
+    parameters = {
+        "coulomb_force": EffectParameter("N", "friction force at high speed", minimum=0.0),
+        "static_force": EffectParameter("N", "friction force at rest", minimum=0.0),
+        "stribeck_velocity": EffectParameter("m/s", "speed over which friction falls from static to Coulomb", minimum=1e-9),
+    }
+    equation = "F = -(F_c + (F_s - F_c) exp(-(v/v_s)^2)) sign(v); |F| <= F_s at rest"
+    words = (
+        "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} within {stribeck_velocity} (Stribeck effect)"
+    )
+    split = "friction"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        ratio = v / p[2]
+        return -(p[0] + (p[1] - p[0]) * math.exp(-ratio * ratio)) * piece
+
+    @staticmethod
+    def breakaway(p):  # type: ignore[no-untyped-def]
+        return p[1]

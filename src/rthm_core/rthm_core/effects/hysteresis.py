@@ -1,0 +1,40 @@
+"""Force that remembers where the motion last turned."""
+
+from __future__ import annotations
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.laws import PlantLaw
+
+BOUC_WEN_PARAMETERS = {
+    "alpha": EffectParameter("N/m", "force per hysteretic state; the slope near zero is alpha A", minimum=0.0),
+    "A": EffectParameter("1", "initial slope of the state; 1 by convention", minimum=0.0, default=1.0),
+    "beta": EffectParameter("1/m^n", "width of the loop"),
+    "gamma": EffectParameter("1/m^n", "shape of the loop"),
+    "n": EffectParameter("1", "sharpness of the yield", minimum=1.0, maximum=20.0, default=1.0),
+}
+
+
+@register
+class BoucWen(PlantLaw):
+    """Hysteretic spring of Bouc and Wen."""
+
+    kind = "bouc_wen"
+    blocks = ("plant",)
+    parameters = BOUC_WEN_PARAMETERS
+    equation = "F = -alpha z; dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n"
+    words = "the spring at {dof} is hysteretic: its force, up to {alpha} per metre, depends on where the motion last turned (Bouc-Wen)"
+    states = 1
+    split = "velocity"
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return -p[0] * z[0]
+
+    @staticmethod
+    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+        size = abs(z[0]) ** (p[4] - 1.0) if p[4] != 1.0 else 1.0
+        dz[0] = v * (p[1] - size * (p[2] * piece * z[0] + p[3] * abs(z[0])))
+
+    @staticmethod
+    def initial(x, p):  # type: ignore[no-untyped-def]
+        return (0.0,)

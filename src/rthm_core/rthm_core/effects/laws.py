@@ -1,0 +1,96 @@
+"""What a law of force is: the interface between an effect and everything that computes with it.
+
+A law is a handful of pure functions of numbers, written once in plain Python. The simulator compiles them, the plant node runs the same
+compiled code, and the diagnosis fits their parameters.
+
+Symbols: ``x`` (m) and ``v`` (m/s) motion of the dof, ``z`` the law's own states, ``t`` (s) time since the start of the test, ``p`` the parameters in
+the order of their declaration, ``piece`` the smooth piece of the law that is in force.
+
+**Pieces.** Friction, stops and hysteresis are smooth only between switching points. The integrator freezes ``piece`` during a step and ends the
+step where it changes, so that no step crosses a kink. ``split`` says in which variable the pieces meet:
+
+* ``"none"``: one piece, 0;
+* ``"position"``: piece k lies between ``thresholds(p)[k - 1]`` and ``thresholds(p)[k]``;
+* ``"velocity"``: piece +1 for v > 0, -1 for v < 0;
+* ``"friction"``: as velocity, and 0 where the dof sticks; it breaks away when the force that holds it exceeds ``breakaway(p)``.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from rthm_core.effects.base import Effect
+
+Parameters = tuple[float, ...]
+
+
+class PlantLaw(Effect):
+    """Force on one dof of the plant, in N, + along +x."""
+
+    split: ClassVar[str] = "none"
+    linear: ClassVar[bool] = False
+
+    @staticmethod
+    def force(x: float, v: float, z: list[float], t: float, p: list[float], piece: int) -> float:
+        """Force on the dof, in N."""
+        raise NotImplementedError
+
+    @staticmethod
+    def rate(x: float, v: float, z: list[float], t: float, p: list[float], piece: int, dz: list[float]) -> None:
+        """Write the time derivative of the own states into `dz`."""
+
+    @staticmethod
+    def thresholds(p: Parameters) -> tuple[float, ...]:
+        """Positions at which the pieces meet, ascending; at most two."""
+        return ()
+
+    @staticmethod
+    def breakaway(p: Parameters) -> float:
+        """Largest force that holds the dof at rest, in N."""
+        return 0.0
+
+    @staticmethod
+    def excitation(p: Parameters) -> tuple[float, float, float, float] | None:
+        """Constant (N), amplitude (N), frequency (rad/s) and phase of a law that depends on time alone; None for all others."""
+        return None
+
+    @staticmethod
+    def initial(x: float, p: Parameters) -> tuple[float, ...]:
+        """Own states after the dof has rested at `x` for ever."""
+        return ()
+
+
+class WireLaw(Effect):
+    """What a wire does beside ``k (u - x)``.
+
+    Wire laws of one actuator act one after the other: each gets the drive-side position `u` and the force `f` that the laws before it left
+    and gives the force that it leaves. ``order`` sorts them from the motor to the plant.
+    """
+
+    order: ClassVar[int] = 0
+
+    @staticmethod
+    def settle(u: float, x: float, k: float, z: list[float], p: list[float]) -> None:
+        """Bring own states that depend on the path and not on time up to the present `u` and `x`, in place.
+
+        The path since the last call must not have turned. The other functions see settled states.
+        """
+
+    @staticmethod
+    def drive(u: float, z: list[float], p: list[float]) -> float:
+        """Drive-side position as the laws after this one and the wire feel it, in m."""
+        return u
+
+    @staticmethod
+    def force(u: float, x: float, v: float, k: float, f: float, z: list[float], p: list[float]) -> float:
+        """Wire force, in N; `f` is the force without this law."""
+        return f
+
+    @staticmethod
+    def rate(u: float, x: float, v: float, k: float, z: list[float], p: list[float], dz: list[float]) -> None:
+        """Write the time derivative of the other own states into `dz`."""
+
+    @staticmethod
+    def initial(u: float, x: float, p: Parameters) -> tuple[float, ...]:
+        """Own states after `u` and `x` have rested for ever."""
+        return ()

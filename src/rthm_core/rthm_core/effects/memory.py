@@ -1,0 +1,97 @@
+"""Linear physics with states of its own: relaxation, resonators, fluid memory."""
+
+from __future__ import annotations
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.laws import PlantLaw
+
+
+@register
+class MaxwellBranch(PlantLaw):
+    """Spring and damper in series beside the plant's own spring: a force that relaxes.
+
+    The state is the displacement of the damper, so that no velocity is needed.
+    """
+
+    kind = "maxwell_branch"
+    blocks = ("plant",)
+    parameters = {
+        "stiffness": EffectParameter("N/m", "spring of the branch", minimum=0.0),
+        "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
+    }
+    equation = "F = -k (x - y); c dy/dt = k (x - y)"
+    words = "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside it (Maxwell)"
+    states = 1
+    linear = True
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return -p[0] * (x - z[0])
+
+    @staticmethod
+    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+        dz[0] = p[0] / p[1] * (x - z[0])
+
+    @staticmethod
+    def initial(x, p):  # type: ignore[no-untyped-def]
+        return (x,)
+
+
+@register
+class HiddenMode(PlantLaw):
+    """Resonator hung on the dof: a mass that nobody measures."""
+
+    kind = "hidden_mode"
+    blocks = ("plant",)
+    parameters = {
+        "mass": EffectParameter("kg", "mass of the resonator", minimum=0.0),
+        "frequency": EffectParameter("rad/s", "its natural frequency with the dof held", minimum=1e-9),
+        "damping_ratio": EffectParameter("1", "its damping ratio", minimum=0.0),
+    }
+    equation = "F = m (w^2 (y - x) + 2 zeta w (dy - v)); m ddy = -F"
+    words = "a hidden resonator of {mass} at {frequency} hangs on {dof}"
+    states = 2
+    linear = True
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return p[0] * (p[1] * p[1] * (z[0] - x) + 2.0 * p[2] * p[1] * (z[1] - v))
+
+    @staticmethod
+    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+        dz[0] = z[1]
+        dz[1] = -p[1] * p[1] * (z[0] - x) - 2.0 * p[2] * p[1] * (z[1] - v)
+
+    @staticmethod
+    def initial(x, p):  # type: ignore[no-untyped-def]
+        return (x, 0.0)
+
+
+@register
+class FluidMemory(PlantLaw):
+    """Radiation force of a floating body: the waves that it made act back on it."""
+
+    kind = "fluid_memory"
+    blocks = ("plant",)
+    parameters = {
+        "gain": EffectParameter("N/m", "force per state rate", minimum=0.0),
+        "frequency": EffectParameter("rad/s", "frequency at which the memory peaks", minimum=0.0),
+        "damping_ratio": EffectParameter("1", "width of the peak", minimum=0.0),
+    }
+    equation = "F = -gain dr; ddr + 2 zeta w dr + w^2 r = v"
+    words = "the fluid remembers: a radiation force of gain {gain} around {frequency} acts on {dof}"
+    states = 2
+    linear = True
+
+    @staticmethod
+    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+        return -p[0] * z[1]
+
+    @staticmethod
+    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+        dz[0] = z[1]
+        dz[1] = v - 2.0 * p[2] * p[1] * z[1] - p[1] * p[1] * z[0]
+
+    @staticmethod
+    def initial(x, p):  # type: ignore[no-untyped-def]
+        return (0.0, 0.0)

@@ -1,0 +1,188 @@
+"""What a wire does beside ``k_tot (u - x)``; sorted from the motor to the plant."""
+
+from __future__ import annotations
+
+from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.hysteresis import BOUC_WEN_PARAMETERS
+from rthm_core.effects.laws import WireLaw
+
+
+@register
+class Backlash(WireLaw):
+    """Play between the measured motor position and the wire: the far end moves only once the gap is used up."""
+
+    kind = "backlash"
+    blocks = ("wire",)
+    parameters = {"gap": EffectParameter("m", "total width of the play", minimum=0.0)}
+    equation = "F = k (y - x); y follows u with play gap/2 on either side"
+    words = "the drive of {actuator} has a backlash of {gap}"
+    states = 1
+    order = 0
+
+    @staticmethod
+    def drive(u, z, p):  # type: ignore[no-untyped-def]
+        return z[0]
+
+    @staticmethod
+    def settle(u, x, k, z, p):  # type: ignore[no-untyped-def]
+        z[0] = min(max(z[0], u - 0.5 * p[0]), u + 0.5 * p[0])
+
+    @staticmethod
+    def initial(u, x, p):  # type: ignore[no-untyped-def]
+        return (u,)
+
+
+@register
+class PulleyInertia(WireLaw):
+    """Pulley with mass in the middle of the wire: a mass between two springs of 2 k, to the motor and to the plant."""
+
+    kind = "pulley_inertia"
+    blocks = ("wire",)
+    parameters = {
+        "mass": EffectParameter("kg", "mass as felt at the wire", minimum=1e-9),
+        "damping": EffectParameter("N s/m", "damping as felt at the wire", minimum=0.0),
+    }
+    equation = "F = 2 k (y - x); m ddy = 2 k (u - y) - 2 k (y - x) - c dy"
+    words = "the pulley of {actuator} is not massless: {mass} moves with the wire"
+    states = 2
+    order = 1
+    linear = True
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return f + 2.0 * k * (z[0] - x) - k * (u - x)
+
+    @staticmethod
+    def rate(u, x, v, k, z, p, dz):  # type: ignore[no-untyped-def]
+        dz[0] = z[1]
+        dz[1] = (2.0 * k * (u + x - 2.0 * z[0]) - p[1] * z[1]) / p[0]
+
+    @staticmethod
+    def initial(u, x, p):  # type: ignore[no-untyped-def]
+        return (0.5 * (u + x), 0.0)
+
+
+@register
+class PulleyFriction(WireLaw):
+    """Massless pulley with dry friction in the middle of the wire: it moves only when the two halves pull unequally enough."""
+
+    kind = "pulley_friction"
+    blocks = ("wire",)
+    parameters = {"force": EffectParameter("N", "friction force at the pulley", minimum=0.0)}
+    equation = "F = 2 k (y - x); y follows (u + x)/2 with play F_f/(4 k) on either side"
+    words = "the pulley of {actuator} rubs: it holds back up to {force} before it turns"
+    states = 1
+    order = 2
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return f + 2.0 * k * (z[0] - x) - k * (u - x)
+
+    @staticmethod
+    def settle(u, x, k, z, p):  # type: ignore[no-untyped-def]
+        play = p[0] / (4.0 * k)
+        middle = 0.5 * (u + x)
+        z[0] = min(max(z[0], middle - play), middle + play)
+
+    @staticmethod
+    def initial(u, x, p):  # type: ignore[no-untyped-def]
+        return (0.5 * (u + x),)
+
+
+@register
+class Hardening(WireLaw):
+    """Wire that stiffens with the cube of its elongation."""
+
+    kind = "hardening"
+    blocks = ("wire",)
+    parameters = {"coefficient": EffectParameter("N/m^3", "force per cubed elongation")}
+    equation = "F = k d + c d^3, d = u - x"
+    words = "the wire of {actuator} is not linear: it adds {coefficient} times the cube of its elongation"
+    order = 3
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return f + p[0] * (u - x) ** 3
+
+
+@register
+class WireMaxwellBranch(WireLaw):
+    """Spring and damper in series beside the wire's own spring: a wire that relaxes."""
+
+    kind = "maxwell_branch"
+    blocks = ("wire",)
+    parameters = {
+        "stiffness": EffectParameter("N/m", "spring of the branch", minimum=0.0),
+        "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
+    }
+    equation = "F = k d + k_b (d - y); c dy/dt = k_b (d - y), d = u - x"
+    words = "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts beside it (Maxwell)"
+    states = 1
+    order = 4
+    linear = True
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return f + p[0] * (u - x - z[0])
+
+    @staticmethod
+    def rate(u, x, v, k, z, p, dz):  # type: ignore[no-untyped-def]
+        dz[0] = p[0] / p[1] * (u - x - z[0])
+
+    @staticmethod
+    def initial(u, x, p):  # type: ignore[no-untyped-def]
+        return (u - x,)
+
+
+@register
+class WireBoucWen(WireLaw):
+    """Hysteretic wire. Its own states are the last elongation and the hysteretic state there.
+
+    The state depends on the path of the elongation and not on its speed, so it is carried along the path (Runge-Kutta), also when the motor jumps.
+    """
+
+    kind = "bouc_wen"
+    blocks = ("wire",)
+    parameters = BOUC_WEN_PARAMETERS
+    equation = "F = k d + alpha z; dz/dt = A dd - beta |dd| |z|^(n-1) z - gamma dd |z|^n, d = u - x"
+    words = "the wire of {actuator} is hysteretic: its force depends on where its elongation last turned (Bouc-Wen, {alpha})"
+    states = 2
+    order = 5
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return f + p[0] * z[1]
+
+    @staticmethod
+    def settle(u, x, k, z, p):  # type: ignore[no-untyped-def]
+        h = 0.25 * (u - x - z[0])
+        side = 1.0 if h > 0.0 else -1.0
+        for _ in range(4):
+            total = 0.0
+            slope = 0.0
+            for stage in range(4):
+                y = z[1] + h * slope * (0.0 if stage == 0 else 1.0 if stage == 3 else 0.5)
+                slope = p[1] - abs(y) ** (p[4] - 1.0) * (p[2] * side * y + p[3] * abs(y))
+                total += slope * (1.0 if stage == 0 or stage == 3 else 2.0)
+            z[1] += h * total / 6.0
+        z[0] = u - x
+
+    @staticmethod
+    def initial(u, x, p):  # type: ignore[no-untyped-def]
+        return (u - x, 0.0)
+
+
+@register
+class Slack(WireLaw):
+    """Wire that cannot push: its tension, pretension plus F, never falls below zero."""
+
+    kind = "slack"
+    blocks = ("wire",)
+    parameters = {"pretension": EffectParameter("N", "tension at F = 0; overrides the actuator's", minimum=0.0)}
+    equation = "F >= -F_0"
+    words = "the wire of {actuator} goes slack: its pretension is only {pretension}"
+    order = 9
+
+    @staticmethod
+    def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
+        return max(f, -p[0])

@@ -1,0 +1,144 @@
+"""`simulate`: from a spec to a trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_core.clock import to_ns
+from rthm_core.compiled import Floats
+from rthm_core.controller import controller
+from rthm_core.energy import TERMS
+from rthm_core.engine.coupled import simulate_coupled
+from rthm_core.engine.ledger import ledger
+from rthm_core.engine.loop import Loop, rings, run
+from rthm_core.errors import InputError
+from rthm_core.numerical import as_built, numerical
+from rthm_core.physical.side import build, first_command
+from rthm_core.schedule import Schedule
+from rthm_core.substructure import interface
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+SYSTEMS = ("hybrid", "ideal", "taylor")
+CHUNK_NS = 10_000_000_000
+"""Span of time whose events are held at once; bounds the memory of a long run."""
+
+
+@dataclass
+class Trajectory:
+    """True motion of a simulated test at the instants `t` (s, N of them); SI units.
+
+    Attributes
+    ----------
+    plant_position, plant_velocity, numerical_position, numerical_velocity : (N, n) arrays
+    force_reference, actuator_force : (N, m) arrays
+        F_d in use by the controller, and the force in the wire.
+    energies : dict of (N,) arrays
+        Works and E_total of the contract, section 1; empty when they were not counted.
+    """
+
+    t: Floats
+    plant_position: Floats
+    plant_velocity: Floats
+    numerical_position: Floats
+    numerical_velocity: Floats
+    force_reference: Floats
+    actuator_force: Floats
+    energies: dict[str, Floats] = field(default_factory=dict)
+
+    @property
+    def balance_error(self) -> Floats:
+        """E_total - E_total(0) - sum of the works, in J (N,)."""
+        return np.asarray(self.energies["E_total"] - self.energies["E_total"][0] - sum(self.energies[term] for term in TERMS))
+
+
+def simulate(spec: Spec, duration: float, sample: float | None = None, system: str = "hybrid", *, energies: bool = True, progress: Callable[[float], None] | None = None) -> Trajectory:
+    """Simulate a test exactly.
+
+    Parameters
+    ----------
+    spec : Spec
+        Loop, or plant alone.
+    duration : float
+        Length in s; the last row is at `duration`.
+    sample : float, optional
+        Distance of the rows in s; Td1 (or 1 ms for a plant alone) when absent.
+    system : {"hybrid", "ideal", "taylor"}
+        The loop with its delays; the same without delays, holds and actuator; or the first-order approximation (25) and (26).
+    energies : bool
+        Whether the works are counted.
+    progress : callable, optional
+        Called with the simulated time in s now and then.
+
+    Raises
+    ------
+    InputError
+        When duration or sample is not a positive number, or `system` is unknown.
+    """
+    step = _checked(spec, duration, sample, system)
+    if system != "hybrid" or not spec.is_loop:
+        return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
+    loop = _loop(spec, energies=energies)
+    n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
+    rows = [out for out in _chunks(spec, loop, to_ns(duration), step, 2 * n1 + 2 * n2 + 2 * m + 7, progress)]
+    return _trajectory(np.concatenate(rows), step, n1, n2, m, energies=energies)
+
+
+def _checked(spec: Spec, duration: float, sample: float | None, system: str) -> int:
+    """Distance of the rows in ns."""
+    if system not in SYSTEMS:
+        raise InputError(f"system {system!r} is not known, allowed is one of {', '.join(SYSTEMS)}; choose one of them.")
+    if not (np.isfinite(duration) and duration > 0.0):
+        raise InputError(f"duration {duration!r} is not allowed, it must be a positive number of seconds; give one above zero.")
+    default = spec.timing.td1 if spec.timing is not None else 0.001
+    value = default if sample is None else sample
+    if not (np.isfinite(value) and to_ns(value) > 0):
+        raise InputError(f"sample {value!r} is not allowed, it must be at least one nanosecond; give a positive number of seconds.")
+    return to_ns(value)
+
+
+def _loop(spec: Spec, *, energies: bool) -> Loop:
+    """Loop at the start of a test."""
+    physical, number, control = build(spec), numerical(as_built(spec, "numerical")), controller(spec)
+    sides, schedule, m = interface(spec), Schedule(spec), len(spec.k_tot)
+    x1 = np.array(spec.plant.initial_position)[sides.plant]
+    v1 = np.array(spec.plant.initial_velocity)[sides.plant]
+    links = schedule.links
+    reach = max(links["tau1"].reach_ns, links["tau2"].reach_ns) + 2 * max(schedule.td2, schedule.td3)
+    lost = 220 if any(link.loss for link in links.values()) else 0
+    ring = rings(
+        reach // schedule.td1 + 8 + lost,
+        (links["tau3"].reach_ns + max(schedule.td4, schedule.td3)) // schedule.td2 + 8 + lost,
+        2 * (links["tau4"].reach_ns + schedule.motor_delay) // min(schedule.td2, schedule.td3, schedule.td4 or schedule.td3) + 16 + 2 * lost,
+        m, np.concatenate([x1, v1]).astype(float), control.force[0].copy(),
+    )  # fmt: skip
+    command = first_command(spec)
+    book = ledger(spec, physical, number, x1.astype(float), command - x1, on=energies)
+    return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
+
+
+def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int, progress: Callable[[float], None] | None) -> Iterator[Floats]:
+    """Rows of the trajectory, a span of time at once; the row at `end` sees everything that happens then."""
+    schedule = Schedule(spec)
+    last_row = end // step
+    begin = 0
+    while begin <= end:
+        until = min(begin + CHUNK_NS, end + 1)
+        first_row, stop_row = -(-begin // step), -(-until // step)
+        out = np.zeros((min(stop_row, last_row + 1) - first_row, width))
+        run(loop, schedule.events(begin, until, step), out, first_row)
+        yield out
+        begin = until
+        if progress is not None:
+            progress(min(until, end) * 1e-9)
+
+
+def _trajectory(rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool) -> Trajectory:
+    x1, v1, x2, v2, reference, force, works, total = np.split(rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1)
+    found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
+    return Trajectory(np.arange(rows.shape[0]) * step * 1e-9, x1, v1, x2, v2, reference, force, found)

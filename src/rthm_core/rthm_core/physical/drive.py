@@ -1,0 +1,149 @@
+"""Motors: from the commands to the motor positions u, one linear chain per actuator.
+
+``u = h(s) u_d(t - tau4)`` with ``h(s) = 1 / ((1 + s/kv)(1 + s/ka))`` (paper, (1) and (2)), followed by the motor effects ``lag`` and ``second_order``. Before the chain
+stand the effects on the command itself: ``quantisation``, ``saturation`` and ``rate_limit``, in this order.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, inlined
+from rthm_core.linear import LinearSystem, linear_system
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+
+class Drive(NamedTuple):
+    """Motors of all actuators.
+
+    Attributes
+    ----------
+    system : LinearSystem
+        Chain states q (nq,) driven by the commands (m,).
+    out : (m, nq + m) array
+        ``u = out [q, command]``.
+    conditioning : (3, m) array
+        Quantisation step (m, 0: none), saturation (m) and rate limit (m/s) of the command (inf: none).
+    """
+
+    system: LinearSystem
+    out: Floats
+    conditioning: Floats
+
+
+QUANTUM, LIMIT, RATE = range(3)
+"""Rows of ``Drive.conditioning``."""
+
+
+Stage = tuple[Floats, Floats, Floats]
+"""One element of a chain: its dynamics, the effect of its input on its states, and the row that gives its output."""
+
+
+def _first_order(time_constant: float) -> Stage:
+    return np.array([[-1.0 / time_constant]]), np.array([1.0 / time_constant]), np.array([1.0])
+
+
+def _second_order(frequency: float, damping_ratio: float) -> Stage:
+    dynamics = np.array([[0.0, 1.0], [-(frequency**2), -2.0 * damping_ratio * frequency]])
+    return dynamics, np.array([0.0, frequency**2]), np.array([1.0, 0.0])
+
+
+def _stages(spec: Spec, actuator: str, *, effects: bool) -> list[Stage]:
+    """Elements of one motor in the order in which the command passes them."""
+    assert spec.actuator is not None
+    stages = [_first_order(1.0 / pole) for pole in spec.actuator.motor_poles or ()]
+    for effect in spec.effects if effects else ():
+        if effect.block == "motor" and effect.actuator == actuator:
+            if effect.kind == "lag" and effect.parameters["time_constant"] > 0.0:
+                stages.append(_first_order(effect.parameters["time_constant"]))
+            elif effect.kind == "second_order":
+                stages.append(_second_order(effect.parameters["frequency"], effect.parameters["damping_ratio"]))
+    return stages
+
+
+def _conditioning(spec: Spec, kind: str, parameter: str, absent: float) -> Floats:
+    assert spec.actuator is not None
+    values = np.full(len(spec.actuator.names), absent)
+    for effect in spec.effects:
+        if effect.block == "motor" and effect.kind == kind:
+            values[spec.actuator.names.index(str(effect.actuator))] = effect.parameters[parameter]
+    return values
+
+
+def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int | None = None) -> Drive:
+    """Motors of a spec, or of its first `actuators`; ``effects=False`` gives the motors that the controller believes in, h(s) alone."""
+    names = spec.actuator.names[:actuators] if spec.actuator else ()
+    m = len(names)
+    chains = [_stages(spec, name, effects=effects) for name in names]
+    nq = sum(stage[1].size for chain in chains for stage in chain)
+    a, b = np.zeros((nq, nq)), np.zeros((nq, m))
+    out, through = np.zeros((m, nq)), np.zeros((m, m))
+    at = 0
+    for actuator, chain in enumerate(chains):
+        from_states, from_command = np.zeros(nq), 1.0
+        for dynamics, entry, row in chain:
+            span = slice(at, at + entry.size)
+            a[span, span] = dynamics
+            a[span] += np.outer(entry, from_states)
+            b[span, actuator] = entry * from_command
+            from_states, from_command = np.zeros(nq), 0.0
+            from_states[span] = row
+            at += entry.size
+        out[actuator] = from_states
+        through[actuator, actuator] = from_command
+    conditioning = np.array([np.zeros(m), np.full(m, np.inf), np.full(m, np.inf)])
+    if m and effects:
+        conditioning[QUANTUM] = _conditioning(spec, "quantisation", "step", 0.0)
+        conditioning[LIMIT] = _conditioning(spec, "saturation", "limit", np.inf)
+        conditioning[RATE] = _conditioning(spec, "rate_limit", "rate", np.inf)
+    return Drive(linear_system(a, b, orders), np.hstack([out, through]), conditioning)
+
+
+def settled(drive: Drive, command: Floats) -> Floats:
+    """Chain states (nq,) after `command` (m,) has been there for ever."""
+    if not drive.system.a.size:
+        return np.empty(0)
+    return np.asarray(np.linalg.solve(drive.system.a, -drive.system.b @ command))
+
+
+@inlined
+def conditioned(drive, command, out):  # type: ignore[no-untyped-def]
+    """Quantise and saturate a command (m,)."""
+    for i in range(out.size):
+        value, quantum, limit = command[i], drive.conditioning[QUANTUM, i], drive.conditioning[LIMIT, i]
+        if quantum > 0.0:
+            value = quantum * math.floor(value / quantum + 0.5)
+        out[i] = min(max(value, -limit), limit)
+
+
+@inlined
+def motor_position(drive, q, command, out):  # type: ignore[no-untyped-def]
+    """Motor positions u (m,) of chain states `q` under the present command (m,)."""
+    nq = q.size
+    for i in range(out.size):
+        u = 0.0
+        for j in range(nq):
+            u += drive.out[i, j] * q[j]
+        for j in range(out.size):
+            u += drive.out[i, nq + j] * command[j]
+        out[i] = u
+
+
+@inlined
+def motor_velocity(drive, q, command, out):  # type: ignore[no-untyped-def]
+    """Motor velocities du/dt (m,); the jumps of a motor without dynamics are left out."""
+    nq, ab = q.size, drive.system.ab
+    for i in range(out.size):
+        out[i] = 0.0
+        for j in range(nq):
+            rate = 0.0
+            for k in range(nq):
+                rate += ab[j, k] * q[k]
+            for k in range(out.size):
+                rate += ab[j, nq + k] * command[k]
+            out[i] += drive.out[i, j] * rate

@@ -1,0 +1,125 @@
+"""Time derivative of the mechanics, with the laws that are not linear."""
+
+from __future__ import annotations
+
+
+
+from rthm_core.compiled import copy_into, inlined
+from rthm_core.physical.laws import CODE, DOF, NONLINEAR, PLACE, SPLIT, STATE, STATES, plant_force, plant_rate, wire_drive, wire_law_force, wire_rate, wire_settle
+
+POSITION, VELOCITY, FRICTION = 1, 2, 3
+"""How the pieces of a law meet; indices into ``laws.SPLITS``."""
+
+
+@inlined
+def _row(row, y, u):  # type: ignore[no-untyped-def]
+    """Product of a row with [y, u]."""
+    total = 0.0
+    for j in range(y.size):
+        total += row[j] * y[j]
+    for j in range(u.size):
+        total += row[y.size + j] * u[j]
+    return total
+
+
+@inlined
+def settle_wire(wires, y, u, actuator):  # type: ignore[no-untyped-def]
+    """Bring path-dependent states of one wire up to the present motion, in place; returns the drive-side position that the wire feels."""
+    position = _row(wires.drive[actuator], y, u)
+    x, k = y[wires.numbers[actuator, DOF]], wires.stiffness[actuator, 0]
+    for row in range(wires.laws.shape[0]):
+        if wires.laws[row, PLACE] == actuator:
+            begin = wires.laws[row, STATE]
+            z = y[begin : begin + wires.laws[row, STATES]]
+            wire_settle(wires.laws[row, CODE], position, x, k, z, wires.parameters[row])
+            position = wire_drive(wires.laws[row, CODE], position, z, wires.parameters[row])
+    return position
+
+
+@inlined
+def settle_wires(wires, y, u):  # type: ignore[no-untyped-def]
+    """Bring path-dependent states of all wires up to the present motion, in place."""
+    for actuator in range(u.size):
+        if wires.numbers[actuator, NONLINEAR]:
+            settle_wire(wires, y, u, actuator)
+
+
+@inlined
+def wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
+    """Force of one wire, in N; of a wire that is not linear, also the rates of its laws' states, into `dy`."""
+    if not wires.numbers[actuator, NONLINEAR]:
+        return _row(wires.force[actuator], y, u)
+    copy_into(scratch, y)
+    position = settle_wire(wires, scratch, u, actuator)
+    dof, k = wires.numbers[actuator, DOF], wires.stiffness[actuator, 0]
+    x, v = y[dof], y[n + dof]
+    force = k * (position - x)
+    for row in range(wires.laws.shape[0]):
+        if wires.laws[row, PLACE] == actuator:
+            begin, end = wires.laws[row, STATE], wires.laws[row, STATE] + wires.laws[row, STATES]
+            force = wire_law_force(wires.laws[row, CODE], position, x, v, k, force, scratch[begin:end], wires.parameters[row])
+            wire_rate(wires.laws[row, CODE], position, x, v, k, scratch[begin:end], wires.parameters[row], dy[begin:end])
+    return force
+
+
+@inlined
+def _add(mechanics, column, force, dy):  # type: ignore[no-untyped-def]
+    """Add a fed-back force to the rates."""
+    for i in range(dy.size):
+        dy[i] += mechanics[i, column] * force
+
+
+@inlined
+def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[no-untyped-def]
+    """Add the force of one plant law, and the rates of its own states."""
+    dof, begin = laws.numbers[row, PLACE], laws.numbers[row, STATE]
+    end = begin + laws.numbers[row, STATES]
+    code, x, v = laws.numbers[row, CODE], y[dof], y[n + dof]
+    _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, laws.parameters[row], piece), dy)
+    if end > begin:
+        plant_rate(code, x, v, y[begin:end], t, laws.parameters[row], piece, dy[begin:end])
+
+
+@inlined
+def mechanics_rate(model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law)."""
+    mechanics, laws = model.mechanics, model.laws
+    size, m, loads = y.size, u.size, w.size
+    for i in range(size):
+        rate = 0.0
+        for j in range(size):
+            rate += mechanics[i, j] * y[j]
+        for j in range(m):
+            rate += mechanics[i, size + j] * u[j]
+        for j in range(loads):
+            rate += mechanics[i, size + m + j] * w[j]
+        dy[i] = rate
+    for actuator in range(m):
+        if model.wires.numbers[actuator, NONLINEAR]:
+            _add(mechanics, size + m + loads + actuator, wire_force(model.wires, model.n, y, u, actuator, scratch, dy), dy)
+    first, sticking = size + 2 * m + loads, 0
+    for row in range(laws.numbers.shape[0]):
+        hold[row] = 0.0
+        if laws.numbers[row, SPLIT] == FRICTION and pieces[row] == 0:
+            sticking += 1
+        else:
+            _add_law(laws, row, mechanics, first + row, model.n, pieces[row], y, t, dy)
+    if sticking:
+        _hold(laws, mechanics, first, model.n, model.inverse_mass, pieces, dy, hold, sticking)
+
+
+@inlined
+def _hold(laws, mechanics, first, n, inverse_mass, pieces, dy, hold, sticking):  # type: ignore[no-untyped-def]
+    """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs one sweep."""
+    for _ in range(1 if sticking == 1 else 200):
+        change = 0.0
+        for row in range(laws.numbers.shape[0]):
+            if laws.numbers[row, SPLIT] == FRICTION and pieces[row] == 0:
+                dof = laws.numbers[row, PLACE]
+                force = -dy[n + dof] / inverse_mass[dof, dof]
+                hold[row] += force
+                change = max(change, abs(force) - 1e-15 * abs(hold[row]))
+                _add(mechanics, first + row, force, dy)
+                dy[n + dof] = 0.0
+        if change <= 0.0:
+            return

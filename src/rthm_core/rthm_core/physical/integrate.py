@@ -1,0 +1,284 @@
+"""Integration of mechanics that are not linear: Runge-Kutta 5(4) between switching points that are located exactly.
+
+A law's piece is frozen during a step. When a step would end in another piece, it is shortened until it ends where the pieces meet, and the law switches there.
+No step crosses a kink, so that the order of the method holds through sticking, stops and turning points.
+
+Method: Dormand and Prince (1980). The motor is not part of the integration: u is known exactly at every stage.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers, copy_into, inlined
+from rthm_core.linear import polynomial, step_linear
+from rthm_core.physical.drive import motor_position
+from rthm_core.physical.flow import FRICTION, POSITION, VELOCITY, mechanics_rate, settle_wires
+from rthm_core.physical.laws import PLACE, SPLIT
+
+RELATIVE_ERROR = 1e-11
+SMALLEST_SCALE = 1e-2
+"""Error of a step, relative to the largest value that a state has had, and the least such value."""
+
+_NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_WEIGHTS = np.zeros((7, 6))
+_WEIGHTS[1, :1] = [1 / 5]
+_WEIGHTS[2, :2] = [3 / 40, 9 / 40]
+_WEIGHTS[3, :3] = [44 / 45, -56 / 15, 32 / 9]
+_WEIGHTS[4, :4] = [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729]
+_WEIGHTS[5, :5] = [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656]
+_WEIGHTS[6, :6] = [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]
+_ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+
+
+class Trace(NamedTuple):
+    """Smooth steps of one segment: row k > 0 is the end of step k, row 0 the start of the first.
+
+    Attributes
+    ----------
+    count : (1,) array
+        Number of rows.
+    time : (rows,) array
+        Seconds since the start of the segment.
+    y : (3, rows, ny) array
+        Mechanics and its rate at the end of each step, and its rate at the start of the step, after any switch there.
+    pieces : (rows, L) array
+        Pieces in force during the step that ends there.
+    """
+
+    count: Integers
+    time: Floats
+    y: Floats
+    pieces: Integers
+
+
+class Work(NamedTuple):
+    """Scratch of the integration: stages (7, ny), rows `TRIAL`, `POINT`, `SCRATCH`, `START` (4, ny), motor states, u, command, w, holding forces."""
+
+    stages: Floats
+    rows: Floats
+    q: Floats
+    u: Floats
+    command: Floats
+    w: Floats
+    hold: Floats
+
+
+TRIAL, POINT, SCRATCH, START = range(4)
+
+
+def trace(size: int, laws: int, rows: int = 256) -> Trace:
+    """Empty trace for a mechanics of `size` states."""
+    return Trace(np.zeros(1, dtype=np.int64), np.zeros(rows), np.zeros((3, rows, size)), np.zeros((rows, laws), dtype=np.int64))
+
+
+def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
+    """Scratch for `size` mechanical and `chain` motor states, `m` actuators, `loads` loads and `laws` laws."""
+    return Work(np.zeros((7, size)), np.zeros((4, size)), np.zeros(chain), np.zeros(m), np.zeros(m), np.zeros(loads), np.zeros(laws))
+
+
+@inlined
+def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
+    """Motor positions and loads a time `s` after the start of the segment, into ``work.u`` and ``work.w``.
+
+    `q` are the motor states at the start of the segment and `inputs` the derivatives of commands and loads there.
+    """
+    m = model.m
+    copy_into(work.q, q)
+    if q.size and s > 0.0:
+        step_linear(model.drive.system, work.q, inputs, s)
+    for i in range(m):
+        work.command[i] = polynomial(inputs, i, 0, s)
+    motor_position(model.drive, work.q, work.command, work.u)
+    for i in range(work.w.size):
+        work.w[i] = polynomial(inputs, m + i, 0, s)
+
+
+@inlined
+def _rate(model, pieces, work, y, t, dy):  # type: ignore[no-untyped-def]
+    mechanics_rate(model, pieces, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
+
+
+@inlined
+def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
+    """One step of `h` from the present state, whose rate is in ``work.stages[0]``; its end goes to row `TRIAL`."""
+    point, y = work.rows[POINT], state.y
+    for stage in range(1, 7):
+        for i in range(y.size):
+            total = 0.0
+            for j in range(stage):
+                total += _WEIGHTS[stage, j] * work.stages[j, i]
+            point[i] = y[i] + h * total
+        if stage != 6:
+            inputs_at(model, work, state.q, state.inputs, s + _NODES[stage] * h)
+        _rate(model, state.pieces, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
+    copy_into(work.rows[TRIAL], point)
+
+
+@inlined
+def _error(work, scale, h):  # type: ignore[no-untyped-def]
+    """Estimated error of the last trial over the allowed one."""
+    worst = 0.0
+    for i in range(scale.size):
+        total = 0.0
+        for j in range(7):
+            total += _ERROR[j] * work.stages[j, i]
+        worst = max(worst, abs(h * total) / (RELATIVE_ERROR * max(scale[i], SMALLEST_SCALE)))
+    return worst
+
+
+@inlined
+def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
+    """How far a law is from leaving its piece; negative: it has left it."""
+    laws = model.laws
+    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+    if split == POSITION:
+        above = laws.thresholds[row, piece] - y[dof] if piece < 2 else np.inf
+        below = y[dof] - laws.thresholds[row, piece - 1] if piece > 0 else np.inf
+        return min(above, below)
+    if split == FRICTION and piece == 0:
+        return laws.breakaway[row] - abs(hold[row])
+    if split == VELOCITY or split == FRICTION:
+        return piece * y[model.n + dof]
+    return np.inf
+
+
+@inlined
+def _left(model, pieces, y, hold, other_than, tolerance):  # type: ignore[no-untyped-def]
+    """First law, other than one, that has left its piece by more than a tolerance; -1: none."""
+    for row in range(pieces.size):
+        if row != other_than and _margin(model, row, pieces[row], y, hold) < -tolerance:
+            return row
+    return -1
+
+
+@inlined
+def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
+    """Length of the step that ends where law `row` leaves its piece (Illinois method); the trial is left there."""
+    piece, trial = state.pieces[row], work.rows[TRIAL]
+    low, high, at_low = 0.0, h, 0.0
+    at_high = _margin(model, row, piece, trial, work.hold)
+    for _ in range(100):
+        if high - low <= 1e-15 or high - low <= 1e-14 * h:
+            break
+        middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        _try(model, state, work, t0, s, middle)
+        value = _margin(model, row, piece, trial, work.hold)
+        if value < 0.0:
+            at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
+            high, at_high = middle, value
+        else:
+            at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
+            low, at_low = middle, value
+    _try(model, state, work, t0, s, high)
+    return high
+
+
+@inlined
+def _loose(hold):  # type: ignore[no-untyped-def]
+    """Piece of a friction that comes loose: the dof moves against the force that held it."""
+    return -1 if hold > 0.0 else 1
+
+
+@inlined
+def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
+    """Put law `row` into the piece that is in force from here on."""
+    laws, pieces, y = model.laws, state.pieces, state.y
+    split, piece, dof = laws.numbers[row, SPLIT], pieces[row], laws.numbers[row, PLACE]
+    if split == POSITION:
+        pieces[row] = piece + 1 if piece < 2 and y[dof] >= laws.thresholds[row, piece] else piece - 1
+    elif split == VELOCITY:
+        pieces[row] = -piece
+    elif piece == 0:
+        pieces[row] = _loose(work.hold[row])
+    else:
+        y[model.n + dof] = 0.0
+        pieces[row] = 0
+
+
+@inlined
+def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
+    """Rate at the start of a step; a dof that is held by more than its breakaway force comes loose first."""
+    for _ in range(2 * state.pieces.size + 1):
+        _rate(model, state.pieces, work, state.y, t, work.stages[0])
+        loose = -1
+        for row in range(state.pieces.size):
+            if state.pieces[row] == 0 and model.laws.numbers[row, SPLIT] == FRICTION and abs(work.hold[row]) > model.laws.breakaway[row]:
+                loose = row
+        if loose < 0:
+            return
+        state.pieces[loose] = _loose(work.hold[loose])
+
+
+@inlined
+def _record(trace, time, y, dy, start, pieces):  # type: ignore[no-untyped-def]
+    row = trace.count[0]
+    if row < trace.time.size:
+        trace.time[row] = time
+        copy_into(trace.y[0, row], y)
+        copy_into(trace.y[1, row], dy)
+        copy_into(trace.y[2, row], start)
+        for i in range(pieces.size):
+            trace.pieces[row, i] = pieces[i]
+        trace.count[0] = row + 1
+
+
+@inlined
+def _until_switch(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
+    """Shorten a step that was tried to the first switch on its way: its length, and the law that switches at its end (-1: none)."""
+    hold, trial = work.hold, work.rows[TRIAL]
+    row = _left(model, state.pieces, trial, hold, -1, 0.0)
+    law = row
+    while row >= 0:
+        h = _locate(model, state, work, t0, s, h, row)
+        law = row
+        row = _left(model, state.pieces, trial, hold, law, 1e-13)
+    return h, law
+
+
+@inlined
+def _step_size(step, h, error):  # type: ignore[no-untyped-def]
+    """Length to try next after a step of `h` with this relative error."""
+    return max(step, h) if error == 0.0 else max(0.5 * step, h * min(4.0, 0.9 * error**-0.2))
+
+
+@inlined
+def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def]
+    """Advance the mechanics ``state.y`` by `dt` seconds from time `t0` (s); the motor states in ``state.q`` stay at its start."""
+    y, start, trial = state.y, work.rows[START], work.rows[TRIAL]
+    inputs_at(model, work, state.q, state.inputs, 0.0)
+    settle_wires(model.wires, y, work.u)
+    _begin(model, state, work, t0)
+    trace.count[0] = 0
+    _record(trace, 0.0, y, work.stages[0], work.stages[0], state.pieces)
+    s, still = 0.0, 0
+    while s < dt:
+        h = min(state.step[0], dt - s)
+        if dt - s - h < 1e-3 * h:
+            h = dt - s
+        _try(model, state, work, t0, s, h)
+        error = _error(work, state.scale, h)
+        if error > 1.0 and h > 1e-10:
+            state.step[0] = h * max(0.2, 0.9 * error**-0.2)
+            continue
+        tried, law = h, -1
+        if still < 20:
+            h, law = _until_switch(model, state, work, t0, s, tried)
+        s = dt if h == tried and dt - s <= h else s + h
+        copy_into(start, work.stages[0])
+        copy_into(y, trial)
+        for i in range(y.size):
+            state.scale[i] = max(state.scale[i], abs(y[i]))
+        settle_wires(model.wires, y, work.u)
+        _record(trace, s, y, work.stages[6], start, state.pieces)
+        if law >= 0:
+            _switch(model, state, work, t0 + s, law)
+            still = still + 1 if h < 1e-9 else 0
+        else:
+            still = 0
+            state.step[0] = _step_size(state.step[0], h, error)
+        _begin(model, state, work, t0 + s)

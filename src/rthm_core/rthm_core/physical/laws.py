@@ -1,0 +1,168 @@
+"""The laws of a spec as tables of numbers, and the compiled functions that call a law by its number."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers, chosen
+from rthm_core.effects import effect, kinds
+from rthm_core.effects.laws import PlantLaw, WireLaw
+from rthm_core.effects.wire import Slack
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
+
+PLANT_LAWS: list[Any] = [law for law in (effect(kind, "plant") for kind in kinds("plant")) if not law.linear]
+WIRE_LAWS: list[Any] = [effect(kind, "wire") for kind in kinds("wire")]
+SPLITS = ("none", "position", "velocity", "friction")
+MOST_PARAMETERS = 8
+
+plant_force = chosen([law.force for law in PLANT_LAWS], lambda x, v, z, t, p, piece: 0.0, "x, v, z, t, p, piece")
+plant_rate = chosen([law.rate for law in PLANT_LAWS], PlantLaw.rate, "x, v, z, t, p, piece, dz")
+wire_settle = chosen([law.settle for law in WIRE_LAWS], WireLaw.settle, "u, x, k, z, p")
+wire_drive = chosen([law.drive for law in WIRE_LAWS], WireLaw.drive, "u, z, p")
+wire_law_force = chosen([law.force for law in WIRE_LAWS], WireLaw.force, "u, x, v, k, f, z, p")
+wire_rate = chosen([law.rate for law in WIRE_LAWS], WireLaw.rate, "u, x, v, k, z, p, dz")
+
+
+class LawTable(NamedTuple):
+    """Nonlinear laws on the plant: L rows.
+
+    Columns of `numbers` are code, dof, first own state, number of own states, and how the pieces meet; `parameters` (L, 8), `thresholds` (L, 2);
+    `breakaway` (L,) in N.
+    """
+
+    numbers: Integers
+    parameters: Floats
+    thresholds: Floats
+    breakaway: Floats
+
+
+class WireTable(NamedTuple):
+    """Wires of m actuators, and the laws of those that are not linear (W rows, sorted from motor to plant within an actuator).
+
+    Attributes
+    ----------
+    numbers : (m, 3) array
+        Plant dof, first state of the pulley of (3a) or -1, whether the wire is nonlinear.
+    stiffness : (m, 2) array
+        Of the wire itself and k_tot, N/m.
+    drive, force : (m, ny + m) arrays
+        Drive side of the wire (motor or pulley), and force of a linear wire, from [y, u].
+    laws : (W, 4) array
+        Code, actuator, first own state, number of own states.
+    parameters : (W, 8) array
+        Of the laws.
+    """
+
+    numbers: Integers
+    stiffness: Floats
+    drive: Floats
+    force: Floats
+    laws: Integers
+    parameters: Floats
+
+    def sized(self, size: int) -> WireTable:
+        """The table with rows for `size` states."""
+        m = self.numbers.shape[0]
+        drive = np.zeros((m, size + m))
+        for actuator, (_, pulley, _) in enumerate(self.numbers):
+            drive[actuator, pulley if pulley >= 0 else size + actuator] = 1.0
+        return self._replace(drive=drive, force=np.zeros((m, size + m)))
+
+
+CODE, PLACE, STATE, STATES, SPLIT = range(5)
+"""Columns of the tables of laws; the place is a dof or an actuator."""
+
+DOF, PULLEY, NONLINEAR = range(3)
+"""Columns of ``WireTable.numbers``."""
+
+
+def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
+    """Law of an effect of the spec, and its parameters in the order of their declaration."""
+    law = effect(entry.kind, entry.block)
+    return law, tuple(float(entry.parameters[name]) for name in law.parameters)
+
+
+def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
+    """Law, parameters and dof of every effect on the plant, in the order of the spec."""
+    assert spec.plant is not None
+    found = [(*_law(e), spec.plant.dofs.index(str(e.dof))) for e in spec.effects if e.block == "plant"]
+    stuck = [dof for law, _, dof in found if law.split == "friction"]
+    for dof in stuck:
+        if stuck.count(dof) > 1:
+            raise InputError(f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed is one per dof; join them into one.")
+    return found
+
+
+def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[Any, tuple[float, ...]]]:
+    """Wire laws of one actuator, sorted; a pretension that is not zero makes the wire one that can go slack."""
+    found = [_law(e) for e in spec.effects if e.block == "wire" and e.actuator == actuator]
+    if pretension > 0.0 and not any(law.kind == "slack" for law, _ in found):
+        found.append((Slack, (pretension,)))
+    return sorted(found, key=lambda pair: pair[0].order)
+
+
+def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
+    """Wires of the first `m` actuators; states from `at` on are given to pulleys and laws, and the next free one is returned."""
+    numbers, stiffness = np.zeros((m, 3), dtype=np.int64), np.zeros((m, 2))
+    rows: list[tuple[Any, tuple[float, ...], int, int]] = []
+    for a in range(m):
+        assert spec.actuator is not None and spec.interface is not None
+        t = spec.actuator.transmission
+        moving = t is not None and (t.inertia > 0.0 or t.damping > 0.0)
+        stiffness[a] = (t.wire if t is not None and moving else spec.k_tot[a]), spec.k_tot[a]
+        laws = _wire_effects(spec, spec.actuator.names[a], spec.actuator.pretension[a])
+        curved = any(not law.linear for law, _ in laws)
+        numbers[a] = spec.plant.dofs.index(spec.interface.plant_dof[a]), at if moving else -1, curved
+        at += (2 if t is not None and t.inertia > 0.0 else 1) if moving else 0
+        for law, p in laws if curved else []:
+            rows.append((law, p, a, at))
+            at += law.states
+    empty = np.empty((0, 0))
+    return WireTable(numbers, stiffness, empty, empty, *_rows(rows, WIRE_LAWS)), at
+
+
+def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float, ...], int, int]], int]:
+    """Law, parameters, actuator and first own state of every law on a linear wire."""
+    found = []
+    for a, name in enumerate(spec.actuator.names[:m] if spec.actuator else ()):
+        assert spec.actuator is not None
+        laws = _wire_effects(spec, name, spec.actuator.pretension[a])
+        if all(law.linear for law, _ in laws):
+            for law, p in laws:
+                found.append((law, p, a, at))
+                at += law.states
+    return found, at
+
+
+def curved_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, int]]:
+    """Law, parameters, actuator and first own state of every law on a wire that is not linear."""
+    return [
+        (WIRE_LAWS[code], tuple(p[: len(WIRE_LAWS[code].parameters)]), int(actuator), int(state))
+        for (code, actuator, state, _), p in zip(table.laws, table.parameters, strict=True)
+    ]
+
+
+def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]], known: list[Any]) -> tuple[Integers, Floats]:
+    """Numbers (code, place, first state, states) and parameters of some laws, as arrays."""
+    parameters = np.zeros((len(entries), MOST_PARAMETERS))
+    for row, (_, p, _, _) in enumerate(entries):
+        parameters[row, : len(p)] = p
+    numbers = [(known.index(law), place, at, law.states) for law, _, place, at in entries]
+    return np.array(numbers, dtype=np.int64).reshape(-1, 4), parameters
+
+
+def law_table(curved: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
+    """Table of the nonlinear laws: (law, parameters, dof, first own state)."""
+    numbers, parameters = _rows(curved, PLANT_LAWS)
+    splits = np.array([SPLITS.index(law.split) for law, _, _, _ in curved], dtype=np.int64).reshape(-1, 1)
+    thresholds = np.full((len(curved), 2), np.inf)
+    for row, (law, p, _, _) in enumerate(curved):
+        limits = law.thresholds(p)
+        thresholds[row, : len(limits)] = limits
+    return LawTable(np.hstack([numbers, splits]), parameters, thresholds, np.array([law.breakaway(p) for law, p, _, _ in curved], dtype=float))

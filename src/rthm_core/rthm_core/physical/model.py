@@ -1,0 +1,236 @@
+"""Put the physical side together: from the spec to the arrays that the compiled code works on.
+
+The mechanics are one linear system with nonlinear forces fed back into it,
+
+    dy/dt = A y + B_u u + B_w w + B_F F + B_p f,
+
+with the motor positions u, the loads w, the forces F of wires that are not linear and the forces f of laws that are not linear. Linear laws are
+probed with unit motions and become part of A, so that their equation, too, is written once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers
+from rthm_core.errors import InputError
+from rthm_core.linear import LinearSystem, linear_system
+from rthm_core.loads import NO_LOAD, Load, Loads, load, together
+from rthm_core.physical.drive import Drive, drive
+from rthm_core.physical.laws import DOF, NONLINEAR, PULLEY, LawTable, WireTable, curved_wires, law_table, plant_laws, wire_laws, wire_table
+from rthm_core.physical.sensors import Sensors, sensor_states, sensors
+from rthm_core.substructure import Substructure, substructure
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+
+class PhysicalModel(NamedTuple):
+    """Everything that the compiled code needs to know of motor, wire and plant.
+
+    The state is ``whole = [q, y]`` with the motor chain q (nq,) and the mechanics y (ny,) = [x, v, transmission, own states of laws, sensor lags];
+    ``dy/dt = mechanics [y, u, w, F, f]``.
+    """
+
+    n: int
+    m: int
+    drive: Drive
+    whole: LinearSystem
+    linear: bool
+    mechanics: Floats
+    inverse_mass: Floats
+    loads: Loads
+    load_dof: Integers
+    listed_loads: int
+    wires: WireTable
+    laws: LawTable
+    sensors: Sensors
+
+
+class _Assembly:
+    """Matrices under construction; one method per part of the physics."""
+
+    def __init__(self, spec: Spec, plant: Substructure, m: int, size: int, loads: int, laws: int) -> None:
+        self.spec, self.plant, self.n, self.m = spec, plant, plant.dofs, m
+        self.inverse_mass = np.linalg.inv(plant.mass)
+        self.a = np.zeros((size, size))
+        self.b_u, self.b_w = np.zeros((size, m)), np.zeros((size, loads))
+        self.b_f, self.b_p = np.zeros((size, m)), np.zeros((size, laws))
+
+    def push(self, dof: int) -> Floats:
+        """Effect of a unit force on a dof on dy/dt."""
+        column = np.zeros(self.a.shape[0])
+        column[self.n : 2 * self.n] = self.inverse_mass[:, dof]
+        return column
+
+    def add_plant(self) -> None:
+        n = self.n
+        self.a[:n, n : 2 * n] = np.eye(n)
+        self.a[n : 2 * n, :n] = -self.inverse_mass @ self.plant.stiffness
+        self.a[n : 2 * n, n : 2 * n] = -self.inverse_mass @ self.plant.damping
+
+    def add_transmission(self, actuator: int, at: int) -> None:
+        """Pulley of (3a), in metres at the wire: p = theta_w r_w."""
+        assert self.spec.actuator is not None and self.spec.actuator.transmission is not None
+        t = self.spec.actuator.transmission
+        mass, damping, stiffness = t.inertia / t.radius**2, t.damping / t.radius**2, t.spring / t.radius**2
+        if mass > 0.0:
+            self.a[at, at + 1] = 1.0
+            self.a[at + 1, at], self.a[at + 1, at + 1] = -stiffness / mass, -damping / mass
+            self.b_u[at + 1, actuator], self.b_f[at + 1, actuator] = stiffness / mass, -1.0 / mass
+        else:
+            self.a[at, at] = -stiffness / damping
+            self.b_u[at, actuator], self.b_f[at, actuator] = stiffness / damping, -1.0 / damping
+
+    def add_linear_law(self, law: Any, p: tuple[float, ...], dof: int, at: int) -> None:
+        n, states = self.n, law.states
+        inputs = [dof, n + dof, *range(at, at + states)]
+        for column, unit in zip(inputs, np.eye(2 + states), strict=True):
+            z, dz = list(unit[2:]), [0.0] * states
+            self.a[:, column] += self.push(dof) * law.force(unit[0], unit[1], z, 0.0, p, 0)
+            law.rate(unit[0], unit[1], z, 0.0, p, 0, dz)
+            self.a[at : at + states, column] += dz
+
+    def add_linear_wire(self, wires: WireTable, actuator: int, laws: list[Any]) -> None:
+        """Probe a linear wire for its force and fold it into the dynamics."""
+        n, dof, k = self.n, int(wires.numbers[actuator, DOF]), float(wires.stiffness[actuator, 0])
+        states = [(law, p, at) for law, p, a, at in laws if a == actuator]
+        columns = [dof, n + dof, *[at + j for law, _, at in states for j in range(law.states)]]
+        for i in range(1 + len(columns)):
+            unit = np.zeros(1 + len(columns))
+            unit[i] = 1.0
+            force, begin = k * (unit[0] - unit[1]), 3
+            for law, p, at in states:
+                z, dz = list(unit[begin : begin + law.states]), [0.0] * law.states
+                force = law.force(unit[0], unit[1], unit[2], k, force, z, p)
+                law.rate(unit[0], unit[1], unit[2], k, z, p, dz)
+                self._add_drive_or_motion(wires, actuator, i, columns, slice(at, at + law.states), np.array(dz))
+                begin += law.states
+            unit_row = np.eye(wires.drive.shape[1])
+            wires.force[actuator] += force * (wires.drive[actuator] if i == 0 else unit_row[columns[i - 1]])
+        size = self.a.shape[0]
+        self.a += np.outer(self.b_f[:, actuator], wires.force[actuator, :size])
+        self.b_u += np.outer(self.b_f[:, actuator], wires.force[actuator, size:])
+        self.b_f[:, actuator] = 0.0
+
+    def _add_drive_or_motion(self, wires: WireTable, actuator: int, i: int, columns: list[int], rows: slice, dz: Floats) -> None:
+        if i == 0:
+            size = self.a.shape[0]
+            self.a[rows] += np.outer(dz, wires.drive[actuator, :size])
+            self.b_u[rows] += np.outer(dz, wires.drive[actuator, size:])
+        else:
+            self.a[rows, columns[i - 1]] += dz
+
+
+def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], list[int], int]:
+    """All forces on the plant that depend on time alone, their dofs, and how many of them are listed in the spec's ``load``."""
+    assert spec.plant is not None
+    section = spec.load.plant
+    loads, dofs = [load(section)], [spec.plant.dofs.index(section.dof) if section is not None and section.dof else 0]
+    loads, dofs = loads + [one for one, _ in further], dofs + [dof for _, dof in further]
+    listed = len(loads)
+    for law, p, dof in plant_laws(spec):
+        shape = law.excitation(p)
+        if shape is not None:
+            constant, amplitude, frequency, phase = shape
+            sine = {"amplitude": np.array([amplitude]), "frequency": np.array([frequency]), "phase": np.array([phase])}
+            loads.append(NO_LOAD._replace(constant=constant, **(sine if amplitude else {})))
+            dofs.append(dof)
+    return loads, dofs, listed
+
+
+Resting = tuple[Any, tuple[float, ...], str, int, int]
+"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own state."""
+
+
+def physical_model(spec: Spec, body: Substructure | None = None, further: list[tuple[Load, int]] | None = None) -> tuple[PhysicalModel, list[Resting]]:
+    """Physical side of a spec: with actuators when it has them, else a plant under known forces.
+
+    Parameters
+    ----------
+    spec : Spec
+        What to build.
+    body : Substructure, optional
+        Moves instead of the plant, without actuators; its first dofs are the plant's.
+    further : list of (Load, dof), optional
+        Known loads beside the spec's load on the plant.
+
+    Returns
+    -------
+    model : PhysicalModel
+        What compiled code works on.
+    resting : list
+        Laws with own states, for their values at the start of a test.
+
+    Raises
+    ------
+    InputError
+        When the spec has no plant.
+    """
+    if spec.plant is None:
+        raise InputError("plant is missing: nothing can be simulated without it; add a plant section with dofs, mass, damping and stiffness.")
+    plant = body or substructure(spec.plant)
+    m = len(spec.actuator.names) if spec.actuator and body is None else 0
+    loads, load_dofs, listed = _loads(spec, further or [])
+    forces = [(law, p, dof) for law, p, dof in plant_laws(spec) if law.excitation(p) is None]
+    at = 2 * plant.dofs
+    wires, at = wire_table(spec, at, m)
+    wire_list, at = wire_laws(spec, at, m)
+    law_at = np.cumsum([at, *[law.states for law, _, _ in forces]])
+    sensor_at = int(law_at[-1])
+    size = sensor_at + (0 if body else sensor_states(spec))
+    curved = [(law, p, dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if not law.linear]
+    parts = _Assembly(spec, plant, m, size, len(loads), len(curved))
+    parts.add_plant()
+    for i, dof in enumerate(load_dofs):
+        parts.b_w[:, i] = parts.push(dof)
+    for i, (_, _, dof, _) in enumerate(curved):
+        parts.b_p[:, i] = parts.push(dof)
+    for (law, p, dof), z in zip(forces, law_at, strict=False):
+        if law.linear:
+            parts.add_linear_law(law, p, dof, int(z))
+    wires = wires.sized(size)
+    for actuator in range(m):
+        parts.b_f[:, actuator] = parts.push(int(wires.numbers[actuator, DOF]))
+        if wires.numbers[actuator, PULLEY] >= 0:
+            parts.add_transmission(actuator, int(wires.numbers[actuator, PULLEY]))
+    measured = sensors(spec, parts, sensor_at, measured=body is None)
+    for actuator in range(m):
+        if not wires.numbers[actuator, NONLINEAR]:
+            parts.add_linear_wire(wires, actuator, wire_list)
+    orders = max([one.orders for one in loads] + [2 if _limits_rate(spec) else 1])
+    motors = drive(spec, orders, actuators=m)
+    resting: list[Resting] = [(law, p, "plant", dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if law.states]
+    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
+    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in curved_wires(wires) if law.states]
+    model = PhysicalModel(
+        plant.dofs,
+        m,
+        motors,
+        _whole(motors, parts, orders),
+        not curved and not wires.numbers[:, NONLINEAR].any(),
+        np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]),
+        parts.inverse_mass,
+        together(loads),
+        np.array(load_dofs, dtype=np.int64),
+        listed,
+        wires,
+        law_table(curved),
+        measured,
+    )
+    return model, resting
+
+
+def _limits_rate(spec: Spec) -> bool:
+    return any(effect.block == "motor" and effect.kind == "rate_limit" for effect in spec.effects)
+
+
+def _whole(motors: Drive, parts: _Assembly, orders: int) -> LinearSystem:
+    """Motor chain and mechanics as one linear system with the inputs [commands, loads]."""
+    nq, ny, m = motors.system.a.shape[0], parts.a.shape[0], parts.m
+    a, b = np.zeros((nq + ny, nq + ny)), np.zeros((nq + ny, m + parts.b_w.shape[1]))
+    a[:nq, :nq], a[nq:, :nq], a[nq:, nq:] = motors.system.a, parts.b_u @ motors.out[:, :nq], parts.a
+    b[:nq, :m], b[nq:, :m], b[nq:, m:] = motors.system.b, parts.b_u @ motors.out[:, nq:], parts.b_w
+    return linear_system(a, b, orders)

@@ -1,0 +1,97 @@
+"""The physical side as an object: what the plant node and the tests hold."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats
+from rthm_core.physical.advance import Physical, advance_to, command_and_advance, physical, sample_now
+from rthm_core.physical.model import physical_model
+from rthm_core.substructure import interface
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+
+class PhysicalSample(NamedTuple):
+    """What the data acquisition sees at one instant: motion of n dofs, known external loads, and m actuators. SI units."""
+
+    position: Floats
+    velocity: Floats
+    load: Floats
+    motor_position: Floats
+    motor_velocity: Floats
+    force: Floats
+
+
+def first_command(spec: Spec) -> Floats:
+    """Command (m,) that has been there for ever before the test: position cancellation plus F_d(0) / k_tot."""
+    if spec.actuator is None or spec.plant is None:
+        return np.empty(0)
+    sides = interface(spec)
+    assert spec.numerical is not None
+    x1, v1 = np.array(spec.plant.initial_position)[sides.plant], np.array(spec.plant.initial_velocity)[sides.plant]
+    x2, v2 = np.array(spec.numerical.initial_position)[sides.numerical], np.array(spec.numerical.initial_velocity)[sides.numerical]
+    return x1 + sides.force(x1, v1, x2, v2) / np.array(spec.k_tot)
+
+
+def build(spec: Spec) -> Physical:
+    """Physical side of a spec at the start of a test."""
+    assert spec.plant is not None
+    model, resting = physical_model(spec)
+    position, velocity = np.array(spec.plant.initial_position, dtype=float), np.array(spec.plant.initial_velocity, dtype=float)
+    return physical(model, resting, position, velocity, first_command(spec))
+
+
+class PhysicalSide:
+    """Motor, wire and plant with the effects of the spec.
+
+    All instants are ns since the start of the test. Commands and samples must come in the order of their instants.
+
+    Parameters
+    ----------
+    spec : Spec
+        Needs a plant; without actuator the plant moves under its known loads alone.
+
+    Raises
+    ------
+    InputError
+        When the spec has no plant, or actuators without an interface.
+    """
+
+    def __init__(self, spec: Spec) -> None:
+        self.compiled = build(spec)
+        self._out = np.zeros(3 * self.dofs + 3 * self.actuators)
+
+    @property
+    def dofs(self) -> int:
+        """Number n of degrees of freedom."""
+        return int(self.compiled.model.n)
+
+    @property
+    def actuators(self) -> int:
+        """Number m of actuators."""
+        return int(self.compiled.model.m)
+
+    @property
+    def time_ns(self) -> int:
+        """Instant to which the state belongs."""
+        return int(self.compiled.state.time[0])
+
+    def command(self, at_ns: int, u_d: Floats) -> None:
+        """Make `u_d` (m,), in m, the input of the motors from `at_ns` on."""
+        command_and_advance(self.compiled, at_ns, np.ascontiguousarray(u_d, dtype=float))
+
+    def advance(self, to_ns: int) -> None:
+        """Advance to an instant; an earlier one changes nothing."""
+        advance_to(self.compiled, to_ns)
+
+    def sample(self, stamp_ns: int) -> PhysicalSample:
+        """Advance to `stamp_ns` and measure, with the noise and the sensor effects of the spec."""
+        self.advance(stamp_ns)
+        sample_now(self.compiled, stamp_ns, self._out)
+        n, m = self.dofs, self.actuators
+        position, velocity, force, motor, motor_velocity, load = np.split(self._out.copy(), np.cumsum([n, n, m, m, m]))
+        return PhysicalSample(position, velocity, load, motor, motor_velocity, force)

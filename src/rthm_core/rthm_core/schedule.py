@@ -1,0 +1,174 @@
+"""The event order of the loop as data.
+
+Nothing in the loop's timing depends on its motion: which sample is used when follows from clocks, delays, jitter and loss alone. A schedule
+is therefore computed beforehand, and one table says what happens when, with which sample. The exact engine executes it, the theory multiplies along
+it, a recording is compared with it.
+
+At one instant (contract, section 1): delays that are over, the motor's command first; sampling; the numerical substructure; the controller; and
+after each of the last three a delay of zero passes at once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.clock import to_ns
+from rthm_core.compiled import Integers
+from rthm_core.link import NEVER, Link
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+SAMPLE, REFERENCE, COMMAND, MOTOR, OUTPUT = range(5)
+"""What can happen: the plant is sampled, the numerical substructure ticks, the controller commands, a command reaches the motor, a row is written."""
+
+_MOTOR_DUE, _REFERENCE_DUE, _SAMPLING, _NUMERICAL, _CONTROL, _AFTER = 0, 2, 4, 5, 7, 9
+_AT_ONCE = 1
+INITIAL = -1
+"""Index of the sample that has been there for ever before the test."""
+
+
+class Commands(NamedTuple):
+    """Commands of a span of time: when, with which state sample and which reference, and at which place in the order of their instant."""
+
+    time: Integers
+    state: Integers
+    reference: Integers
+    rank: Integers
+
+
+class Events(NamedTuple):
+    """What happens in a span of time, in order.
+
+    `index` is the number of the sample, reference, command or output row; `state` and `reference` are the numbers of what it uses.
+    """
+
+    time: Integers
+    what: Integers
+    index: Integers
+    state: Integers
+    reference: Integers
+
+
+def newest(link: Link, period: int, uses: Integers) -> Integers:
+    """Number of the newest sample of a clock of `period` that has passed `link` at each of the instants `uses` (ascending); -1: none yet."""
+    if uses.size == 0:
+        return np.empty(0, dtype=np.int64)
+    if link.constant:
+        return np.maximum((uses - link.delay_ns) // period, INITIAL)
+    margin = link.reach_ns + (200 * period if link.loss > 0.0 else period)
+    numbers = np.arange(max(0, int(uses[0] - margin) // period), int(uses[-1]) // period + 1, dtype=np.int64)
+    return newest_arrived(numbers, link.due_all(numbers * period), uses)
+
+
+def newest_arrived(numbers: Integers, due: Integers, uses: Integers) -> Integers:
+    """Largest of `numbers` whose `due` time is over at each of the instants `uses`; -1: none."""
+    order = np.argsort(due, kind="stable")
+    latest = np.maximum.accumulate(numbers[order]) if numbers.size else numbers
+    arrived = np.searchsorted(due[order], uses, side="right")
+    return np.where(arrived > 0, latest[np.maximum(arrived - 1, 0)] if numbers.size else INITIAL, INITIAL)
+
+
+def overtaking(due: Integers) -> Integers:
+    """Positions, in the order of their due times, of the samples that a receiver ever uses: those that no newer sample has overtaken."""
+    order = np.lexsort((np.arange(due.size), due))
+    order = order[due[order] < NEVER]
+    if order.size == 0:
+        return order
+    return order[order >= np.maximum.accumulate(order)]
+
+
+class Schedule:
+    """Schedule of a loop.
+
+    Raises
+    ------
+    InputError
+        When the spec describes no loop.
+    """
+
+    def __init__(self, spec: Spec) -> None:
+        timing = spec.loop().timing
+        self.td1, self.td2, self.td3, self.td4 = (timing.ns(name) for name in ("td1", "td2", "td3", "td4"))
+        self.links = {name: Link(spec, name) for name in ("tau1", "tau2", "tau3", "tau4")}
+        motors = [e for e in spec.effects if e.block == "motor" and e.kind == "extra_delay"]
+        self.motor_delay = to_ns(sum(float(e.parameters["delay"]) for e in motors))
+
+    def ticks(self, period: int, begin: int, end: int) -> Integers:
+        """Numbers of the ticks of a clock in [begin, end)."""
+        return np.arange(-(-max(begin, 0) // period), -(-max(end, 0) // period), dtype=np.int64)
+
+    def references(self, begin: int, end: int) -> tuple[Integers, Integers]:
+        """Numbers of the numerical ticks in [begin, end), and of the state sample that each uses."""
+        numbers = self.ticks(self.td2, begin, end)
+        return numbers, newest(self.links["tau2"], self.td1, numbers * self.td2)
+
+    def commands(self, begin: int, end: int) -> Commands:
+        """Commands in [begin, end): on every tick of the controller, and when a reference changes between two of them."""
+        regular = self.ticks(self.td3, begin, end) * self.td3
+        extra = np.setdiff1d(self._reference_changes(begin, end), regular)
+        time = np.concatenate([regular, extra])
+        order = np.argsort(time, kind="stable")
+        time, is_extra = time[order], (np.arange(time.size) >= regular.size)[order]
+        latched = time // self.td4 * self.td4 if self.td4 else time
+        late_in_instant = ~is_extra | (self.links["tau3"].delay_ns == 0) | (self.td4 > 0)
+        return Commands(
+            time,
+            newest(self.links["tau1"], self.td1, time // self.td3 * self.td3),
+            newest(self.links["tau3"], self.td2, latched),
+            np.where(late_in_instant, _CONTROL, _REFERENCE_DUE),
+        )
+
+    def _reference_changes(self, begin: int, end: int) -> Integers:
+        """Instants in [begin, end) at which the controller takes a reference over."""
+        if self.td4:
+            return self.ticks(self.td4, begin, end) * self.td4
+        link = self.links["tau3"]
+        numbers = self.ticks(self.td2, begin - 2 * link.reach_ns - self.td2, end)
+        due = link.due_all(numbers * self.td2)
+        due = np.unique(due[overtaking(due)])
+        return due[(due >= begin) & (due < end)]
+
+    def arrivals(self, begin: int, end: int) -> tuple[Integers, Commands]:
+        """Instants in [begin, end) at which a command becomes the input of a motor, and these commands."""
+        link = self.links["tau4"]
+        sent = self.commands(begin - 2 * link.reach_ns - self.motor_delay - self.td3, end)
+        due = link.due_all(sent.time)
+        due = np.where(due < NEVER, due + self.motor_delay, NEVER)
+        used = overtaking(due)
+        used = used[(due[used] >= begin) & (due[used] < end)]
+        return due[used], Commands(*(column[used] for column in sent))
+
+    def events(self, begin: int, end: int, output: int | None = None) -> Events:
+        """Everything that happens in [begin, end), in order; with `output`, a row is written every `output` ns."""
+        numbers, numerical_state = self.references(begin, end)
+        commands = self.commands(begin, end)
+        due, arriving = self.arrivals(begin, end)
+        at_once = due == arriving.time
+        used = self._samples(begin, end)
+        rows = self.ticks(output, begin, end) if output else np.empty(0, dtype=np.int64)
+        none = np.full
+        parts = [
+            (used * self.td1, _SAMPLING, SAMPLE, used, used, used),
+            (numbers * self.td2, _NUMERICAL, REFERENCE, numbers, numerical_state, numbers),
+            (commands.time, commands.rank, COMMAND, commands.time, commands.state, commands.reference),
+            (due, np.where(at_once, arriving.rank + _AT_ONCE, _MOTOR_DUE), MOTOR, arriving.time, arriving.state, arriving.reference),
+            (rows * (output or 0), _AFTER, OUTPUT, rows, rows, rows),
+        ]
+        time = np.concatenate([part[0] for part in parts])
+        rank = np.concatenate([np.broadcast_to(part[1], part[0].shape) for part in parts])
+        order = np.lexsort((rank, time))
+        columns = [np.concatenate([none(part[0].size, part[2]) for part in parts])]
+        columns += [np.concatenate([part[k] for part in parts]) for k in (3, 4, 5)]
+        return Events(time[order], *(column[order].astype(np.int64) for column in columns))
+
+    def _samples(self, begin: int, end: int) -> Integers:
+        """Numbers of the samples taken in [begin, end) that anybody uses later."""
+        ahead = end + max(self.links["tau1"].reach_ns, self.links["tau2"].reach_ns) + 2 * max(self.td2, self.td3)
+        if self.links["tau1"].loss or self.links["tau2"].loss:
+            ahead += 200 * self.td1
+        states = [self.commands(begin, ahead).state, self.references(begin, ahead)[1]]
+        used = np.unique(np.concatenate(states))
+        return used[(used * self.td1 >= begin) & (used * self.td1 < end)]

@@ -1,0 +1,90 @@
+"""The two substructures and the interface between them, as matrices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+    from rthm_core.spec import Spec
+    from rthm_core.spec.schema import SubstructureSpec
+
+
+class Substructure(NamedTuple):
+    """Linear part of a substructure, ``M a = -C v - K x + forces``.
+
+    Attributes
+    ----------
+    mass, damping, stiffness : (n, n) arrays
+        kg, N s/m, N/m.
+    position, velocity : (n,) arrays
+        Initial motion, m and m/s.
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    position: Floats
+    velocity: Floats
+
+    @property
+    def dofs(self) -> int:
+        """Number of degrees of freedom."""
+        return int(self.position.size)
+
+
+class Interface(NamedTuple):
+    """Springs and dampers between the substructures, one per actuator.
+
+    ``F_c = -c2 (v1 - v2) - k2 (x1 - x2)`` acts on the plant; its opposite acts on the numerical substructure.
+    """
+
+    plant: Integers
+    numerical: Integers
+    stiffness: Floats
+    damping: Floats
+
+    @property
+    def actuators(self) -> int:
+        """Number of actuators."""
+        return int(self.stiffness.size)
+
+    def force(self, x1: Floats, v1: Floats, x2: Floats, v2: Floats) -> Floats:
+        """F_c (m,), in N, from the motion (m,) of both sides at the interface."""
+        return -self.damping * (v1 - v2) - self.stiffness * (x1 - x2)
+
+
+def substructure(section: SubstructureSpec) -> Substructure:
+    """Matrices of a spec section ``plant`` or ``numerical``."""
+    n = len(section.dofs)
+    square = (n, n)
+    return Substructure(
+        np.array(section.mass, dtype=float).reshape(square),
+        np.array(section.damping, dtype=float).reshape(square),
+        np.array(section.stiffness, dtype=float).reshape(square),
+        np.array(section.initial_position, dtype=float),
+        np.array(section.initial_velocity, dtype=float),
+    )
+
+
+def interface(spec: Spec) -> Interface:
+    """Interface of a complete loop.
+
+    Raises
+    ------
+    InputError
+        When the spec describes no loop.
+    """
+    if spec.interface is None or spec.plant is None or spec.numerical is None:
+        raise InputError("interface is missing: a hybrid test needs plant, numerical, interface, actuator and timing; add the sections or use a spec that has them.")
+    section = spec.interface
+    return Interface(
+        np.array([spec.plant.dofs.index(name) for name in section.plant_dof], dtype=np.int64),
+        np.array([spec.numerical.dofs.index(name) for name in section.numerical_dof], dtype=np.int64),
+        np.array(section.stiffness, dtype=float),
+        np.array(section.damping, dtype=float),
+    )

@@ -26,8 +26,12 @@ NODE_PARAMETERS = frozenset(
         "start_time",
         "duration",
         "virtual",
+        "autostart",
         "priority",
+        "lock_memory",
         "spin_margin",
+        "depth",
+        "reliable",
         "bag",
     }
 )

@@ -6,6 +6,16 @@ from typing import Any
 
 from rthm_core.effects.base import PLACES
 
+FILLED_IN = {
+    "plant.initial_velocity": "zeros",
+    "numerical.initial_position": "zeros",
+    "numerical.initial_velocity": "zeros",
+    "actuator.pretension": "zeros",
+    "load.plant.dof": "the only dof",
+    "load.numerical.dof": "the only dof",
+}
+"""Entries that `completed` gives a value to, in words."""
+
 
 def completed(tree: dict[str, Any]) -> dict[str, Any]:
     """Return the sections with such values filled in; what is wrong stays, for the checks to tell."""

@@ -10,19 +10,23 @@ import threading
 import time
 
 import rclpy
+import rclpy.executors
+import rclpy.signals
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 
 PERIOD = 1_200_000  # ns
 
-rclpy.init()
+rclpy.init(signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
 node = rclpy.create_node("driver", namespace="/rthm")
 publisher = node.create_publisher(JointState, "plant/state", QoSProfile(depth=100))
 command = [0.5]
 node.create_subscription(
     JointState, "actuator/command", lambda message: command.__setitem__(0, message.position[0]), 100
 )
-threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+executor = rclpy.executors.SingleThreadedExecutor()
+executor.add_node(node)
+threading.Thread(target=executor.spin, daemon=True).start()
 
 message = JointState(name=["x1", "a1"], effort=[0.0, 0.0])
 x, due = 0.5, time.time_ns()
@@ -36,4 +40,3 @@ while due < end:
     message.effort = [float("nan"), 40.0 * (command[0] - x)]
     publisher.publish(message)
     due += PERIOD
-rclpy.try_shutdown()

@@ -21,16 +21,15 @@ from rclpy.experimental import EventsExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
-from std_msgs.msg import Int64MultiArray, String
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from rthm_analysis.recording.writing import BagWriter
-from rthm_bringup.run.attendance import Attendance
 from rthm_bringup.run.intake import Intake
 from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
-from rthm_core.ros.grants import DONE, GRANT
+from rthm_core.ros.virtual import Observer
 from rthm_core.spec import read_spec, write_spec
 
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
@@ -56,7 +55,7 @@ class Recorder(LifecycleNode):
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._intake: Intake | None = None
-        self._attendance: Attendance | None = None
+        self._observer: Observer | None = None
         self._subscriptions_: dict[str, Any] = {}
         self.failure: str | None = None
         self.create_service(Trigger, "~/ready", self._ready)
@@ -69,8 +68,8 @@ class Recorder(LifecycleNode):
             return self._refuse(str(error))
         for topic, type_name in (LOOP | BESIDE).items():
             self._subscribe(topic, type_name)
-        if self._value("virtual"):
-            self._attend()
+        if self._value("virtual") and self._observer is None:
+            self._observer = Observer(self)
         self._flush_timer = self.create_timer(FLUSH, self._flush)
         self._report_timer = self.create_timer(1.0, self._report)
         return TransitionCallbackReturn.SUCCESS
@@ -81,8 +80,8 @@ class Recorder(LifecycleNode):
         begin, duration = self._value("start_time"), to_ns(self._value("duration"))
         known = duration and (begin or self._value("virtual"))
         self._intake.open(begin, begin + duration if known else None)
-        if self._attendance is not None:
-            self._done.publish(self._attendance.greeting())
+        if self._observer is not None:
+            self._observer.greet()
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -125,22 +124,6 @@ class Recorder(LifecycleNode):
         subscription._callback_type = subscription.CallbackType.WithMessageInfo
         self._subscriptions_[topic] = subscription
 
-    def _attend(self) -> None:
-        """Take part in lock step, so that simulated time does not run away."""
-        attendance = self._attendance = Attendance("recorder")
-        self._done = self.create_publisher(Int64MultiArray, DONE, QoSProfile(depth=DEPTH))
-
-        def receive(grant: bytes) -> None:
-            self._answer(attendance.receive(grant))
-
-        self._grants = self.create_subscription(
-            Int64MultiArray, GRANT, receive, QoSProfile(depth=DEPTH), raw=True
-        )
-
-    def _answer(self, answer: bytes | None) -> None:
-        if answer is not None:
-            self._done.publish(answer)
-
     def _take(self, topic: str, type_name: str, message: tuple[bytes, Any]) -> None:
         if self._intake is None:
             return
@@ -148,8 +131,8 @@ class Recorder(LifecycleNode):
             self._intake.take(topic, type_name, *message)
         except InputError as error:
             self._fail(str(error))
-        if self._attendance is not None:
-            self._answer(self._attendance.hear(topic))
+        if self._observer is not None:
+            self._observer.note(topic)
 
     def _flush(self) -> None:
         if self._intake is None:
@@ -178,8 +161,6 @@ class Recorder(LifecycleNode):
             for topic in self._value("awaited")
             if topic not in self._subscriptions_ or not self._subscriptions_[topic].get_publisher_count()
         ]
-        if self._attendance is not None and not self._attendance.complete():
-            missing.append("the newest samples")
         response.success = not missing
         response.message = f"waits for {', '.join(missing)}" if missing else "ready"
         return response

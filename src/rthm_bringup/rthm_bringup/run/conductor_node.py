@@ -46,6 +46,10 @@ class StoppedError(Exception):
         self.node = node
 
 
+class UnconnectedError(StoppedError):
+    """Some connections were not made in time."""
+
+
 class Conductor:
     """Client of the nodes of one test.
 
@@ -153,8 +157,8 @@ class Conductor:
 
         Raises
         ------
-        StoppedError
-            With what each of the others waits for.
+        UnconnectedError
+            With what each of them waits for.
         """
         waiting = dict.fromkeys(names, "")
         deadline = time.monotonic() + seconds
@@ -162,7 +166,7 @@ class Conductor:
             answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", seconds)
             waiting = {name: answer.message for name, answer in answers.items() if not answer.success}
             if waiting and time.monotonic() > deadline:
-                raise StoppedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
+                raise UnconnectedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
             pause = time.monotonic() + 0.05
             self.wait_until(lambda until=pause: time.monotonic() > until, 1.0, str)
 

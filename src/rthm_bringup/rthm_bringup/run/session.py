@@ -10,16 +10,17 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Iterable
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 
 from rthm_bringup.run import roles
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.view import View
+from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS, to_ns
 
 HEAD_START = NS
@@ -71,14 +72,19 @@ class Session:
         conductor.wait_for(own, 30.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
         self._view.phase("configuring the nodes")
-        conductor.step("configure", self._managed, 120.0)
+        conductor.step("configure", self._managed, 300.0)
         self._wait_ready(conductor)
 
     def _wait_ready(self, conductor: Conductor) -> None:
-        """Wait for all connections; a driver may leave some out, as it need not listen to commands."""
-        with suppress(StoppedError) if self._has_driver() else nullcontext():
-            conductor.wait_ready(self._managed, 5.0 if self._has_driver() else 30.0)
-        self._watch()
+        """Wait for all connections; a driver need not listen to commands, nor tell when it uses one."""
+        if not self._has_driver():
+            conductor.wait_ready(self._managed, 30.0)
+            return
+        if "recorder" in self._managed:
+            awaited = [topic for topic in LOOP_TOPICS if topic != "links/tau4"]
+            conductor.set({"recorder": {"awaited": awaited}})
+        with suppress(UnconnectedError):
+            conductor.wait_ready(self._managed, 5.0)
 
     def _has_driver(self) -> bool:
         return "plant" not in self._managed
@@ -113,7 +119,7 @@ class Session:
         self._view.phase("the test runs")
         if self._plan.virtual:
             self._watch_time(lambda: conductor.simulated_time, conductor)
-            conductor.wait_ready(["recorder"], 30.0)
+            conductor.sleep_until(time.time_ns() + GRACE)
             return
         begin = self.ending.begin or 0
         self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)

@@ -1,0 +1,140 @@
+"""A run from its start to its end, and every way in which it can end too early."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rthm_analysis.recording import read_recording
+from rthm_bringup.run.environment import Network
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+RUN = [sys.executable, "-m", "rthm_bringup", "run"]
+NODES = ("rthm_plant_sim", "rthm_numerical", "rthm_actuator", "rthm_analysis", "recorder_node")
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def long_run(environment: dict[str, str], out: Path) -> Iterator[subprocess.Popen[str]]:
+    """A run without an end, some seconds after its begin."""
+    command = [*RUN, "--duration", "0", "--out", str(out), "--json", str(out.parent / "result.json")]
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        deadline = time.monotonic() + 240
+        while samples_in(out) < 40_000 and run.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.1)
+        assert run.poll() is None, run.communicate()
+        yield run
+        run.kill()
+
+
+def samples_in(out: Path) -> int:
+    """Bytes of the recording so far."""
+    return sum(file.stat().st_size for file in (out / "bag").glob("*.mcap"))
+
+
+def node(run: subprocess.Popen[str], module: str) -> int:
+    """Process id of a node of the run."""
+    for child in children(run.pid):
+        if module.encode() in Path(f"/proc/{child}/cmdline").read_bytes():
+            return child
+    raise AssertionError(f"{module} does not run")
+
+
+def children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def result(run: subprocess.Popen[str], out: Path) -> dict:
+    run.wait(60)
+    return json.loads((out.parent / "result.json").read_text())
+
+
+@pytest.mark.parametrize("mode", [[], ["--virtual"]], ids=["real time", "virtual"])
+def test_a_run_ends_by_itself_with_a_bag_and_a_report(
+    environment: dict[str, str], out: Path, mode: list[str]
+) -> None:
+    command = [*RUN, "paper", "--duration", "2", "--out", str(out), "--json", "-", *mode]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = json.loads(done.stdout)
+    recording = read_recording(told["bag"])
+    assert recording.notes == ()
+    assert len(recording.plant) == 2_000_000_000 // 1_200_000 + 1
+    assert len(recording.tables["numerical/state"]) == 2_000_000_000 // 12_000_000 + 1
+    assert recording.tables["actuator/command"].stamp_ns[0] == recording.start_ns
+    assert Path(told["report"]).stat().st_size > 10_000
+    assert told["duration"] == 2.0
+    assert {"mean", "p50", "p99", "max"} <= set(told["links"]["tau1"]["excess"])
+    assert told["energies"]["E_fx"] != 0.0
+    assert set(told["energies"]) >= {"E_num", "E_ff", "E_fx", "E_err", "E_damping", "E_total"}
+
+
+def test_ctrl_c_ends_a_run_in_good_order(long_run: subprocess.Popen[str], out: Path) -> None:
+    long_run.send_signal(signal.SIGINT)
+    told = result(long_run, out)
+    assert long_run.returncode == 0, told
+    assert told["interrupted"]
+    assert told["problems"] == []
+    assert (out / "bag" / "metadata.yaml").is_file()
+    assert read_recording(out / "bag").notes == ()
+
+
+def test_the_death_of_the_plant_ends_a_run_with_status_1(
+    long_run: subprocess.Popen[str], out: Path
+) -> None:
+    os.kill(node(long_run, "rthm_plant_sim"), signal.SIGKILL)
+    told = result(long_run, out)
+    assert long_run.returncode == 1
+    assert told["problems"][0].startswith("plant was killed by SIGKILL")
+    assert (out / "bag" / "metadata.yaml").is_file()
+    assert len(read_recording(out / "bag").plant) > 100
+
+
+def test_the_death_of_the_recorder_leaves_a_readable_bag(
+    long_run: subprocess.Popen[str], out: Path
+) -> None:
+    os.kill(node(long_run, "recorder_node"), signal.SIGKILL)
+    killed = time.time_ns()
+    told = result(long_run, out)
+    assert long_run.returncode == 1
+    assert told["problems"][0].startswith("recorder was killed by SIGKILL")
+    assert read_recording(out / "bag").plant.stamp_ns[-1] > killed - 1_000_000_000
+
+
+def test_a_killed_launcher_leaves_no_node_behind(
+    long_run: subprocess.Popen[str], out: Path, network: Network
+) -> None:
+    from conftest import processes_in
+
+    long_run.kill()
+    long_run.wait()
+    deadline = time.monotonic() + 30
+    while processes_in(network.domain) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert (out / "bag" / "metadata.yaml").is_file()
+    assert read_recording(out / "bag").notes == ()
+
+
+def test_a_folder_with_a_recording_is_not_overwritten(environment: dict[str, str], out: Path) -> None:
+    (out / "bag").mkdir(parents=True)
+    (out / "bag" / "precious").write_text("")
+    done = subprocess.run(
+        [*RUN, "--out", str(out)], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "none is overwritten" in done.stderr

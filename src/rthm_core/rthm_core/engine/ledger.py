@@ -11,7 +11,7 @@ from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS, Bodies, Moment, bodies,
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.loads import smooth_until
 from rthm_core.numerical import Numerical, advance_numerical, begin_numerical
-from rthm_core.physical.advance import Physical, advance_segment, present_rate
+from rthm_core.physical.advance import Physical, advance_segment, law_count, present_rate
 from rthm_core.physical.drive import Drive, drive, motor_position, settled
 from rthm_core.physical.flow import mechanics_rate
 from rthm_core.physical.integrate import SCRATCH, inputs_at
@@ -72,12 +72,12 @@ def ledger(spec: Spec, physical: Physical, numerical: Numerical, first_fx: Float
     speeds = [np.abs(np.linalg.eigvals(a)).max() for a in (model.mechanics[:, :ny], numerical.system.a)]
     longest = int((0.5 if ny == 2 * n1 else 0.1) / max(speeds) * 1e9) if max(speeds) > 0.0 else 1_000_000_000
     moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(believed.conditioning, model.drive.conditioning)
-    plain = ny == 2 * n1 and model.linear and moved_by_commands and not any(e.block in ("plant", "wire") for e in spec.effects)
+    plain = ny == 2 * n1 and model.laws is None and moved_by_commands and not any(e.block in ("plant", "wire") for e in spec.effects)
     return Ledger(
         on, bodies(spec), np.zeros(6), believed, settled(believed, first_fx), settled(believed, first_ff), first_fx.copy(), first_ff.copy(), max(longest, 1000),
         moment(n1, n2, m), np.zeros(6), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(model.drive.system.ab.shape[0]),
         np.zeros_like(physical.state.inputs), np.zeros_like(numerical.inputs), np.zeros(2 * n2), np.zeros((4, 2 * n2)), np.zeros(believed.system.ab.shape[0]), np.zeros((model.whole.orders, m)), bool(plain),
-        np.zeros(model.laws.numbers.shape[0]), np.zeros(model.laws.numbers.shape[0], dtype=np.int64),
+        np.zeros(law_count(model)), np.zeros(law_count(model), dtype=np.int64),
     )  # fmt: skip
 
 
@@ -126,7 +126,7 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
         at.w1[i] = 0.0
     for i in range(model.listed_loads):
         at.w1[model.load_dof[i]] += work.w[i]
-    mechanics_rate(model, pieces, ledger.y, work.u, work.w, begin_ns * 1e-9 + s, ledger.dy, ledger.hold, work.rows[SCRATCH])
+    mechanics_rate(model.laws, model, pieces, ledger.y, work.u, work.w, begin_ns * 1e-9 + s, ledger.dy, ledger.hold, work.rows[SCRATCH])
     for i in range(n):
         total = 0.0
         for j in range(n):
@@ -184,7 +184,7 @@ def _numerical_end(numerical, ledger, s):  # type: ignore[no-untyped-def]
 def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[no-untyped-def]
     """Add the works of a segment that has just been advanced, step by step."""
     trace = physical.trace
-    if physical.model.linear:
+    if physical.model.laws is None:
         _one_step(physical, ledger, dt)
     for k in range(1, trace.count[0]):
         _numerical_end(numerical, ledger, trace.time[k])
@@ -204,7 +204,7 @@ def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
     copy_into(trace.y[0, 0], ledger.y_begin)
     copy_into(trace.y[2, 1], ledger.dy_begin)
     copy_into(trace.y[0, 1], state.y)
-    mechanics_rate(physical.model, state.pieces, state.y, work.u, work.w, 0.0, trace.y[1, 1], ledger.hold, work.rows[SCRATCH])
+    mechanics_rate(physical.model.laws, physical.model, state.pieces, state.y, work.u, work.w, 0.0, trace.y[1, 1], ledger.hold, work.rows[SCRATCH])
     trace.time[0], trace.time[1], trace.count[0] = 0.0, dt, 2
 
 

@@ -60,7 +60,7 @@ class Physical(NamedTuple):
 
 def physical(model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats) -> Physical:
     """Physical side at the start of a test: the motors have been at `command` (m,) and the plant at `position` (n,) for ever."""
-    nq, ny, laws, limit = model.drive.system.ab.shape[0], model.mechanics.shape[0], model.laws.numbers.shape[0], model.drive.conditioning[LIMIT]
+    nq, ny, laws, limit = model.drive.system.ab.shape[0], model.mechanics.shape[0], law_count(model), model.drive.conditioning[LIMIT]
     whole = np.zeros(nq + ny)
     q, y = whole[:nq], whole[nq:]
     first = np.clip(command, -limit, limit).astype(float)
@@ -92,8 +92,15 @@ def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) ->
         y[sensors.lagged[row]] = y[row] if actuator < 0 else force
 
 
+def law_count(model: PhysicalModel) -> int:
+    """Number of laws that are not linear."""
+    return 0 if model.laws is None else int(model.laws.numbers.shape[0])
+
+
 def _first_pieces(model: PhysicalModel, y: Floats) -> Integers:
-    pieces = np.zeros(model.laws.numbers.shape[0], dtype=np.int64)
+    pieces = np.zeros(law_count(model), dtype=np.int64)
+    if model.laws is None:
+        return pieces
     for row, (_, dof, _, _, split) in enumerate(model.laws.numbers):
         x, v = y[dof], y[model.n + dof]
         if split == POSITION:
@@ -154,18 +161,25 @@ def _finish_segment(physical, end, dt):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _move(laws, model, physical, dt):  # type: ignore[no-untyped-def]
+    """Move motor and mechanics by `dt`, within a segment that has begun."""
+    state = physical.state
+    if laws is None:
+        step_linear(model.whole, state.whole, state.inputs, dt)
+    else:
+        integrate(model, state, physical.work, physical.trace, state.time[0] * 1e-9, dt)
+        if state.q.size:
+            step_linear(model.drive.system, state.q, state.inputs, dt)
+
+
+@inlined
 def advance_segment(physical, to_ns):  # type: ignore[no-untyped-def]
     """Advance to `to_ns` or to the end of the segment before it; the trace then holds its smooth steps if the mechanics are not linear."""
     model, state = physical.model, physical.state
     begin_segment(physical)
     end = _segment_end(physical, to_ns)
     dt = (end - state.time[0]) * 1e-9
-    if model.linear:
-        step_linear(model.whole, state.whole, state.inputs, dt)
-    else:
-        integrate(model, state, physical.work, physical.trace, state.time[0] * 1e-9, dt)
-        if state.q.size:
-            step_linear(model.drive.system, state.q, state.inputs, dt)
+    _move(model.laws, model, physical, dt)
     _finish_segment(physical, end, dt)
 
 
@@ -182,7 +196,7 @@ def present_force(physical, out):  # type: ignore[no-untyped-def]
     model, state, work = physical.model, physical.state, physical.work
     motor_position(model.drive, state.q, state.command, work.u)
     for actuator in range(model.m):
-        out[actuator] = wire_force(model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT])
+        out[actuator] = wire_force(model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT])
 
 
 @inlined
@@ -220,7 +234,7 @@ def present_rate(physical, dy):  # type: ignore[no-untyped-def]
     motor_position(model.drive, state.q, state.command, work.u)
     for i in range(work.w.size):
         work.w[i] = state.inputs[0, model.m + i]
-    mechanics_rate(model, state.pieces, state.y, work.u, work.w, state.time[0] * 1e-9, dy, work.hold, work.rows[SCRATCH])
+    mechanics_rate(model.laws, model, state.pieces, state.y, work.u, work.w, state.time[0] * 1e-9, dy, work.hold, work.rows[SCRATCH])
 
 
 @compiled

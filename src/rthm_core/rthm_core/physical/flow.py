@@ -45,8 +45,15 @@ def settle_wires(wires, y, u):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
+def wire_force(laws, wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
     """Force of one wire, in N; of a wire that is not linear, also the rates of its laws' states, into `dy`."""
+    if laws is None:
+        return _row(wires.force[actuator], y, u)
+    return _any_wire_force(wires, n, y, u, actuator, scratch, dy)
+
+
+@inlined
+def _any_wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
     if not wires.numbers[actuator, NONLINEAR]:
         return _row(wires.force[actuator], y, u)
     copy_into(scratch, y)
@@ -81,9 +88,12 @@ def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[
 
 
 @inlined
-def mechanics_rate(model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
-    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law)."""
-    mechanics, laws = model.mechanics, model.laws
+def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law).
+
+    `laws` is ``model.laws``, handed over by itself: where it is None, everything that is not linear is left out of the compiled code.
+    """
+    mechanics = model.mechanics
     size, m, loads = y.size, u.size, w.size
     for i in range(size):
         rate = 0.0
@@ -94,18 +104,26 @@ def mechanics_rate(model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignor
         for j in range(loads):
             rate += mechanics[i, size + m + j] * w[j]
         dy[i] = rate
+    if laws is not None:
+        _add_curved(laws, model, pieces, y, u, size + m + loads, t, dy, hold, scratch)
+
+
+@inlined
+def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+    """Add what wires and laws that are not linear do; their forces enter through the columns of ``model.mechanics`` from `first` on."""
+    m = u.size
     for actuator in range(m):
         if model.wires.numbers[actuator, NONLINEAR]:
-            _add(mechanics, size + m + loads + actuator, wire_force(model.wires, model.n, y, u, actuator, scratch, dy), dy)
-    first, sticking = size + 2 * m + loads, 0
+            _add(model.mechanics, first + actuator, _any_wire_force(model.wires, model.n, y, u, actuator, scratch, dy), dy)
+    sticking = 0
     for row in range(laws.numbers.shape[0]):
         hold[row] = 0.0
         if laws.numbers[row, SPLIT] == FRICTION and pieces[row] == 0:
             sticking += 1
         else:
-            _add_law(laws, row, mechanics, first + row, model.n, pieces[row], y, t, dy)
+            _add_law(laws, row, model.mechanics, first + m + row, model.n, pieces[row], y, t, dy)
     if sticking:
-        _hold(laws, mechanics, first, model.n, model.inverse_mass, pieces, dy, hold, sticking)
+        _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, pieces, dy, hold, sticking)
 
 
 @inlined

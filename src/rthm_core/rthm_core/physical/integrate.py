@@ -98,7 +98,7 @@ def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
 
 @inlined
 def _rate(model, pieces, work, y, t, dy):  # type: ignore[no-untyped-def]
-    mechanics_rate(model, pieces, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
+    mechanics_rate(model.laws, model, pieces, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
 
 
 @inlined

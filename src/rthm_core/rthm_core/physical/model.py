@@ -31,21 +31,20 @@ class PhysicalModel(NamedTuple):
     """Everything that the compiled code needs to know of motor, wire and plant.
 
     The state is ``whole = [q, y]`` with the motor chain q (nq,) and the mechanics y (ny,) = [x, v, transmission, own states of laws, sensor lags];
-    ``dy/dt = mechanics [y, u, w, F, f]``.
+    ``dy/dt = mechanics [y, u, w, F, f]``. `laws` is None when all is linear.
     """
 
     n: int
     m: int
     drive: Drive
     whole: LinearSystem
-    linear: bool
     mechanics: Floats
     inverse_mass: Floats
     loads: Loads
     load_dof: Integers
     listed_loads: int
     wires: WireTable
-    laws: LawTable
+    laws: LawTable | None
     sensors: Sensors
 
 
@@ -210,14 +209,13 @@ def physical_model(spec: Spec, body: Substructure | None = None, further: list[t
         m,
         motors,
         _whole(motors, parts, orders),
-        not curved and not wires.numbers[:, NONLINEAR].any(),
         np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]),
         parts.inverse_mass,
         together(loads),
         np.array(load_dofs, dtype=np.int64),
         listed,
         wires,
-        law_table(curved),
+        law_table(curved) if curved or wires.numbers[:, NONLINEAR].any() else None,
         measured,
     )
     return model, resting

@@ -111,7 +111,7 @@ def test_dry_friction_takes_force_times_way_and_then_holds() -> None:
 
 
 def test_a_step_of_half_the_size_moves_nothing() -> None:
-    coarse, fine = (run(paper(), 20.0, 3, step=s).plant[:, TRUE] for s in (1e-4, 5e-5))
+    coarse, fine = (run(paper(), 10.0, 3, step=s).plant[:, TRUE] for s in (1e-4, 5e-5))
     assert np.abs(coarse - fine)[:, 0].max() < 1e-9
 
 
@@ -120,7 +120,7 @@ def test_every_effect_moves_the_recording_and_its_integration_has_converged(
     block: str, kind: str, pilot: np.ndarray
 ) -> None:
     test = with_effect(block, kind, pilot)
-    coarse, fine = (run(test, 10.0, 3, step=s) for s in (1e-4, 5e-5))
+    coarse, fine = (run(test, 6.0, 3, step=s) for s in (1e-4, 5e-5))
     assert np.abs(coarse.plant[:, TRUE] - fine.plant[:, TRUE])[:, 0].max() < 1e-7
     assert visibility(test, "hidden", coarse) > 1.0
 

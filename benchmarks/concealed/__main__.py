@@ -43,6 +43,9 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
         help="path without ending: .jsonl (cases), .json (numbers), .md (page) are written",
     )
     parser.add_argument("--workers", type=int, default=2, help="diagnoses at a time")
+    parser.add_argument(
+        "--lateness", type=float, default=0.0, help="mean extra delay of every link, s; 0: exact"
+    )
     parser.add_argument("--duration", type=float, default=60.0, help="seconds of each recording")
     parser.add_argument("--command", default=RTHM, help="how to diagnose {bag} with {spec}; prints JSON")
     parser.add_argument(
@@ -57,7 +60,7 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
 def started(options: argparse.Namespace) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """Return the header and the rows so far; a new file gets a master seed of its own."""
     path = options.out.with_suffix(".jsonl")
-    counts = {k: getattr(options, k) for k in ("bags", "clean", "pairs", "retuned", "duration")}
+    counts = {k: getattr(options, k) for k in ("bags", "clean", "pairs", "retuned", "duration", "lateness")}
     if path.exists():
         header, *rows = (json.loads(line) for line in path.read_text().splitlines())
         if header["counts"] != counts:
@@ -79,7 +82,9 @@ def started(options: argparse.Namespace) -> tuple[dict[str, Any], list[dict[str,
 def work(item: Item, options: argparse.Namespace) -> dict[str, Any]:
     """Make, diagnose and score one case; its truth is nowhere on disk while it is diagnosed."""
     with tempfile.TemporaryDirectory(prefix="case-") as folder:
-        case = make_case(item.seed, item.kinds, item.size, Path(folder), item.retune, options.duration)
+        case = make_case(
+            item.seed, item.kinds, item.size, Path(folder), item.retune, options.duration, options.lateness
+        )
         row = (
             asdict(item)
             | {"concealed": item.kinds, "asked_size": item.size}

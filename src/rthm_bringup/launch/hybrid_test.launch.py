@@ -1,9 +1,8 @@
 """The graph of a hybrid test as ``rthm run`` starts it: nodes, recorder, analysis; ends by itself after `duration`.
 
-    ros2 launch rthm_bringup hybrid_test.launch.py spec:=my_test.yaml duration:=20.0 out:=out/my_test
+ros2 launch rthm_bringup hybrid_test.launch.py spec:=my_test.yaml duration:=20.0 out:=out/my_test
 """
 
-from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, EmitEvent, LogInfo, RegisterEventHandler, TimerAction
 from launch.conditions import IfCondition
 from launch.events import Shutdown
@@ -12,6 +11,8 @@ from launch_ros.actions import LifecycleNode
 from launch_ros.event_handlers import OnStateTransition
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
 
 AFTERWARDS = 2.5  # s: up to one second until the begin, and time for the last messages
 PROGRAMS = {

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -38,9 +39,25 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
+@contextmanager
+def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
+    """Bar on standard error, if that is a terminal; what it gives is told how much is done."""
+    if not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(words, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
 def table(rows: Iterable[tuple[str, ...]]) -> list[str]:
     """Lines with the columns of the rows under each other; the first column is left, the others right."""
     kept = list(rows)
+    if not kept:
+        return []
     widths = [max(map(len, column)) for column in zip(*kept, strict=True)]
     return [
         "  ".join(

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
 
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.plan import Plan
 from rthm_core.errors import InputError
-
-if TYPE_CHECKING:
-    from rthm_analysis.recording import Recording
 
 WORDS = {
     "E_fx": ("drained by the position cancellation", -1.0),
@@ -127,10 +126,9 @@ def lost_in(plan: Plan) -> int:
 
 
 def _analyse(result: Result) -> None:
-    from rthm_analysis.report import write_report
-
     from rthm_analysis.energy import energy_of
     from rthm_analysis.recording import read_recording
+    from rthm_analysis.report import write_report
     from rthm_analysis.timing import timing_of
 
     recording = read_recording(result.plan.bag)
@@ -138,18 +136,14 @@ def _analyse(result: Result) -> None:
     told = timing.as_dict()
     result.links, result.clocks = told["links"], told["clocks"]
     result.missed_deadlines = timing.missed
-    energies = energy_of(recording, recording.known_spec()).as_dict()
-    result.energies = {name: float(e[-1]) for name, e in energies.items() if name.startswith("E_")}
-    result.equivalent_damping = _equivalent_damping(recording, result.energies["E_err"])
+    energy = energy_of(recording, recording.known_spec())
+    result.energies = last_values(energy.as_dict())
+    damping = energy.equivalent_damping
+    result.equivalent_damping = damping if math.isfinite(damping) else None
     write_report(result.plan.bag, result.plan.report)
 
 
-def _equivalent_damping(recording: Recording, energy: float) -> float | None:
-    """Coefficient c for which the work of -c v on the actuated dofs is `energy` (J)."""
-    import numpy as np
-
-    spec = recording.known_spec()
-    assert spec.interface is not None
-    v = recording.plant.columns("velocity", spec.interface.plant_dof)
-    squared = float(np.trapezoid(np.sum(v * v, axis=1), recording.seconds(recording.plant.stamp_ns)))
-    return -energy / squared if squared > 0.0 else None
+def last_values(energies: Mapping[str, Any]) -> dict[str, float]:
+    """Energies at the end of a test, J; those that the recording tells."""
+    found = {name: values[-1] for name, values in energies.items() if name.startswith("E_") and values}
+    return {name: float(value) for name, value in found.items() if math.isfinite(value)}

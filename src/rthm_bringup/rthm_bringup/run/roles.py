@@ -60,6 +60,8 @@ def parameters(
     told: dict[str, Value] = {"virtual": virtual}
     if role in LOOP and priority is not None:
         told["priority"] = priority
+    if role in LOOP and virtual:
+        told |= {"priority": 0, "lock_memory": False}
     if role in ("recorder", "coordinator"):
         told["spec_file"] = str(spec)
     if role == "recorder" and bag is not None:

@@ -154,8 +154,18 @@ class Session:
         self._deactivate(conductor, [name for name in alive if name in roles.LOOP])
         self._deactivate(conductor, [name for name in alive if name == "analysis"])
         self._deactivate(conductor, [name for name in alive if name == "recorder"])
+        if "analysis" in alive and self.ending.begin is not None:
+            self._wait_for_analysis(conductor)
         with suppress(StoppedError):
             conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
+
+    def _wait_for_analysis(self, conductor: Conductor) -> None:
+        """Give the analysis node the time that it needs for the recording that was closed."""
+        told = self._plan.bag.with_name("bag.energy.json")
+        mine = "analysis" not in self._plan.external and "recorder" not in self._plan.external
+        if mine and self._plan.bag.joinpath("metadata.yaml").exists():
+            with suppress(StoppedError):
+                conductor.wait_until(told.exists, 60.0, str)
 
     def _answering(self) -> list[str]:
         dead = {process.name for process in self._processes.dead()}

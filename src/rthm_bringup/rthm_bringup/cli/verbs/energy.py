@@ -10,13 +10,10 @@ def verb(bag: Bag, json: Json = None) -> int:
     from rthm_analysis.energy import energy_of
     from rthm_analysis.recording import read_recording
     from rthm_bringup.cli.output import put, table
+    from rthm_bringup.run.result import last_values
 
     recording = read_recording(bag)
     result = energy_of(recording, recording.spec).as_dict()
-    rows = [
-        (name, f"{values[-1]:+.6e} J")
-        for name, values in result.items()
-        if name.startswith("E_") and len(values)
-    ]
+    rows = [(name, f"{value:+.6e} J") for name, value in last_values(result).items()]
     put(result, table(rows), json)
     return 0

@@ -109,6 +109,10 @@ class Inbox:
         """Instant at which the next waiting sample is due."""
         return self._waiting[0][0] if self._waiting else None
 
+    def next_stamp(self) -> int | None:
+        """Stamp of the sample that is due next."""
+        return self._waiting[0][1] if self._waiting else None
+
     def take(self, now_ns: int) -> tuple[int, Any] | None:
         """Stamp and payload of the newest sample that has come due by `now_ns` since the last call; None when there is none newer than what was taken."""
         taken = None

@@ -1,0 +1,199 @@
+"""Where samples leave and enter a node: publications, and links that keep a sample while it is delayed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState, TimeReference
+
+from rthm_core.link import Inbox, Link
+from rthm_core.ros.messages import (
+    FIELDS,
+    JointSample,
+    JointStateReader,
+    JointStateWriter,
+    TimeReferenceWriter,
+)
+
+Values = Sequence[float] | NDArray[np.float64]
+
+
+class Ports:
+    """All ports of a node, and the time of the test as they see it.
+
+    Attributes
+    ----------
+    start
+        Stamp of the start of the test, ns; None: the first sample that arrives sets it.
+    now
+        Gives the time since the start, ns.
+    listening, speaking
+        Whether samples are taken in, and whether they are published.
+    """
+
+    def __init__(self, node: Node, qos: QoSProfile) -> None:
+        self.node, self.qos = node, qos
+        self.start: int | None = None
+        self.now: Callable[[], int] = lambda: 0
+        self.listening = self.speaking = False
+        self.inputs: list[Input] = []
+        self.outputs: list[Output] = []
+
+    def output(
+        self, topic: str, names: Sequence[str], fields: Sequence[str] = FIELDS, peers: int = 0
+    ) -> Output:
+        """Publish `topic`; at least `peers` nodes of the loop listen to it."""
+        self.outputs.append(Output(self, topic, names, fields, peers))
+        return self.outputs[-1]
+
+    def input(self, topic: str, names: Sequence[str], link: Link, period: int = 0) -> Input:
+        """Subscribe to `topic` behind `link`."""
+        self.inputs.append(Input(self, topic, names, link, period))
+        return self.inputs[-1]
+
+    def clear(self) -> None:
+        """Forget all samples and counts."""
+        for port in self._all():
+            port.clear()
+
+    def close(self) -> None:
+        """Leave all topics."""
+        for port in self._all():
+            port.close(self.node)
+        self.inputs, self.outputs = [], []
+
+    def waiting(self) -> list[str]:
+        """Topics whose other side is not matched yet."""
+        return [port.topic for port in self._all() if not port.matched(self.node)]
+
+    def _all(self) -> list[Input | Output]:
+        return [*self.inputs, *self.outputs]
+
+
+class Output:
+    """Publication of one topic of samples.
+
+    Attributes
+    ----------
+    sent
+        Messages of the present test.
+    """
+
+    def __init__(
+        self, ports: Ports, topic: str, names: Sequence[str], fields: Sequence[str], peers: int
+    ) -> None:
+        self.topic, self.sent = topic, 0
+        self._ports, self._peers = ports, peers
+        self._bytes = JointStateWriter(names, fields).bytes
+        self._publisher = ports.node.create_publisher(JointState, topic, ports.qos)
+
+    def send(self, at: int, *fields: Values) -> None:
+        """Publish a sample that belongs to the instant `at` (ns after the start)."""
+        data = self._bytes((self._ports.start or 0) + at, *fields)
+        if self._ports.speaking:
+            self._publisher.publish(data)
+            self.sent += 1
+
+    def clear(self) -> None:
+        """Begin a new test."""
+        self.sent = 0
+
+    def matched(self, node: Node) -> bool:
+        """Whether all listeners that the loop needs, and all that are known, are connected."""
+        known = node.count_subscribers(self._publisher.topic_name)
+        return bool(self._publisher.get_subscription_count() >= max(self._peers, known))
+
+    def close(self, node: Node) -> None:
+        """Leave the topic."""
+        node.destroy_publisher(self._publisher)
+
+
+class Input:
+    """Subscription of one topic of samples, behind a link.
+
+    Parameters
+    ----------
+    names
+        Names that the receiver needs, in the order in which it needs them.
+    period
+        Period of the topic, ns, if nothing is sent between its ticks: gaps then count as missing samples.
+
+    Attributes
+    ----------
+    inbox
+        Samples that wait for the end of their delay.
+    received, missing
+        Messages of the present test, and how many never came.
+    refused
+        What was wrong with the last message that could not be used.
+    """
+
+    def __init__(self, ports: Ports, topic: str, names: Sequence[str], link: Link, period: int) -> None:
+        self.topic, self.link = topic, link
+        self._ports, self._period, self._width = ports, period, len(names)
+        self._read = JointStateReader(names).sample
+        self._use = TimeReferenceWriter(link.name).bytes
+        self.clear()
+        self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
+        self._subscription = ports.node.create_subscription(
+            JointState, topic, self._receive, ports.qos, raw=True
+        )
+
+    def clear(self) -> None:
+        """Begin a new test."""
+        self.inbox, self.refused = Inbox(), ""
+        self.received = self.missing = 0
+        self._newest: int | None = None
+
+    def rehearse(self) -> None:
+        """Put a sample of zeros into the inbox, as if it had come at the start."""
+        zeros = [0.0] * self._width
+        self._keep(JointSample(0, zeros, zeros, zeros))
+
+    def take(self, at: int) -> JointSample | None:
+        """Newest sample whose delay is over since the last call; its stamp is in ns after the start."""
+        taken = self.inbox.take(at)
+        return taken[1] if taken else None
+
+    def tell(self, now: int, stamp: int) -> None:
+        """Publish that the sample of this stamp is used at `now` (both ns after the start)."""
+        if self._ports.speaking:
+            start = self._ports.start or 0
+            self._uses.publish(self._use(start + now, start + stamp))
+
+    def matched(self, node: Node) -> bool:
+        """Whether somebody publishes the topic, and all that are known are connected."""
+        known = node.count_publishers(self._subscription.topic_name)
+        return bool(self._subscription.get_publisher_count() >= max(1, known))
+
+    def close(self, node: Node) -> None:
+        """Leave the topic."""
+        node.destroy_subscription(self._subscription)
+        node.destroy_publisher(self._uses)
+
+    def _receive(self, data: bytes) -> None:
+        if not self._ports.listening:
+            return
+        try:
+            sample = self._read(data)
+        except ValueError as error:
+            self.refused = f"a message on {self.topic} {error}"
+            return
+        if self._ports.start is None:
+            self._ports.start = sample.stamp
+        if sample.stamp >= self._ports.start:
+            self._keep(sample._replace(stamp=sample.stamp - self._ports.start))
+
+    def _keep(self, sample: JointSample) -> None:
+        """Put a sample into the inbox; one that comes too late is due now."""
+        self.received += 1
+        if self._period and self._newest is not None:
+            self.missing += max(round((sample.stamp - self._newest) / self._period) - 1, 0)
+        self._newest = max(sample.stamp, self._newest or 0)
+        due, now = self.link.due(sample.stamp), self._ports.now()
+        self.inbox.push(sample.stamp, due if due is None else max(due, now), sample)
+        self.inbox.late += due is not None and now > due

@@ -1,0 +1,78 @@
+"""Node ``plant``: the simulated physical substructure with its motors and wires.
+
+The plant moves in its own time: a sample stamped t has the values of exactly t, and a command becomes
+the input of the motors exactly when its delay is over, however punctual the process is. A command that
+arrives later than that becomes the input at its arrival, and is counted late.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from rthm_core.clock import Rank
+from rthm_core.link import Inbox, Link
+from rthm_core.physical import PhysicalSide
+from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.lifecycle import LoopNode
+from rthm_core.ros.process import run
+from rthm_core.schedule import Schedule
+from rthm_core.spec import Spec
+
+
+class PlantNode(LoopNode):
+    """Publishes ``plant/state`` every Td1; acts on ``actuator/command`` over the link tau4."""
+
+    def __init__(self) -> None:
+        super().__init__("plant", leads=True)
+
+    def connect(self, spec: Spec) -> None:
+        """Open the topics of the plant."""
+        loop = spec.loop()
+        self._state = self.ports.output("plant/state", (*loop.plant.dofs, *loop.actuator.names), peers=2)
+        self._commands = self.ports.input("actuator/command", loop.actuator.names, Link(spec, "tau4"))
+
+    def begin(self, spec: Spec, agenda: Agenda) -> None:
+        """Put the plant at rest where the spec says, with its motors."""
+        self._side = PhysicalSide(spec)
+        self._motor_delay = Schedule(spec).motor_delay
+        self._in_motor = Inbox()
+        agenda.when_due(self._commands.inbox, self._receive, _command_rank(spec))
+        agenda.when_due(self._in_motor, self._drive)
+        agenda.every("Td1", spec.loop().timing.ns("td1"), Rank.SAMPLE, self._sample)
+
+    def _receive(self, at: int, now: int) -> None:
+        command = self._commands.take(at)
+        if command is not None:
+            self._commands.tell(at, command.stamp)
+            self._in_motor.push(command.stamp, at + self._motor_delay, command.position)
+
+    def _drive(self, at: int, now: int) -> None:
+        command = self._in_motor.take(at)
+        if command is not None:
+            self._side.command(at, command[1])
+
+    def _sample(self, at: int, now: int) -> None:
+        x = self._side.sample(at)
+        self._state.send(
+            at,
+            [*x.position.tolist(), *x.motor_position.tolist()],
+            [*x.velocity.tolist(), *x.motor_velocity.tolist()],
+            [*x.load.tolist(), *x.force.tolist()],
+        )
+
+
+def _command_rank(spec: Spec) -> Callable[[int], Rank]:
+    """Rank at which the controller sends a command of this stamp: an extra one when a delay is over."""
+    td3, td4 = spec.loop().timing.ns("td3"), spec.loop().timing.ns("td4")
+    early = not td4 and Link(spec, "tau3").delay_ns > 0
+    return lambda stamp: Rank.DELAY if early and stamp % td3 else Rank.CONTROL
+
+
+def main() -> int:
+    """Run the node until it is asked to end."""
+    return run(PlantNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -62,12 +62,13 @@ def compiled(function: F) -> F:
 
     Division by zero gives inf or nan as in numpy, and floating-point order is kept, so that every process computes the same bits.
     """
-    return numba.njit(cache=True, error_model="numpy")(function)  # type: ignore[no-any-return]
+    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:
-    """Compile a small function that only compiled functions call; it is part of its callers' cache."""
-    return numba.njit(error_model="numpy")(function)  # type: ignore[no-any-return]
+    """Compile a function that only compiled functions call: without a way in from Python, and as part of its callers' cache."""
+    without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return numba.njit(error_model="numpy", **without_entry)(function)  # type: ignore[no-any-return]
 
 
 def chosen(functions: list[Callable[..., Any]], otherwise: Callable[..., Any], arguments: str) -> Callable[..., Any]:

@@ -46,17 +46,8 @@ class Loop(NamedTuple):
 
 
 @inlined
-def _advance(loop, t):  # type: ignore[no-untyped-def]
-    if loop.ledger.on:
-        advance_counting(loop.physical, loop.numerical, loop.ledger, t)
-    else:
-        advance_physical(loop.physical, t)
-
-
-@inlined
 def _sample(loop, t, number):  # type: ignore[no-untyped-def]
     """Measure the plant's motion at the interface."""
-    _advance(loop, t)
     model, y = loop.physical.model, loop.physical.state.y
     row = loop.rings.sample[number % loop.rings.sample.shape[0]]
     for a in range(model.m):
@@ -71,12 +62,8 @@ def _state_sample(rings, number):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _reference(loop, t, number, state):  # type: ignore[no-untyped-def]
+def _reference(loop, number, state):  # type: ignore[no-untyped-def]
     """Tick of the numerical substructure: latch the plant's motion and give F_d."""
-    if loop.ledger.on:
-        _advance(loop, t)
-    else:
-        advance_numerical(loop.numerical, t)
     copy_into(loop.numerical.held, _state_sample(loop.rings, state))
     interface_force(loop.numerical, loop.numerical.held, loop.rings.reference[number % loop.rings.reference.shape[0]])
 
@@ -97,9 +84,8 @@ def _command(loop, t, state, reference):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _motor(loop, t, sent):  # type: ignore[no-untyped-def]
+def _motor(loop, sent):  # type: ignore[no-untyped-def]
     """The command given at `sent` becomes the input of the motors."""
-    _advance(loop, t)
     rings, m = loop.rings, loop.physical.model.m
     slot = rings.newest_command[0]
     for _ in range(rings.command_time.size):
@@ -113,10 +99,8 @@ def _motor(loop, t, sent):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _output(loop, t, row):  # type: ignore[no-untyped-def]
+def _output(loop, row):  # type: ignore[no-untyped-def]
     """Write true motion, forces and energies: x1, v1, x2, v2, F_d in use, F, six works, E_total."""
-    _advance(loop, t)
-    advance_numerical(loop.numerical, t)
     model, y1, y2 = loop.physical.model, loop.physical.state.y, loop.numerical.y
     n1, n2, m = model.n, loop.numerical.n, model.m
     for i in range(2 * n1):
@@ -133,18 +117,25 @@ def _output(loop, t, row):  # type: ignore[no-untyped-def]
 @compiled
 def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
     """Execute `events` in order; row r of the outputs goes to ``out[r - first_row]``."""
+    counting = loop.ledger.on
     for e in range(events.time.size):
         t, what = events.time[e], events.what[e]
+        if counting and what != COMMAND:
+            advance_counting(loop.physical, loop.numerical, loop.ledger, t)
+        if not counting and (what == SAMPLE or what == MOTOR or what == OUTPUT):
+            advance_physical(loop.physical, t)
+        if not counting and (what == REFERENCE or what == OUTPUT):
+            advance_numerical(loop.numerical, t)
         if what == SAMPLE:
             _sample(loop, t, events.index[e])
         elif what == REFERENCE:
-            _reference(loop, t, events.index[e], events.state[e])
+            _reference(loop, events.index[e], events.state[e])
         elif what == COMMAND:
             _command(loop, t, events.state[e], events.reference[e])
         elif what == MOTOR:
-            _motor(loop, t, events.index[e])
+            _motor(loop, events.index[e])
         elif what == OUTPUT:
-            _output(loop, t, out[events.index[e] - first_row])
+            _output(loop, out[events.index[e] - first_row])
 
 
 def rings(samples: int, references: int, commands: int, m: int, first_sample: Floats, first_reference: Floats) -> Rings:

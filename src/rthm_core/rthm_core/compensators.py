@@ -26,7 +26,9 @@ def compensator_code(spec: Spec) -> tuple[int, Floats]:
     """
     name = str(spec.loop().actuator.compensator)
     if name not in CODES:
-        raise InputError(f"actuator.compensator {name!r} is not available, allowed is one of {', '.join(CODES)}; choose one of them.")
+        raise InputError(
+            f"actuator.compensator {name!r} is not available, allowed is one of {', '.join(CODES)}; choose one of them."
+        )
     return CODES[name], np.empty(0)
 
 

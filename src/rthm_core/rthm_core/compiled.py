@@ -71,14 +71,18 @@ def inlined(function: F) -> F:
     return numba.njit(error_model="numpy", **without_entry)(function)  # type: ignore[no-any-return]
 
 
-def chosen(functions: list[Callable[..., Any]], otherwise: Callable[..., Any], arguments: str) -> Callable[..., Any]:
+def chosen(
+    functions: list[Callable[..., Any]], otherwise: Callable[..., Any], arguments: str
+) -> Callable[..., Any]:
     """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any other code.
 
     Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of laws stands in one place only. A function
     that stands in the list several times (a method that is not overridden) is compiled once.
     """
     distinct = [function for function in dict.fromkeys(functions) if function is not otherwise]
-    names = {f"f{i}": inlined(function) for i, function in enumerate(distinct)} | {"otherwise": inlined(otherwise)}
+    names = {f"f{i}": inlined(function) for i, function in enumerate(distinct)} | {
+        "otherwise": inlined(otherwise)
+    }
     lines = [f"def choice(code, {arguments}):"]
     for i, function in enumerate(distinct):
         codes = " or ".join(f"code == {code}" for code, one in enumerate(functions) if one is function)

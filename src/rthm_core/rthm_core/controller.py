@@ -52,8 +52,14 @@ def controller(spec: Spec) -> ControllerState:
     """Controller of a spec at the start of a test: it has held the initial state and F_c(z1(0), z2(0)) for ever."""
     believed = as_built(spec, "controller")
     loop, sides = spec.loop(), interface(spec)
-    x1, v1 = np.array(loop.plant.initial_position)[sides.plant], np.array(loop.plant.initial_velocity)[sides.plant]
-    x2, v2 = np.array(loop.numerical.initial_position)[sides.numerical], np.array(loop.numerical.initial_velocity)[sides.numerical]
+    x1, v1 = (
+        np.array(loop.plant.initial_position)[sides.plant],
+        np.array(loop.plant.initial_velocity)[sides.plant],
+    )
+    x2, v2 = (
+        np.array(loop.numerical.initial_position)[sides.numerical],
+        np.array(loop.numerical.initial_velocity)[sides.numerical],
+    )
     code, settings = compensator_code(believed)
     past = -np.arange(1, HISTORY + 1, dtype=np.int64)
     return ControllerState(
@@ -134,7 +140,12 @@ class Controller:
 
     def latch_state(self, stamp_ns: int, position: Floats, velocity: Floats) -> None:
         """Use the plant's motion (m,) at the interface dofs from now on."""
-        _latch_state(self.compiled, stamp_ns, np.ascontiguousarray(position, dtype=float), np.ascontiguousarray(velocity, dtype=float))
+        _latch_state(
+            self.compiled,
+            stamp_ns,
+            np.ascontiguousarray(position, dtype=float),
+            np.ascontiguousarray(velocity, dtype=float),
+        )
 
     def latch_force(self, stamp_ns: int, force: Floats) -> None:
         """Use the force reference (m,) from now on."""

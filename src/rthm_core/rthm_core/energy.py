@@ -61,7 +61,9 @@ def bodies(spec: Spec) -> Bodies:
     if not spec.is_loop:
         none, no_index = np.empty(0), np.empty(0, dtype=np.int64)
         square = np.empty((0, 0))
-        return Bodies(one.mass, one.damping, one.stiffness, square, square, square, no_index, no_index, none, none, none)
+        return Bodies(
+            one.mass, one.damping, one.stiffness, square, square, square, no_index, no_index, none, none, none
+        )
     two, sides = substructure(spec.loop().numerical), interface(spec)
     return Bodies(
         one.mass, one.damping, one.stiffness, two.mass, two.damping, two.stiffness,
@@ -130,7 +132,12 @@ def powers(bodies, at, out):  # type: ignore[no-untyped-def]
     actuators = 0.0
     m = bodies.stiffness.size
     for a in range(m):
-        x1, v1, x2, v2 = at.x1[bodies.plant[a]], at.v1[bodies.plant[a]], at.x2[bodies.numerical[a]], at.v2[bodies.numerical[a]]
+        x1, v1, x2, v2 = (
+            at.x1[bodies.plant[a]],
+            at.v1[bodies.plant[a]],
+            at.x2[bodies.numerical[a]],
+            at.v2[bodies.numerical[a]],
+        )
         k, c = bodies.stiffness[a], bodies.damping[a]
         force = -c * (v1 - v2) - k * (x1 - x2)
         seen = -c * (at.held[m + a] - v2) - k * (at.held[a] - x2)
@@ -148,7 +155,12 @@ def powers(bodies, at, out):  # type: ignore[no-untyped-def]
 @inlined
 def total_energy(bodies, x1, v1, x2, v2):  # type: ignore[no-untyped-def]
     """Kinetic and potential energy of the masses and the springs, in J."""
-    energy = _quadratic(bodies.m1, v1, v1) + _quadratic(bodies.k1, x1, x1) + _quadratic(bodies.m2, v2, v2) + _quadratic(bodies.k2, x2, x2)
+    energy = (
+        _quadratic(bodies.m1, v1, v1)
+        + _quadratic(bodies.k1, x1, x1)
+        + _quadratic(bodies.m2, v2, v2)
+        + _quadratic(bodies.k2, x2, x2)
+    )
     for a in range(bodies.stiffness.size):
         stretch = x1[bodies.plant[a]] - x2[bodies.numerical[a]]
         energy += bodies.stiffness[a] * stretch * stretch

@@ -92,9 +92,18 @@ def _from_file(path: str) -> Load:
         rows = np.genfromtxt(Path(path).expanduser(), delimiter=",", names=True, dtype=float)
         time, force = np.atleast_1d(rows["t"]), np.atleast_1d(rows["force"])
     except (OSError, ValueError, IndexError, TypeError) as error:
-        raise InputError(f"load file {path!r} could not be read as a CSV with the columns t (s) and force (N): {str(error).splitlines()[0]}.") from None
-    if time.size < 2 or not np.all(np.isfinite(time)) or not np.all(np.isfinite(force)) or np.any(np.diff(time) <= 0.0):
-        raise InputError(f"load file {path!r} needs at least two rows of finite numbers with ascending t; sort and clean it.")
+        raise InputError(
+            f"load file {path!r} could not be read as a CSV with the columns t (s) and force (N): {str(error).splitlines()[0]}."
+        ) from None
+    if (
+        time.size < 2
+        or not np.all(np.isfinite(time))
+        or not np.all(np.isfinite(force))
+        or np.any(np.diff(time) <= 0.0)
+    ):
+        raise InputError(
+            f"load file {path!r} needs at least two rows of finite numbers with ascending t; sort and clean it."
+        )
     return NO_LOAD._replace(table_time=np.rint(time * 1e9).astype(np.int64), table_force=force)
 
 
@@ -119,7 +128,12 @@ def together(loads: list[Load]) -> Loads:
     """Lay several loads out for compiled code."""
     sines = [np.full(one.amplitude.size, i) for i, one in enumerate(loads)]
     ramps = [np.full(one.amplitude.size, one.ramp) for one in loads]
-    columns = [[one.amplitude for one in loads], [one.frequency for one in loads], [one.phase for one in loads], ramps]
+    columns = [
+        [one.amplitude for one in loads],
+        [one.frequency for one in loads],
+        [one.phase for one in loads],
+        ramps,
+    ]
     begins = np.concatenate([[0], np.cumsum([one.table_time.size for one in loads])])
 
     def joined(parts: list[Floats], kind: type) -> Floats:

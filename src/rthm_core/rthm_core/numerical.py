@@ -48,7 +48,9 @@ def numerical(spec: Spec) -> Numerical:
         When the spec describes no loop.
     """
     if spec.numerical is None or spec.plant is None:
-        raise InputError("numerical is missing: a hybrid test needs a numerical substructure; add the section or use a spec that has it.")
+        raise InputError(
+            "numerical is missing: a hybrid test needs a numerical substructure; add the section or use a spec that has it."
+        )
     body, sides = substructure(spec.numerical), interface(spec)
     n, m = body.dofs, sides.actuators
     grip = np.zeros((n, m))
@@ -167,7 +169,11 @@ def _loads_now(numerical: Numerical) -> None:
 
 def as_built(spec: Spec, block: str) -> Spec:
     """The spec that `block` (``"numerical"`` or ``"controller"``) really computes with: nominal, but for its ``wrong_parameter`` effects."""
-    wrong = {str(e.parameters["name"]): float(e.parameters["value"]) for e in spec.effects if e.block == block and e.kind == "wrong_parameter"}
+    wrong = {
+        str(e.parameters["name"]): float(e.parameters["value"])
+        for e in spec.effects
+        if e.block == block and e.kind == "wrong_parameter"
+    }
     if not wrong:
         return spec
     from rthm_core.spec import apply

@@ -154,7 +154,14 @@ class Schedule:
             (used * self.td1, _SAMPLING, SAMPLE, used, used, used),
             (numbers * self.td2, _NUMERICAL, REFERENCE, numbers, numerical_state, numbers),
             (commands.time, commands.rank, COMMAND, commands.time, commands.state, commands.reference),
-            (due, np.where(at_once, arriving.rank + _AT_ONCE, _MOTOR_DUE), MOTOR, arriving.time, arriving.state, arriving.reference),
+            (
+                due,
+                np.where(at_once, arriving.rank + _AT_ONCE, _MOTOR_DUE),
+                MOTOR,
+                arriving.time,
+                arriving.state,
+                arriving.reference,
+            ),
             (rows * (output or 0), _AFTER, OUTPUT, rows, rows, rows),
         ]
         time = np.concatenate([part[0] for part in parts])
@@ -166,7 +173,9 @@ class Schedule:
 
     def _samples(self, begin: int, end: int) -> Integers:
         """Numbers of the samples taken in [begin, end) that anybody uses later."""
-        ahead = end + max(self.links["tau1"].reach_ns, self.links["tau2"].reach_ns) + 2 * max(self.td2, self.td3)
+        ahead = (
+            end + max(self.links["tau1"].reach_ns, self.links["tau2"].reach_ns) + 2 * max(self.td2, self.td3)
+        )
         if self.links["tau1"].loss or self.links["tau2"].loss:
             ahead += 200 * self.td1
         states = [self.commands(begin, ahead).state, self.references(begin, ahead)[1]]

@@ -80,7 +80,9 @@ def interface(spec: Spec) -> Interface:
         When the spec describes no loop.
     """
     if spec.interface is None or spec.plant is None or spec.numerical is None:
-        raise InputError("interface is missing: a hybrid test needs plant, numerical, interface, actuator and timing; add the sections or use a spec that has them.")
+        raise InputError(
+            "interface is missing: a hybrid test needs plant, numerical, interface, actuator and timing; add the sections or use a spec that has them."
+        )
     section = spec.interface
     return Interface(
         np.array([spec.plant.dofs.index(name) for name in section.plant_dof], dtype=np.int64),

@@ -37,12 +37,12 @@ class StribeckFriction(PlantLaw):
     parameters = {
         "coulomb_force": EffectParameter("N", "friction force at high speed", minimum=0.0),
         "static_force": EffectParameter("N", "friction force at rest", minimum=0.0),
-        "stribeck_velocity": EffectParameter("m/s", "speed over which friction falls from static to Coulomb", minimum=1e-9),
+        "stribeck_velocity": EffectParameter(
+            "m/s", "speed over which friction falls from static to Coulomb", minimum=1e-9
+        ),
     }
     equation = "F = -(F_c + (F_s - F_c) exp(-(v/v_s)^2)) sign(v); |F| <= F_s at rest"
-    words = (
-        "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} within {stribeck_velocity} (Stribeck effect)"
-    )
+    words = "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} within {stribeck_velocity} (Stribeck effect)"
     split = "friction"
 
     @staticmethod

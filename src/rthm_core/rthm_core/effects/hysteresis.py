@@ -6,7 +6,9 @@ from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
 
 BOUC_WEN_PARAMETERS = {
-    "alpha": EffectParameter("N/m", "force per hysteretic state; the slope near zero is alpha A", minimum=0.0),
+    "alpha": EffectParameter(
+        "N/m", "force per hysteretic state; the slope near zero is alpha A", minimum=0.0
+    ),
     "A": EffectParameter("1", "initial slope of the state; 1 by convention", minimum=0.0, default=1.0),
     "beta": EffectParameter("1/m^n", "width of the loop"),
     "gamma": EffectParameter("1/m^n", "shape of the loop"),

@@ -36,7 +36,9 @@ class PlantLaw(Effect):
         raise NotImplementedError
 
     @staticmethod
-    def rate(x: float, v: float, z: list[float], t: float, p: list[float], piece: int, dz: list[float]) -> None:
+    def rate(
+        x: float, v: float, z: list[float], t: float, p: list[float], piece: int, dz: list[float]
+    ) -> None:
         """Write the time derivative of the own states into `dz`."""
 
     @staticmethod

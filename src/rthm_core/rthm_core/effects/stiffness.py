@@ -12,7 +12,9 @@ class CubicStiffness(PlantLaw):
 
     kind = "cubic_stiffness"
     blocks = ("plant",)
-    parameters = {"coefficient": EffectParameter("N/m^3", "force per cubed displacement; negative: softening")}
+    parameters = {
+        "coefficient": EffectParameter("N/m^3", "force per cubed displacement; negative: softening")
+    }
     equation = "F = -k x^3"
     words = "the spring at {dof} is not linear: it adds {coefficient} times the cube of the displacement"
 
@@ -27,7 +29,9 @@ class QuadraticStiffness(PlantLaw):
 
     kind = "quadratic_stiffness"
     blocks = ("plant",)
-    parameters = {"coefficient": EffectParameter("N/m^2", "force per squared displacement, towards -x when positive")}
+    parameters = {
+        "coefficient": EffectParameter("N/m^2", "force per squared displacement, towards -x when positive")
+    }
     equation = "F = -k x^2"
     words = "the spring at {dof} is not symmetric: it adds {coefficient} times the square of the displacement"
 

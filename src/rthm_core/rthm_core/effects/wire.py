@@ -178,7 +178,9 @@ class Slack(WireLaw):
 
     kind = "slack"
     blocks = ("wire",)
-    parameters = {"pretension": EffectParameter("N", "tension at F = 0; overrides the actuator's", minimum=0.0)}
+    parameters = {
+        "pretension": EffectParameter("N", "tension at F = 0; overrides the actuator's", minimum=0.0)
+    }
     equation = "F >= -F_0"
     words = "the wire of {actuator} goes slack: its pretension is only {pretension}"
     order = 9

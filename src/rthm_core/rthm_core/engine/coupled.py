@@ -28,7 +28,11 @@ def coupled_body(spec: Spec, system: str) -> Substructure:
     one, two, sides = substructure(spec.plant), substructure(spec.loop().numerical), interface(spec)
     n1, n2 = one.dofs, two.dofs
     mass, damping, stiffness = (np.zeros((n1 + n2, n1 + n2)) for _ in range(3))
-    for joint, first, second in ((mass, one.mass, two.mass), (damping, one.damping, two.damping), (stiffness, one.stiffness, two.stiffness)):
+    for joint, first, second in (
+        (mass, one.mass, two.mass),
+        (damping, one.damping, two.damping),
+        (stiffness, one.stiffness, two.stiffness),
+    ):
         joint[:n1, :n1], joint[n1:, n1:] = first, second
     for a in range(sides.actuators):
         stretch = np.zeros(n1 + n2)
@@ -38,7 +42,13 @@ def coupled_body(spec: Spec, system: str) -> Substructure:
     if system == "taylor":
         added_mass, added_damping = delay_matrices(spec)
         mass, damping = mass + added_mass, damping + added_damping
-    return Substructure(mass, damping, stiffness, np.concatenate([one.position, two.position]), np.concatenate([one.velocity, two.velocity]))
+    return Substructure(
+        mass,
+        damping,
+        stiffness,
+        np.concatenate([one.position, two.position]),
+        np.concatenate([one.velocity, two.velocity]),
+    )
 
 
 def _further_load(spec: Spec) -> list[tuple[Load, int]]:
@@ -60,10 +70,14 @@ def _rows(side: Physical, step: int, out: Floats, listed: Floats) -> None:
 
 def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: bool) -> Trajectory:
     """Trajectory of a plant alone (``"hybrid"`` of a spec without loop), of the ideal system or of its approximation, every `step` ns."""
-    from rthm_core.engine.simulate import Trajectory  # the one public result type lives beside the verb that gives it
+    from rthm_core.engine.simulate import (
+        Trajectory,
+    )  # the one public result type lives beside the verb that gives it
 
     if system != "hybrid" and not spec.is_loop:
-        raise InputError(f"system {system!r} needs a whole loop, but the spec has a plant alone; add the other sections or choose the system hybrid.")
+        raise InputError(
+            f"system {system!r} needs a whole loop, but the spec has a plant alone; add the other sections or choose the system hybrid."
+        )
     body = substructure(spec.plant) if not spec.is_loop else coupled_body(spec, system)
     further = _further_load(spec) if spec.is_loop else []
     model, resting = physical_model(spec, body=body, further=further)
@@ -73,16 +87,30 @@ def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: 
     x, v = out[:, : body.dofs], out[:, body.dofs :]
     n1 = len(spec.plant.dofs)
     force = _interface_forces(spec, x, v) if spec.is_loop else np.zeros((out.shape[0], 0))
-    return Trajectory(np.arange(out.shape[0]) * step * 1e-9, x[:, :n1], v[:, :n1], x[:, n1:], v[:, n1:], force, force.copy(), _energies(spec, body, x, v) if energies else {})
+    return Trajectory(
+        np.arange(out.shape[0]) * step * 1e-9,
+        x[:, :n1],
+        v[:, :n1],
+        x[:, n1:],
+        v[:, n1:],
+        force,
+        force.copy(),
+        _energies(spec, body, x, v) if energies else {},
+    )
 
 
 def _interface_forces(spec: Spec, x: Floats, v: Floats) -> Floats:
     sides, n1 = interface(spec), len(spec.plant.dofs)
     two = n1 + sides.numerical
-    return -sides.damping * (v[:, sides.plant] - v[:, two]) - sides.stiffness * (x[:, sides.plant] - x[:, two])
+    return -sides.damping * (v[:, sides.plant] - v[:, two]) - sides.stiffness * (
+        x[:, sides.plant] - x[:, two]
+    )
 
 
 def _energies(spec: Spec, body: Substructure, x: Floats, v: Floats) -> dict[str, Floats]:
     """Total energy; the works of a loop that is not there are zero, and the others are not counted here (nan)."""
     total = 0.5 * (np.einsum("ti,ij,tj->t", v, body.mass, v) + np.einsum("ti,ij,tj->t", x, body.stiffness, x))
-    return {term: np.zeros(x.shape[0]) if term in ("E_num", "E_ff", "E_fx") else np.full(x.shape[0], np.nan) for term in TERMS} | {"E_total": total}
+    return {
+        term: np.zeros(x.shape[0]) if term in ("E_num", "E_ff", "E_fx") else np.full(x.shape[0], np.nan)
+        for term in TERMS
+    } | {"E_total": total}

@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, copy_into, inlined
-from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS, Bodies, Moment, bodies, cubic, moment, powers, quintic
+from rthm_core.energy import (
+    GAUSS_NODES,
+    GAUSS_WEIGHTS,
+    Bodies,
+    Moment,
+    bodies,
+    cubic,
+    moment,
+    powers,
+    quintic,
+)
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.loads import smooth_until
 from rthm_core.numerical import Numerical, advance_numerical, begin_numerical
@@ -64,15 +74,24 @@ class Ledger(NamedTuple):
     pieces: Integers
 
 
-def ledger(spec: Spec, physical: Physical, numerical: Numerical, first_fx: Floats, first_ff: Floats, *, on: bool) -> Ledger:
+def ledger(
+    spec: Spec, physical: Physical, numerical: Numerical, first_fx: Floats, first_ff: Floats, *, on: bool
+) -> Ledger:
     """Empty ledger; `first_fx` and `first_ff` (m,) are the parts of the command that has been there for ever."""
     model = physical.model
     believed = drive(spec, model.whole.orders, effects=False)
     n1, n2, m, ny = model.n, numerical.n, model.m, model.mechanics.shape[0]
     speeds = [np.abs(np.linalg.eigvals(a)).max() for a in (model.mechanics[:, :ny], numerical.system.a)]
     longest = int((0.5 if ny == 2 * n1 else 0.1) / max(speeds) * 1e9) if max(speeds) > 0.0 else 1_000_000_000
-    moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(believed.conditioning, model.drive.conditioning)
-    plain = ny == 2 * n1 and model.laws is None and moved_by_commands and not any(e.block in ("plant", "wire") for e in spec.effects)
+    moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(
+        believed.conditioning, model.drive.conditioning
+    )
+    plain = (
+        ny == 2 * n1
+        and model.laws is None
+        and moved_by_commands
+        and not any(e.block in ("plant", "wire") for e in spec.effects)
+    )
     return Ledger(
         on, bodies(spec), np.zeros(6), believed, settled(believed, first_fx), settled(believed, first_ff), first_fx.copy(), first_ff.copy(), max(longest, 1000),
         moment(n1, n2, m), np.zeros(6), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(model.drive.system.ab.shape[0]),
@@ -126,7 +145,18 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
         at.w1[i] = 0.0
     for i in range(model.listed_loads):
         at.w1[model.load_dof[i]] += work.w[i]
-    mechanics_rate(model.laws, model, pieces, ledger.y, work.u, work.w, begin_ns * 1e-9 + s, ledger.dy, ledger.hold, work.rows[SCRATCH])
+    mechanics_rate(
+        model.laws,
+        model,
+        pieces,
+        ledger.y,
+        work.u,
+        work.w,
+        begin_ns * 1e-9 + s,
+        ledger.dy,
+        ledger.hold,
+        work.rows[SCRATCH],
+    )
     for i in range(n):
         total = 0.0
         for j in range(n):
@@ -144,7 +174,9 @@ def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1
         s = s0 + r * h
         _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r)
         for i in range(n2):
-            at.x2[i], at.v2[i] = quintic(two[0, i], two[0, n2 + i], two[1, n2 + i], two[2, i], two[2, n2 + i], two[3, n2 + i], h, r)
+            at.x2[i], at.v2[i] = quintic(
+                two[0, i], two[0, n2 + i], two[1, n2 + i], two[2, i], two[2, n2 + i], two[3, n2 + i], h, r
+            )
         _outside(ledger, physical, pieces, begin_ns, s)
         at.w2[numerical.load_dof[0]] = polynomial(inputs2, 2 * numerical.m, 0, s)
         _believed_position(ledger, ledger.q_fx, ledger.fx, s, at.u_fx)
@@ -204,7 +236,18 @@ def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
     copy_into(trace.y[0, 0], ledger.y_begin)
     copy_into(trace.y[2, 1], ledger.dy_begin)
     copy_into(trace.y[0, 1], state.y)
-    mechanics_rate(physical.model.laws, physical.model, state.pieces, state.y, work.u, work.w, 0.0, trace.y[1, 1], ledger.hold, work.rows[SCRATCH])
+    mechanics_rate(
+        physical.model.laws,
+        physical.model,
+        state.pieces,
+        state.y,
+        work.u,
+        work.w,
+        0.0,
+        trace.y[1, 1],
+        ledger.hold,
+        work.rows[SCRATCH],
+    )
     trace.time[0], trace.time[1], trace.count[0] = 0.0, dt, 2
 
 
@@ -216,7 +259,9 @@ def advance_counting(physical, numerical, ledger, to_ns):  # type: ignore[no-unt
     while state.time[0] < to_ns:
         begin_ns = state.time[0]
         _begin_counting(physical, numerical, ledger)
-        advance_segment(physical, smooth_until(numerical.loads, begin_ns, min(to_ns, begin_ns + ledger.longest)))
+        advance_segment(
+            physical, smooth_until(numerical.loads, begin_ns, min(to_ns, begin_ns + ledger.longest))
+        )
         dt = (state.time[0] - begin_ns) * 1e-9
         advance_numerical(numerical, state.time[0])
         _count_segment(physical, numerical, ledger, begin_ns, dt)

@@ -65,7 +65,9 @@ def _state_sample(rings, number):  # type: ignore[no-untyped-def]
 def _reference(loop, number, state):  # type: ignore[no-untyped-def]
     """Tick of the numerical substructure: latch the plant's motion and give F_d."""
     copy_into(loop.numerical.held, _state_sample(loop.rings, state))
-    interface_force(loop.numerical, loop.numerical.held, loop.rings.reference[number % loop.rings.reference.shape[0]])
+    interface_force(
+        loop.numerical, loop.numerical.held, loop.rings.reference[number % loop.rings.reference.shape[0]]
+    )
 
 
 @inlined
@@ -76,7 +78,9 @@ def _command(loop, t, state, reference):  # type: ignore[no-untyped-def]
         sample = _state_sample(rings, state)
         latch_state(loop.controller, state * loop.td1, sample[:m], sample[m:])
     if reference >= 0:
-        latch_force(loop.controller, reference * loop.td2, rings.reference[reference % rings.reference.shape[0]])
+        latch_force(
+            loop.controller, reference * loop.td2, rings.reference[reference % rings.reference.shape[0]]
+        )
     slot = (rings.newest_command[0] + 1) % rings.command_time.size
     rings.newest_command[0] = slot
     rings.command_time[slot] = t
@@ -138,7 +142,9 @@ def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
             _output(loop, out[events.index[e] - first_row])
 
 
-def rings(samples: int, references: int, commands: int, m: int, first_sample: Floats, first_reference: Floats) -> Rings:
+def rings(
+    samples: int, references: int, commands: int, m: int, first_sample: Floats, first_reference: Floats
+) -> Rings:
     """Empty rings of the given lengths for `m` actuators."""
     return Rings(
         np.zeros((samples, 2 * m)),

@@ -54,10 +54,22 @@ class Trajectory:
     @property
     def balance_error(self) -> Floats:
         """E_total - E_total(0) - sum of the works, in J (N,)."""
-        return np.asarray(self.energies["E_total"] - self.energies["E_total"][0] - sum(self.energies[term] for term in TERMS))
+        return np.asarray(
+            self.energies["E_total"]
+            - self.energies["E_total"][0]
+            - sum(self.energies[term] for term in TERMS)
+        )
 
 
-def simulate(spec: Spec, duration: float, sample: float | None = None, system: str = "hybrid", *, energies: bool = True, progress: Callable[[float], None] | None = None) -> Trajectory:
+def simulate(
+    spec: Spec,
+    duration: float,
+    sample: float | None = None,
+    system: str = "hybrid",
+    *,
+    energies: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
     """Simulate a test exactly.
 
     Parameters
@@ -92,13 +104,19 @@ def simulate(spec: Spec, duration: float, sample: float | None = None, system: s
 def _checked(spec: Spec, duration: float, sample: float | None, system: str) -> int:
     """Distance of the rows in ns."""
     if system not in SYSTEMS:
-        raise InputError(f"system {system!r} is not known, allowed is one of {', '.join(SYSTEMS)}; choose one of them.")
+        raise InputError(
+            f"system {system!r} is not known, allowed is one of {', '.join(SYSTEMS)}; choose one of them."
+        )
     if not (np.isfinite(duration) and duration > 0.0):
-        raise InputError(f"duration {duration!r} is not allowed, it must be a positive number of seconds; give one above zero.")
+        raise InputError(
+            f"duration {duration!r} is not allowed, it must be a positive number of seconds; give one above zero."
+        )
     default = spec.timing.td1 if spec.timing is not None else 0.001
     value = default if sample is None else sample
     if not (np.isfinite(value) and to_ns(value) > 0):
-        raise InputError(f"sample {value!r} is not allowed, it must be at least one nanosecond; give a positive number of seconds.")
+        raise InputError(
+            f"sample {value!r} is not allowed, it must be at least one nanosecond; give a positive number of seconds."
+        )
     return to_ns(value)
 
 
@@ -122,7 +140,9 @@ def _loop(spec: Spec, *, energies: bool) -> Loop:
     return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
 
 
-def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int, progress: Callable[[float], None] | None) -> Iterator[Floats]:
+def _chunks(
+    spec: Spec, loop: Loop, end: int, step: int, width: int, progress: Callable[[float], None] | None
+) -> Iterator[Floats]:
     """Rows of the trajectory, a span of time at once; the row at `end` sees everything that happens then."""
     schedule = Schedule(spec)
     last_row = end // step
@@ -139,6 +159,8 @@ def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int, progress: C
 
 
 def _trajectory(rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool) -> Trajectory:
-    x1, v1, x2, v2, reference, force, works, total = np.split(rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1)
+    x1, v1, x2, v2, reference, force, works, total = np.split(
+        rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1
+    )
     found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
     return Trajectory(np.arange(rows.shape[0]) * step * 1e-9, x1, v1, x2, v2, reference, force, found)

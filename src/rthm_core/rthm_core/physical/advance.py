@@ -58,9 +58,16 @@ class Physical(NamedTuple):
     trace: Trace
 
 
-def physical(model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats) -> Physical:
+def physical(
+    model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats
+) -> Physical:
     """Physical side at the start of a test: the motors have been at `command` (m,) and the plant at `position` (n,) for ever."""
-    nq, ny, laws, limit = model.drive.system.ab.shape[0], model.mechanics.shape[0], law_count(model), model.drive.conditioning[LIMIT]
+    nq, ny, laws, limit = (
+        model.drive.system.ab.shape[0],
+        model.mechanics.shape[0],
+        law_count(model),
+        model.drive.conditioning[LIMIT],
+    )
     whole = np.zeros(nq + ny)
     q, y = whole[:nq], whole[nq:]
     first = np.clip(command, -limit, limit).astype(float)
@@ -68,7 +75,18 @@ def physical(model: PhysicalModel, resting: list[Resting], position: Floats, vel
     y[: model.n], y[model.n : 2 * model.n] = position, velocity
     _rest(model, resting, y, model.drive.out @ np.concatenate([q, first]))
     inputs = np.zeros((model.whole.orders, model.whole.ab.shape[1] - nq - ny))
-    state = PhysicalState(np.zeros(1, dtype=np.int64), whole, q, y, first.copy(), first.copy(), _first_pieces(model, y), np.array([np.inf]), np.abs(y), inputs)
+    state = PhysicalState(
+        np.zeros(1, dtype=np.int64),
+        whole,
+        q,
+        y,
+        first.copy(),
+        first.copy(),
+        _first_pieces(model, y),
+        np.array([np.inf]),
+        np.abs(y),
+        inputs,
+    )
     return Physical(model, state, work(ny, nq, model.m, model.load_dof.size, laws), trace(ny, laws))
 
 
@@ -88,7 +106,11 @@ def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) ->
             y[at : at + law.states] = law.initial(drive_position, y[wires.numbers[place, DOF]], p)
     for row in np.flatnonzero(sensors.lagged >= 0):
         actuator = row - 2 * model.n
-        force = wires.stiffness[actuator, 1] * (u[actuator] - y[wires.numbers[actuator, DOF]]) if actuator >= 0 else 0.0
+        force = (
+            wires.stiffness[actuator, 1] * (u[actuator] - y[wires.numbers[actuator, DOF]])
+            if actuator >= 0
+            else 0.0
+        )
         y[sensors.lagged[row]] = y[row] if actuator < 0 else force
 
 
@@ -143,7 +165,9 @@ def begin_segment(physical):  # type: ignore[no-untyped-def]
     for i in range(m):
         state.inputs[0, i] = state.command[i]
         if state.command[i] != state.target[i]:
-            state.inputs[1, i] = math.copysign(model.drive.conditioning[RATE, i], state.target[i] - state.command[i])
+            state.inputs[1, i] = math.copysign(
+                model.drive.conditioning[RATE, i], state.target[i] - state.command[i]
+            )
         elif state.inputs.shape[0] > 1:
             state.inputs[1, i] = 0.0
     load_derivatives(model.loads, state.time[0], m, state.inputs)
@@ -156,7 +180,11 @@ def _finish_segment(physical, end, dt):  # type: ignore[no-untyped-def]
         if state.command[i] != state.target[i]:
             travelled = model.drive.conditioning[RATE, i] * dt
             left = state.target[i] - state.command[i]
-            state.command[i] = state.target[i] if abs(left) <= travelled else state.command[i] + math.copysign(travelled, left)
+            state.command[i] = (
+                state.target[i]
+                if abs(left) <= travelled
+                else state.command[i] + math.copysign(travelled, left)
+            )
     state.time[0] = end
 
 
@@ -196,7 +224,9 @@ def present_force(physical, out):  # type: ignore[no-untyped-def]
     model, state, work = physical.model, physical.state, physical.work
     motor_position(model.drive, state.q, state.command, work.u)
     for actuator in range(model.m):
-        out[actuator] = wire_force(model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT])
+        out[actuator] = wire_force(
+            model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT]
+        )
 
 
 @inlined
@@ -234,7 +264,18 @@ def present_rate(physical, dy):  # type: ignore[no-untyped-def]
     motor_position(model.drive, state.q, state.command, work.u)
     for i in range(work.w.size):
         work.w[i] = state.inputs[0, model.m + i]
-    mechanics_rate(model.laws, model, state.pieces, state.y, work.u, work.w, state.time[0] * 1e-9, dy, work.hold, work.rows[SCRATCH])
+    mechanics_rate(
+        model.laws,
+        model,
+        state.pieces,
+        state.y,
+        work.u,
+        work.w,
+        state.time[0] * 1e-9,
+        dy,
+        work.hold,
+        work.rows[SCRATCH],
+    )
 
 
 @compiled

@@ -62,7 +62,9 @@ def _stages(spec: Spec, actuator: str, *, effects: bool) -> list[Stage]:
             if effect.kind == "lag" and effect.parameters["time_constant"] > 0.0:
                 stages.append(_first_order(effect.parameters["time_constant"]))
             elif effect.kind == "second_order":
-                stages.append(_second_order(effect.parameters["frequency"], effect.parameters["damping_ratio"]))
+                stages.append(
+                    _second_order(effect.parameters["frequency"], effect.parameters["damping_ratio"])
+                )
     return stages
 
 

@@ -3,9 +3,22 @@
 from __future__ import annotations
 
 
-
 from rthm_core.compiled import copy_into, inlined
-from rthm_core.physical.laws import CODE, DOF, NONLINEAR, PLACE, SPLIT, STATE, STATES, plant_force, plant_rate, wire_drive, wire_law_force, wire_rate, wire_settle
+from rthm_core.physical.laws import (
+    CODE,
+    DOF,
+    NONLINEAR,
+    PLACE,
+    SPLIT,
+    STATE,
+    STATES,
+    plant_force,
+    plant_rate,
+    wire_drive,
+    wire_law_force,
+    wire_rate,
+    wire_settle,
+)
 
 POSITION, VELOCITY, FRICTION = 1, 2, 3
 """How the pieces of a law meet; indices into ``laws.SPLITS``."""
@@ -64,8 +77,19 @@ def _any_wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-u
     for row in range(wires.laws.shape[0]):
         if wires.laws[row, PLACE] == actuator:
             begin, end = wires.laws[row, STATE], wires.laws[row, STATE] + wires.laws[row, STATES]
-            force = wire_law_force(wires.laws[row, CODE], position, x, v, k, force, scratch[begin:end], wires.parameters[row])
-            wire_rate(wires.laws[row, CODE], position, x, v, k, scratch[begin:end], wires.parameters[row], dy[begin:end])
+            force = wire_law_force(
+                wires.laws[row, CODE], position, x, v, k, force, scratch[begin:end], wires.parameters[row]
+            )
+            wire_rate(
+                wires.laws[row, CODE],
+                position,
+                x,
+                v,
+                k,
+                scratch[begin:end],
+                wires.parameters[row],
+                dy[begin:end],
+            )
     return force
 
 
@@ -114,7 +138,12 @@ def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type
     m = u.size
     for actuator in range(m):
         if model.wires.numbers[actuator, NONLINEAR]:
-            _add(model.mechanics, first + actuator, _any_wire_force(model.wires, model.n, y, u, actuator, scratch, dy), dy)
+            _add(
+                model.mechanics,
+                first + actuator,
+                _any_wire_force(model.wires, model.n, y, u, actuator, scratch, dy),
+                dy,
+            )
     sticking = 0
     for row in range(laws.numbers.shape[0]):
         hold[row] = 0.0

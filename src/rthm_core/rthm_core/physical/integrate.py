@@ -71,12 +71,25 @@ TRIAL, POINT, SCRATCH, START = range(4)
 
 def trace(size: int, laws: int, rows: int = 256) -> Trace:
     """Empty trace for a mechanics of `size` states."""
-    return Trace(np.zeros(1, dtype=np.int64), np.zeros(rows), np.zeros((3, rows, size)), np.zeros((rows, laws), dtype=np.int64))
+    return Trace(
+        np.zeros(1, dtype=np.int64),
+        np.zeros(rows),
+        np.zeros((3, rows, size)),
+        np.zeros((rows, laws), dtype=np.int64),
+    )
 
 
 def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
     """Scratch for `size` mechanical and `chain` motor states, `m` actuators, `loads` loads and `laws` laws."""
-    return Work(np.zeros((7, size)), np.zeros((4, size)), np.zeros(chain), np.zeros(m), np.zeros(m), np.zeros(loads), np.zeros(laws))
+    return Work(
+        np.zeros((7, size)),
+        np.zeros((4, size)),
+        np.zeros(chain),
+        np.zeros(m),
+        np.zeros(m),
+        np.zeros(loads),
+        np.zeros(laws),
+    )
 
 
 @inlined
@@ -207,7 +220,11 @@ def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
         _rate(model, state.pieces, work, state.y, t, work.stages[0])
         loose = -1
         for row in range(state.pieces.size):
-            if state.pieces[row] == 0 and model.laws.numbers[row, SPLIT] == FRICTION and abs(work.hold[row]) > model.laws.breakaway[row]:
+            if (
+                state.pieces[row] == 0
+                and model.laws.numbers[row, SPLIT] == FRICTION
+                and abs(work.hold[row]) > model.laws.breakaway[row]
+            ):
                 loose = row
         if loose < 0:
             return

@@ -21,7 +21,9 @@ WIRE_LAWS: list[Any] = [effect(kind, "wire") for kind in kinds("wire")]
 SPLITS = ("none", "position", "velocity", "friction")
 MOST_PARAMETERS = 8
 
-plant_force = chosen([law.force for law in PLANT_LAWS], lambda x, v, z, t, p, piece: 0.0, "x, v, z, t, p, piece")
+plant_force = chosen(
+    [law.force for law in PLANT_LAWS], lambda x, v, z, t, p, piece: 0.0, "x, v, z, t, p, piece"
+)
 plant_rate = chosen([law.rate for law in PLANT_LAWS], PlantLaw.rate, "x, v, z, t, p, piece, dz")
 wire_settle = chosen([law.settle for law in WIRE_LAWS], WireLaw.settle, "u, x, k, z, p")
 wire_drive = chosen([law.drive for law in WIRE_LAWS], WireLaw.drive, "u, z, p")
@@ -95,7 +97,9 @@ def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
     stuck = [dof for law, _, dof in found if law.split == "friction"]
     for dof in stuck:
         if stuck.count(dof) > 1:
-            raise InputError(f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed is one per dof; join them into one.")
+            raise InputError(
+                f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed is one per dof; join them into one."
+            )
     return found
 
 
@@ -148,7 +152,9 @@ def curved_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, in
     ]
 
 
-def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]], known: list[Any]) -> tuple[Integers, Floats]:
+def _rows(
+    entries: list[tuple[Any, tuple[float, ...], int, int]], known: list[Any]
+) -> tuple[Integers, Floats]:
     """Numbers (code, place, first state, states) and parameters of some laws, as arrays."""
     parameters = np.zeros((len(entries), MOST_PARAMETERS))
     for row, (_, p, _, _) in enumerate(entries):
@@ -165,4 +171,9 @@ def law_table(curved: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable
     for row, (law, p, _, _) in enumerate(curved):
         limits = law.thresholds(p)
         thresholds[row, : len(limits)] = limits
-    return LawTable(np.hstack([numbers, splits]), parameters, thresholds, np.array([law.breakaway(p) for law, p, _, _ in curved], dtype=float))
+    return LawTable(
+        np.hstack([numbers, splits]),
+        parameters,
+        thresholds,
+        np.array([law.breakaway(p) for law, p, _, _ in curved], dtype=float),
+    )

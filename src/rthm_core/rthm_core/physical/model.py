@@ -19,7 +19,18 @@ from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system
 from rthm_core.loads import NO_LOAD, Load, Loads, load, together
 from rthm_core.physical.drive import Drive, drive
-from rthm_core.physical.laws import DOF, NONLINEAR, PULLEY, LawTable, WireTable, curved_wires, law_table, plant_laws, wire_laws, wire_table
+from rthm_core.physical.laws import (
+    DOF,
+    NONLINEAR,
+    PULLEY,
+    LawTable,
+    WireTable,
+    curved_wires,
+    law_table,
+    plant_laws,
+    wire_laws,
+    wire_table,
+)
 from rthm_core.physical.sensors import Sensors, sensor_states, sensors
 from rthm_core.substructure import Substructure, substructure
 
@@ -105,7 +116,9 @@ class _Assembly:
                 z, dz = list(unit[begin : begin + law.states]), [0.0] * law.states
                 force = law.force(unit[0], unit[1], unit[2], k, force, z, p)
                 law.rate(unit[0], unit[1], unit[2], k, z, p, dz)
-                self._add_drive_or_motion(wires, actuator, i, columns, slice(at, at + law.states), np.array(dz))
+                self._add_drive_or_motion(
+                    wires, actuator, i, columns, slice(at, at + law.states), np.array(dz)
+                )
                 begin += law.states
             unit_row = np.eye(wires.drive.shape[1])
             wires.force[actuator] += force * (wires.drive[actuator] if i == 0 else unit_row[columns[i - 1]])
@@ -114,7 +127,9 @@ class _Assembly:
         self.b_u += np.outer(self.b_f[:, actuator], wires.force[actuator, size:])
         self.b_f[:, actuator] = 0.0
 
-    def _add_drive_or_motion(self, wires: WireTable, actuator: int, i: int, columns: list[int], rows: slice, dz: Floats) -> None:
+    def _add_drive_or_motion(
+        self, wires: WireTable, actuator: int, i: int, columns: list[int], rows: slice, dz: Floats
+    ) -> None:
         if i == 0:
             size = self.a.shape[0]
             self.a[rows] += np.outer(dz, wires.drive[actuator, :size])
@@ -127,14 +142,21 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
     """All forces on the plant that depend on time alone, their dofs, and how many of them are listed in the spec's ``load``."""
     assert spec.plant is not None
     section = spec.load.plant
-    loads, dofs = [load(section)], [spec.plant.dofs.index(section.dof) if section is not None and section.dof else 0]
+    loads, dofs = (
+        [load(section)],
+        [spec.plant.dofs.index(section.dof) if section is not None and section.dof else 0],
+    )
     loads, dofs = loads + [one for one, _ in further], dofs + [dof for _, dof in further]
     listed = len(loads)
     for law, p, dof in plant_laws(spec):
         shape = law.excitation(p)
         if shape is not None:
             constant, amplitude, frequency, phase = shape
-            sine = {"amplitude": np.array([amplitude]), "frequency": np.array([frequency]), "phase": np.array([phase])}
+            sine = {
+                "amplitude": np.array([amplitude]),
+                "frequency": np.array([frequency]),
+                "phase": np.array([phase]),
+            }
             loads.append(NO_LOAD._replace(constant=constant, **(sine if amplitude else {})))
             dofs.append(dof)
     return loads, dofs, listed
@@ -144,7 +166,9 @@ Resting = tuple[Any, tuple[float, ...], str, int, int]
 """A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own state."""
 
 
-def physical_model(spec: Spec, body: Substructure | None = None, further: list[tuple[Load, int]] | None = None) -> tuple[PhysicalModel, list[Resting]]:
+def physical_model(
+    spec: Spec, body: Substructure | None = None, further: list[tuple[Load, int]] | None = None
+) -> tuple[PhysicalModel, list[Resting]]:
     """Physical side of a spec: with actuators when it has them, else a plant under known forces.
 
     Parameters
@@ -169,7 +193,9 @@ def physical_model(spec: Spec, body: Substructure | None = None, further: list[t
         When the spec has no plant.
     """
     if spec.plant is None:
-        raise InputError("plant is missing: nothing can be simulated without it; add a plant section with dofs, mass, damping and stiffness.")
+        raise InputError(
+            "plant is missing: nothing can be simulated without it; add a plant section with dofs, mass, damping and stiffness."
+        )
     plant = body or substructure(spec.plant)
     m = len(spec.actuator.names) if spec.actuator and body is None else 0
     loads, load_dofs, listed = _loads(spec, further or [])
@@ -180,7 +206,9 @@ def physical_model(spec: Spec, body: Substructure | None = None, further: list[t
     law_at = np.cumsum([at, *[law.states for law, _, _ in forces]])
     sensor_at = int(law_at[-1])
     size = sensor_at + (0 if body else sensor_states(spec))
-    curved = [(law, p, dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if not law.linear]
+    curved = [
+        (law, p, dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if not law.linear
+    ]
     parts = _Assembly(spec, plant, m, size, len(loads), len(curved))
     parts.add_plant()
     for i, dof in enumerate(load_dofs):
@@ -201,7 +229,9 @@ def physical_model(spec: Spec, body: Substructure | None = None, further: list[t
             parts.add_linear_wire(wires, actuator, wire_list)
     orders = max([one.orders for one in loads] + [2 if _limits_rate(spec) else 1])
     motors = drive(spec, orders, actuators=m)
-    resting: list[Resting] = [(law, p, "plant", dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if law.states]
+    resting: list[Resting] = [
+        (law, p, "plant", dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if law.states
+    ]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in curved_wires(wires) if law.states]
     model = PhysicalModel(

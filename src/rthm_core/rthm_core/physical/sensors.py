@@ -45,7 +45,11 @@ def _channels(spec: Spec) -> list[tuple[str, str]]:
 
 
 def _effects(spec: Spec, channel: str, where: str, kind: str) -> list[dict[str, float]]:
-    return [e.parameters for e in spec.effects if e.block == f"sensor.{channel}" and e.kind == kind and where in (e.dof, e.actuator)]
+    return [
+        e.parameters
+        for e in spec.effects
+        if e.block == f"sensor.{channel}" and e.kind == kind and where in (e.dof, e.actuator)
+    ]
 
 
 def sensor_states(spec: Spec) -> int:
@@ -62,14 +66,19 @@ def sensors(spec: Spec, parts: Any, at: int, *, measured: bool = True) -> Sensor
         columns["scale"].append(float(np.prod([p["scale"] for p in _effects(spec, channel, where, "scale")])))
         columns["bias"].append(float(sum(p["bias"] for p in _effects(spec, channel, where, "bias"))))
         columns["drift"].append(float(sum(p["rate"] for p in _effects(spec, channel, where, "drift"))))
-        columns["quantum"].append(float(max([p["step"] for p in _effects(spec, channel, where, "quantisation")], default=0.0)))
+        columns["quantum"].append(
+            float(max([p["step"] for p in _effects(spec, channel, where, "quantisation")], default=0.0))
+        )
         columns["noise"].append(float(getattr(spec.noise, channel)))
         lag = sum(p["time_constant"] for p in _effects(spec, channel, where, "lag"))
         if lag > 0.0:
             lagged[row] = at
             _add_lag(parts, channel, row, at, lag)
             at += 1
-    keys = np.array([stream_key(int(spec.noise.seed), f"{channel}.{where}") for channel, where in channels], dtype=np.uint64)
+    keys = np.array(
+        [stream_key(int(spec.noise.seed), f"{channel}.{where}") for channel, where in channels],
+        dtype=np.uint64,
+    )
     values = np.array([columns[name] for name in columns], dtype=float).T
     return Sensors(np.ascontiguousarray(values), lagged, keys)
 

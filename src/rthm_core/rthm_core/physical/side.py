@@ -32,8 +32,14 @@ def first_command(spec: Spec) -> Floats:
         return np.empty(0)
     sides = interface(spec)
     assert spec.numerical is not None
-    x1, v1 = np.array(spec.plant.initial_position)[sides.plant], np.array(spec.plant.initial_velocity)[sides.plant]
-    x2, v2 = np.array(spec.numerical.initial_position)[sides.numerical], np.array(spec.numerical.initial_velocity)[sides.numerical]
+    x1, v1 = (
+        np.array(spec.plant.initial_position)[sides.plant],
+        np.array(spec.plant.initial_velocity)[sides.plant],
+    )
+    x2, v2 = (
+        np.array(spec.numerical.initial_position)[sides.numerical],
+        np.array(spec.numerical.initial_velocity)[sides.numerical],
+    )
     return x1 + sides.force(x1, v1, x2, v2) / np.array(spec.k_tot)
 
 
@@ -41,7 +47,10 @@ def build(spec: Spec) -> Physical:
     """Physical side of a spec at the start of a test."""
     assert spec.plant is not None
     model, resting = physical_model(spec)
-    position, velocity = np.array(spec.plant.initial_position, dtype=float), np.array(spec.plant.initial_velocity, dtype=float)
+    position, velocity = (
+        np.array(spec.plant.initial_position, dtype=float),
+        np.array(spec.plant.initial_velocity, dtype=float),
+    )
     return physical(model, resting, position, velocity, first_command(spec))
 
 
@@ -93,5 +102,7 @@ class PhysicalSide:
         self.advance(stamp_ns)
         sample_now(self.compiled, stamp_ns, self._out)
         n, m = self.dofs, self.actuators
-        position, velocity, force, motor, motor_velocity, load = np.split(self._out.copy(), np.cumsum([n, n, m, m, m]))
+        position, velocity, force, motor, motor_velocity, load = np.split(
+            self._out.copy(), np.cumsum([n, n, m, m, m])
+        )
         return PhysicalSample(position, velocity, load, motor, motor_velocity, force)

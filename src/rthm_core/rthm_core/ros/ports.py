@@ -150,9 +150,9 @@ class Input:
         self._newest: int | None = None
 
     def rehearse(self) -> None:
-        """Put a sample of zeros into the inbox, as if it had come at the start."""
+        """Put a sample of zeros into the inbox that is due at the start."""
         zeros = [0.0] * self._width
-        self._keep(JointSample(0, zeros, zeros, zeros))
+        self.inbox.push(0, 0, JointSample(0, zeros, zeros, zeros))
 
     def take(self, at: int) -> JointSample | None:
         """Newest sample whose delay is over since the last call; its stamp is in ns after the start."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,8 +11,6 @@ import pytest
 from rthm_bringup.run import shared_memory
 from rthm_bringup.run.domain import Claim
 from rthm_bringup.run.environment import Network, has_wheels, without_parents_ros
-
-PROGRAMS = Path(__file__).parent / "programs"
 
 
 @pytest.fixture
@@ -36,10 +33,21 @@ def environment(network: Network, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 @pytest.fixture
 def nothing_left(network: Network) -> Iterator[None]:
     """Fail when a test leaves processes in its domain, or shared memory without an owner."""
-    memory = shared_memory.abandoned()
+    before = segments()
     yield
     assert processes_in(network.domain) == []
-    assert shared_memory.abandoned() <= memory
+    assert segments() <= before
+
+
+def segments() -> set[str]:
+    """Shared memory without an owner; ports are left out, as all domains of a host share their names."""
+    return {name for name in shared_memory.abandoned() if "_port" not in name}
+
+
+@pytest.fixture
+def own_processes(network: Network) -> Callable[[], list[str]]:
+    """Command lines of the processes of this project in the domain of the test."""
+    return lambda: processes_in(network.domain)
 
 
 def processes_in(domain: int) -> list[str]:
@@ -55,8 +63,3 @@ def processes_in(domain: int) -> list[str]:
         if b"rthm" in command and f"ROS_DOMAIN_ID={domain}".encode() in variables.split(b"\0"):
             found.append(command.replace(b"\0", b" ").decode())
     return found
-
-
-def program(name: str) -> list[str]:
-    """Command line of a program of the tests."""
-    return [sys.executable, str(PROGRAMS / name)]

@@ -50,9 +50,10 @@ def hosts() -> Iterator[tuple[str, str]]:
 def test_plant_on_one_host_and_controller_on_another(
     hosts: tuple[str, str], environment: dict[str, str], network: Network, tmp_path: Path, reach: str
 ) -> None:
-    options = {"multicast": (["--network"], ["--network"]), "peers": (["--peers", ADDRESSES[1]], ["--peers", ADDRESSES[0]])}
-    here, there = options[reach]
-    environment = {name: value for name, value in environment.items() if name != "ROS_AUTOMATIC_DISCOVERY_RANGE"}
+    here, there = ["--network"], ["--network"]
+    if reach == "peers":
+        here, there = ["--peers", ADDRESSES[1]], ["--peers", ADDRESSES[0]]
+    del environment["ROS_AUTOMATIC_DISCOVERY_RANGE"]
     plant = on(hosts[0], [SCRIPTS / "plant", "paper", *here], environment)
     numerical = on(hosts[0], [SCRIPTS / "numerical", "paper", *here], environment)
     run = [sys.executable, "-m", "rthm_bringup", "run", "paper", "--external", "plant,numerical", *there]

@@ -1,4 +1,4 @@
-"""Stands for a driver of real hardware: publishes plant/state every 1.2 ms. Plain rclpy, nothing of the project.
+"""Stands for a driver of real hardware: publishes plant/state every 1.2 ms, with nothing but rclpy.
 
 The "hardware" is a mass that follows the command like a filter of first order.
 

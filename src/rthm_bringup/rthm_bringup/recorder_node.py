@@ -30,7 +30,7 @@ from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPAC
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros.virtual import Observer
-from rthm_core.spec import read_spec, write_spec
+from rthm_core.spec import Spec, read_spec, write_spec
 
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
@@ -59,6 +59,7 @@ class Recorder(LifecycleNode):
         self._subscriptions_: dict[str, Any] = {}
         self.failure: str | None = None
         self.create_service(Trigger, "~/ready", self._ready)
+        self.create_service(Trigger, "~/complete", self._complete)
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the bag, write and publish the spec, and subscribe."""
@@ -105,7 +106,8 @@ class Recorder(LifecycleNode):
         super().destroy_node()
 
     def _open(self) -> None:
-        text = write_spec(read_spec(self._value("spec_file")))
+        spec = read_spec(self._value("spec_file"))
+        text, self._periods = write_spec(spec), periods_of(spec)
         writer = BagWriter(self._value("bag"))
         names = {name: self.resolve_topic_name(name) for name in (SPEC, *LOOP, *BESIDE)}
         self._intake = Intake(writer, names, self._value("virtual"))
@@ -165,6 +167,12 @@ class Recorder(LifecycleNode):
         response.message = f"waits for {', '.join(missing)}" if missing else "ready"
         return response
 
+    def _complete(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Service ``~/complete``: whether everything up to the end of the test has arrived."""
+        behind = self._intake.behind(self._periods) if self._intake else ["there is no recording"]
+        response.success, response.message = not behind, ", ".join(behind)
+        return response
+
     def _report(self) -> None:
         if self._intake is None:
             return
@@ -188,6 +196,13 @@ class Recorder(LifecycleNode):
         """End the process: a test that is not recorded must not go on unnoticed."""
         self._intake = None
         self.failure = sentence
+
+
+def periods_of(spec: Spec) -> dict[str, int]:
+    """Periods of the topics that are published at the ticks of a clock, ns."""
+    timing = spec.loop().timing
+    clocks = {"plant/state": "td1", "numerical/state": "td2", "actuator/command": "td3"}
+    return {topic: timing.ns(clock) for topic, clock in clocks.items()}
 
 
 def main() -> int:

@@ -1,8 +1,8 @@
 """Which ROS a run uses, and the environment of its processes.
 
 The wheels set the loader's path and a guard variable for their own process: handed down, these would keep a
-child from finding its libraries. A ROS that is sourced in the same shell would mix its libraries with those of
-the wheels, so beside wheels it is left out.
+child from finding its libraries. A ROS that is sourced in the same shell would mix its libraries with theirs;
+beside wheels it is left out.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from struct import Struct
 from typing import TypedDict
@@ -48,11 +49,30 @@ class Intake:
     end: int | None = None
     lost: int = 0
     _latest: int = 0
-    _newest: dict[str, int] = field(default_factory=dict)
+    _numbers: dict[str, int] = field(default_factory=dict)
+    _stamps: dict[str, int] = field(default_factory=dict)
 
     def open(self, begin: int, end: int | None) -> None:
         """Take samples of the loop stamped from `begin` to `end` (ns); None: until closed."""
         self.begin, self.end = begin, end
+        self._stamps.clear()
+
+    def behind(self, periods: Mapping[str, int]) -> list[str]:
+        """Say which topics have not come to the end of the test yet.
+
+        Parameters
+        ----------
+        periods
+            Distance of the samples of a topic, ns.
+        """
+        if self.begin is None or self.end is None:
+            return []
+        newest = {topic: self._stamps.get(topic, self.begin) for topic in periods}
+        return [
+            f"{topic} ends {(self.end - stamp) / NS:.3f} s before the end of the test"
+            for topic, stamp in newest.items()
+            if stamp + periods[topic] <= self.end
+        ]
 
     def put_spec(self, text: str, now: int) -> None:
         """Write the spec, before anything else."""
@@ -67,6 +87,7 @@ class Intake:
         stamp = _stamp(data)
         if topic in LOOP:
             self._count(topic, number)
+            self._stamps[topic] = max(stamp, self._stamps.get(topic, 0))
             if not self._within(stamp):
                 return
         received, sent = info["received_timestamp"], info["source_timestamp"]
@@ -77,7 +98,7 @@ class Intake:
         )
 
     def _simulated(self, topic: str, stamp: int) -> int:
-        """Time of a message in a test whose time is simulated: who only watches may stamp with another clock."""
+        """Time of a message when time is simulated: who only watches may stamp with another clock."""
         if topic in LOOP:
             self._latest = max(self._latest, stamp)
             return stamp
@@ -90,10 +111,10 @@ class Intake:
         if not _known(number):
             return
         assert number is not None
-        newest = self._newest.get(topic)
+        newest = self._numbers.get(topic)
         if newest is not None and number > newest + 1:
             self.lost += number - newest - 1
-        self._newest[topic] = number if newest is None else max(number, newest)
+        self._numbers[topic] = number if newest is None else max(number, newest)
 
 
 def _known(number: int | None) -> bool:

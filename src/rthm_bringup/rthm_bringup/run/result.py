@@ -136,11 +136,24 @@ def _analyse(result: Result) -> None:
     told = timing.as_dict()
     result.links, result.clocks = told["links"], told["clocks"]
     result.missed_deadlines = timing.missed
+    result.problems += _lost_between_nodes(result)
     energy = energy_of(recording, recording.known_spec())
     result.energies = last_values(energy.as_dict())
     damping = energy.equivalent_damping
     result.equivalent_damping = damping if math.isfinite(damping) else None
     write_report(result.plan.bag, result.plan.report)
+
+
+def _lost_between_nodes(result: Result) -> list[str]:
+    """Samples that a receiver waited for in vain, unless the spec itself has links that lose some."""
+    lost = {name: link["lost"] for name, link in result.links.items() if link["lost"]}
+    meant = any(effect.kind == "loss" for effect in result.plan.spec.effects)
+    whole = not (result.ending.interrupted or result.ending.reason)
+    return [
+        f"{count} samples were lost on the link {name}."
+        for name, count in lost.items()
+        if whole and not meant
+    ]
 
 
 def last_values(energies: Mapping[str, Any]) -> dict[str, float]:

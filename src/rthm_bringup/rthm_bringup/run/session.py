@@ -21,12 +21,14 @@ from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
-from rthm_core.clock import NS, to_ns
+from rthm_core.clock import NS
 
 HEAD_START = NS
 """From the agreement on the begin to the begin: time for every node to be activated, ns."""
-GRACE = NS // 2
-"""After the end of the test, for messages on their way, ns."""
+GRACE = NS // 5
+"""After the last sample, for what is said about its use, ns."""
+LATEST = 10.0
+"""How far nodes on a busy host may be behind at the end, s."""
 
 
 class Session:
@@ -119,11 +121,25 @@ class Session:
         self._view.phase("the test runs")
         if self._plan.virtual:
             self._watch_time(lambda: conductor.simulated_time, conductor)
-            conductor.sleep_until(time.time_ns() + GRACE)
+            self._wait_complete(conductor)
             return
         begin = self.ending.begin or 0
         self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
-        conductor.sleep_until(begin + to_ns(self._plan.duration) + GRACE)
+        self._wait_complete(conductor)
+
+    def _wait_complete(self, conductor: Conductor) -> None:
+        """Wait for the last samples; a host that is too busy may be behind."""
+        if "recorder" not in self._managed:
+            return
+        deadline = time.monotonic() + LATEST
+        while True:
+            complete, behind = conductor.trigger("recorder", "complete", 10.0)
+            if complete:
+                break
+            if time.monotonic() > deadline:
+                raise StoppedError(f"The recording is not complete: {behind}.")
+            conductor.sleep_until(time.time_ns() + NS // 20)
+        conductor.sleep_until(time.time_ns() + GRACE)
 
     def _watch_time(self, now: Callable[[], float], conductor: Conductor) -> None:
         """Wait until the time of the test, in s, is its duration; without end if there is none."""

@@ -51,7 +51,8 @@ class ControllerState(NamedTuple):
 def controller(spec: Spec) -> ControllerState:
     """Controller of a spec at the start of a test: it has held the initial state and F_c(z1(0), z2(0)) for ever."""
     believed = as_built(spec, "controller")
-    loop, sides = spec.loop(), interface(spec)
+    computed = as_built(spec, "numerical")
+    loop, sides = computed.loop(), interface(computed)
     x1, v1 = (
         np.array(loop.plant.initial_position)[sides.plant],
         np.array(loop.plant.initial_velocity)[sides.plant],

@@ -70,6 +70,7 @@ class WireLaw(Effect):
     """
 
     order: ClassVar[int] = 0
+    linear: ClassVar[bool] = False
 
     @staticmethod
     def settle(u: float, x: float, k: float, z: list[float], p: list[float]) -> None:

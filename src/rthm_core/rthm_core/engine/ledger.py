@@ -81,8 +81,10 @@ def ledger(
     model = physical.model
     believed = drive(spec, model.whole.orders, effects=False)
     n1, n2, m, ny = model.n, numerical.n, model.m, model.mechanics.shape[0]
-    speeds = [np.abs(np.linalg.eigvals(a)).max() for a in (model.mechanics[:, :ny], numerical.system.a)]
-    longest = int((0.5 if ny == 2 * n1 else 0.1) / max(speeds) * 1e9) if max(speeds) > 0.0 else 1_000_000_000
+    systems = (model.mechanics[:, :ny], numerical.system.a, model.drive.system.a, believed.system.a)
+    fastest = max(np.abs(np.linalg.eigvals(a)).max(initial=0.0) for a in systems)
+    smoothness = 0.5 if ny == 2 * n1 else 0.1
+    longest = int(smoothness / fastest * 1e9) if fastest > 0.0 else 1_000_000_000
     moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(
         believed.conditioning, model.drive.conditioning
     )

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, compiled, inlined
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
-from rthm_core.physical.drive import LIMIT, RATE, conditioned, motor_position, motor_velocity, settled
+from rthm_core.physical.drive import LIMIT, QUANTUM, RATE, conditioned, motor_position, motor_velocity, settled
 from rthm_core.physical.flow import POSITION, VELOCITY, mechanics_rate, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, Trace, Work, integrate, trace, work
 from rthm_core.physical.laws import DOF
@@ -70,7 +70,10 @@ def physical(
     )
     whole = np.zeros(nq + ny)
     q, y = whole[:nq], whole[nq:]
-    first = np.clip(command, -limit, limit).astype(float)
+    quantum = model.drive.conditioning[QUANTUM]
+    steps = np.where(quantum > 0.0, quantum, 1.0)
+    rounded = np.where(quantum > 0.0, steps * np.floor(command / steps + 0.5), command)
+    first = np.clip(rounded, -limit, limit).astype(float)
     q[:] = settled(model.drive, first)
     y[: model.n], y[model.n : 2 * model.n] = position, velocity
     _rest(model, resting, y, model.drive.out @ np.concatenate([q, first]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats
+from rthm_core.numerical import as_built
 from rthm_core.physical.advance import Physical, advance_to, command_and_advance, physical, sample_now
 from rthm_core.physical.model import physical_model
 from rthm_core.substructure import interface
@@ -30,17 +31,14 @@ def first_command(spec: Spec) -> Floats:
     """Command (m,) that has been there for ever before the test: position cancellation plus F_d(0) / k_tot."""
     if spec.actuator is None or spec.plant is None:
         return np.empty(0)
-    sides = interface(spec)
-    assert spec.numerical is not None
-    x1, v1 = (
-        np.array(spec.plant.initial_position)[sides.plant],
-        np.array(spec.plant.initial_velocity)[sides.plant],
-    )
-    x2, v2 = (
-        np.array(spec.numerical.initial_position)[sides.numerical],
-        np.array(spec.numerical.initial_velocity)[sides.numerical],
-    )
-    return x1 + sides.force(x1, v1, x2, v2) / np.array(spec.k_tot)
+    believed, computed = as_built(spec, "controller"), as_built(spec, "numerical")
+    sides = interface(computed)
+    assert computed.numerical is not None
+    x1 = np.array(spec.plant.initial_position)[sides.plant]
+    v1 = np.array(spec.plant.initial_velocity)[sides.plant]
+    x2 = np.array(computed.numerical.initial_position)[sides.numerical]
+    v2 = np.array(computed.numerical.initial_velocity)[sides.numerical]
+    return np.asarray(x1 + sides.force(x1, v1, x2, v2) / np.array(believed.k_tot), dtype=float)
 
 
 def build(spec: Spec) -> Physical:

@@ -29,6 +29,7 @@ def hosts() -> Iterator[tuple[str, str]]:
     """Names of two network namespaces that reach each other."""
     if os.geteuid() != 0 or shutil.which("ip") is None:
         pytest.skip("two hosts on one machine need root and the program ip")
+    subprocess.run([SCRIPTS / "rthm", "--help"], check=True, capture_output=True)  # no registry in there
     names = tuple(f"rthm{os.getpid()}{side}" for side in "ab")
     cables = [f"{name[-8:]}c" for name in names]
     try:

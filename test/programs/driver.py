@@ -5,6 +5,7 @@ The "hardware" is a mass that follows the command like a filter of first order.
 usage: driver.py SECONDS
 """
 
+import signal
 import sys
 import threading
 import time
@@ -31,7 +32,9 @@ threading.Thread(target=executor.spin, daemon=True).start()
 message = JointState(name=["x1", "a1"], effort=[0.0, 0.0])
 x, due = 0.5, time.time_ns()
 end = due + int(float(sys.argv[1]) * 1e9)
-while due < end:
+asked = threading.Event()
+signal.signal(signal.SIGTERM, lambda *_: asked.set())
+while due < end and not asked.is_set():
     time.sleep(max(0.0, (due - time.time_ns()) / 1e9))
     v = (command[0] - x) / 0.05
     x += v * PERIOD * 1e-9
@@ -40,3 +43,5 @@ while due < end:
     message.effort = [float("nan"), 40.0 * (command[0] - x)]
     publisher.publish(message)
     due += PERIOD
+executor.shutdown()
+rclpy.try_shutdown()

@@ -1,7 +1,9 @@
-"""The graph of a hybrid test as ``rthm run`` starts it: nodes, recorder, analysis; ends by itself after `duration`.
+"""The graph of a hybrid test, recorded and analysed as by ``rthm run``; ends by itself after `duration`.
 
 ros2 launch rthm_bringup hybrid_test.launch.py spec:=my_test.yaml duration:=20.0 out:=out/my_test
 """
+
+from importlib.resources import files
 
 from launch.actions import DeclareLaunchArgument, EmitEvent, LogInfo, RegisterEventHandler, TimerAction
 from launch.conditions import IfCondition
@@ -14,47 +16,58 @@ from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchDescription
 
-AFTERWARDS = 2.5  # s: up to one second until the begin, and time for the last messages
+AFTERWARDS = 2.5  # s: up to one until the begin, the rest for the last messages
 PROGRAMS = {
-    "plant": ("rthm_plant_sim", "plant_sim"),
+    "recorder": ("rthm_bringup", "recorder"),
+    "analysis": ("rthm_analysis", "analysis"),
     "numerical": ("rthm_numerical", "numerical"),
     "actuator": ("rthm_actuator", "actuator"),
-    "analysis": ("rthm_analysis", "analysis"),
-    "recorder": ("rthm_bringup", "recorder"),
+    "plant": ("rthm_plant_sim", "plant_sim"),
+}
+"""Package and program of each node; those that watch come first."""
+
+ARGUMENTS = {
+    "spec": (str(files("rthm_core.spec") / "shipped" / "paper.yaml"), "parameter file of the test"),
+    "duration": ("20.0", "length of the test in s; 0: until Ctrl-C"),
+    "out": ("out/launch", "folder of the recording, which must be new"),
+    "namespace": ("/rthm", "namespace of the nodes"),
 }
 
 
 def generate_launch_description() -> LaunchDescription:
     """Describe the graph; every node configures and activates itself as soon as its peers are there."""
-    spec, duration, out = (LaunchConfiguration(name) for name in ("spec", "duration", "out"))
-    bag = PathJoinSubstitution([out, "bag"])
-    common = {"autostart": True, "duration": ParameterValue(duration, value_type=float)}
-    own = {"recorder": {"bag": bag, "spec_file": spec}, "analysis": {"bag": bag}}
-    nodes = {
-        name: LifecycleNode(
-            package=package,
-            executable=executable,
-            name=name,
-            namespace=LaunchConfiguration("namespace"),
-            parameters=[spec, common | own.get(name, {})],
-            output="screen",
-        )
-        for name, (package, executable) in PROGRAMS.items()
-    }
-    paper = PathJoinSubstitution([FindPackageShare("rthm_bringup"), "config", "paper.yaml"])
-    over = TimerAction(
-        period=PythonExpression([duration, " + ", str(AFTERWARDS)]),
-        actions=[LogInfo(msg=["recorded in ", bag]), EmitEvent(event=Shutdown(reason="the test is over"))],
-        condition=IfCondition(PythonExpression([duration, " > 0.0"])),
+    arguments = [
+        DeclareLaunchArgument(name, default_value=value, description=words)
+        for name, (value, words) in ARGUMENTS.items()
+    ]
+    nodes = {name: _node(name) for name in PROGRAMS}
+    begun = OnStateTransition(
+        target_lifecycle_node=nodes["plant"], goal_state="active", entities=[_end_of_test()]
     )
-    begun = OnStateTransition(target_lifecycle_node=nodes["plant"], goal_state="active", entities=[over])
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument("spec", default_value=paper, description="parameter file of the test"),
-            DeclareLaunchArgument("duration", default_value="20.0", description="length of the test in s; 0: no end"),
-            DeclareLaunchArgument("out", default_value="out/launch", description="folder of the recording"),
-            DeclareLaunchArgument("namespace", default_value="/rthm", description="where the nodes live"),
-            RegisterEventHandler(begun),
-            *nodes.values(),
-        ]
+    return LaunchDescription([*arguments, RegisterEventHandler(begun), *nodes.values()])
+
+
+def _node(name: str) -> LifecycleNode:
+    package, program = PROGRAMS[name]
+    spec, duration = LaunchConfiguration("spec"), LaunchConfiguration("duration")
+    told = {"autostart": True, "duration": ParameterValue(duration, value_type=float)}
+    if name == "recorder":
+        told |= {"bag": PathJoinSubstitution([LaunchConfiguration("out"), "bag"]), "spec_file": spec}
+    settings = PathJoinSubstitution([FindPackageShare("rthm_bringup"), "config", "nodes.yaml"])
+    return LifecycleNode(
+        package=package,
+        executable=program,
+        name=name,
+        namespace=LaunchConfiguration("namespace"),
+        parameters=[settings, spec, told],
+        output="screen",
+    )
+
+
+def _end_of_test() -> TimerAction:
+    duration = LaunchConfiguration("duration")
+    return TimerAction(
+        period=PythonExpression([duration, f" + {AFTERWARDS}"]),
+        actions=[LogInfo(msg="the test is over"), EmitEvent(event=Shutdown(reason="the test is over"))],
+        condition=IfCondition(PythonExpression([duration, " > 0.0"])),
     )

@@ -42,6 +42,7 @@ PARAMETERS: dict[str, tuple[Any, str]] = {
     "start_time": (0, "begin of the test [ns]; 0: whatever comes after activation belongs to it"),
     "duration": (0.0, "length of the test [s]; 0: until the node is deactivated"),
     "virtual": (False, "whether stamps are simulated time"),
+    "autostart": (False, "configure and activate at once"),
     "awaited": (list(LOOP), "topics that must have a publisher before the test begins"),
 }
 
@@ -60,6 +61,15 @@ class Recorder(LifecycleNode):
         self.failure: str | None = None
         self.create_service(Trigger, "~/ready", self._ready)
         self.create_service(Trigger, "~/complete", self._complete)
+
+    def start(self) -> None:
+        """Configure and activate without being led, if the parameter says so."""
+        if not self._value("autostart"):
+            return
+        if self.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            self.trigger_activate()
+        else:
+            self.failure = self.failure or "the recorder could not be configured."
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Open the bag, write and publish the spec, and subscribe."""
@@ -214,6 +224,7 @@ def main() -> int:
     node = Recorder()
     executor = EventsExecutor()
     executor.add_node(node)
+    node.start()
     gc.freeze()
     try:
         while rclpy.ok() and node.failure is None:

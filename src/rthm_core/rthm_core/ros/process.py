@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
 
@@ -22,6 +23,7 @@ def run(build: Callable[[], LoopNode]) -> int:
     int
         Exit status: 0, or 2 when the node cannot be built from what it was given.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Python's exception would abort the executor
     rclpy.init()
     try:
         node = build()
@@ -33,7 +35,7 @@ def run(build: Callable[[], LoopNode]) -> int:
     try:
         while rclpy.ok():
             node.turn()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
     except rclpy_implementation.RCLError:
         if rclpy.ok():

@@ -21,7 +21,7 @@ from rthm_core.energy import (
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.loads import smooth_until
 from rthm_core.numerical import Numerical, advance_numerical, begin_numerical
-from rthm_core.physical.advance import Physical, advance_segment, law_count, present_rate
+from rthm_core.physical.advance import Physical, advance_segment, piece_count, present_rate
 from rthm_core.physical.drive import Drive, drive, motor_position, settled
 from rthm_core.physical.flow import mechanics_rate
 from rthm_core.physical.integrate import SCRATCH, inputs_at
@@ -98,7 +98,7 @@ def ledger(
         on, bodies(spec), np.zeros(6), believed, settled(believed, first_fx), settled(believed, first_ff), first_fx.copy(), first_ff.copy(), max(longest, 1000),
         moment(n1, n2, m), np.zeros(6), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(model.drive.system.ab.shape[0]),
         np.zeros_like(physical.state.inputs), np.zeros_like(numerical.inputs), np.zeros(2 * n2), np.zeros((4, 2 * n2)), np.zeros(believed.system.ab.shape[0]), np.zeros((model.whole.orders, m)), bool(plain),
-        np.zeros(law_count(model)), np.zeros(law_count(model), dtype=np.int64),
+        np.zeros(piece_count(model)), np.zeros(piece_count(model), dtype=np.int64),
     )  # fmt: skip
 
 

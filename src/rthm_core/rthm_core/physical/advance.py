@@ -65,7 +65,7 @@ def physical(
     nq, ny, laws, limit = (
         model.drive.system.ab.shape[0],
         model.mechanics.shape[0],
-        law_count(model),
+        piece_count(model),
         model.drive.conditioning[LIMIT],
     )
     whole = np.zeros(nq + ny)
@@ -117,13 +117,13 @@ def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) ->
         y[sensors.lagged[row]] = y[row] if actuator < 0 else force
 
 
-def law_count(model: PhysicalModel) -> int:
-    """Number of laws that are not linear."""
-    return 0 if model.laws is None else int(model.laws.numbers.shape[0])
+def piece_count(model: PhysicalModel) -> int:
+    """Number of pieces: one per law that is not linear, then one per wire (1: taut, -1: slack)."""
+    return 0 if model.laws is None else int(model.laws.numbers.shape[0]) + model.m
 
 
 def _first_pieces(model: PhysicalModel, y: Floats) -> Integers:
-    pieces = np.zeros(law_count(model), dtype=np.int64)
+    pieces = np.zeros(piece_count(model), dtype=np.int64)
     if model.laws is None:
         return pieces
     for row, (_, dof, _, _, split) in enumerate(model.laws.numbers):
@@ -228,7 +228,7 @@ def present_force(physical, out):  # type: ignore[no-untyped-def]
     motor_position(model.drive, state.q, state.command, work.u)
     for actuator in range(model.m):
         out[actuator] = wire_force(
-            model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT]
+            model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT], work.hold
         )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 
 from rthm_core.compiled import copy_into, inlined
 from rthm_core.physical.laws import (
@@ -9,6 +11,7 @@ from rthm_core.physical.laws import (
     DOF,
     NONLINEAR,
     PLACE,
+    SLACK,
     SPLIT,
     STATE,
     STATES,
@@ -58,15 +61,18 @@ def settle_wires(wires, y, u):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def wire_force(laws, wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
+def wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: ignore[no-untyped-def]
     """Force of one wire, in N; of a wire that is not linear, also the rates of its laws' states, into `dy`."""
     if laws is None:
         return _row(wires.force[actuator], y, u)
-    return _any_wire_force(wires, n, y, u, actuator, scratch, dy)
+    return _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold)
 
 
 @inlined
-def _any_wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-untyped-def]
+def _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: ignore[no-untyped-def]
+    """Force of a wire of any kind; ``hold[L + actuator]`` gets its tension, in N, if it can go slack."""
+    tension = laws.numbers.shape[0] + actuator
+    hold[tension] = np.inf
     if not wires.numbers[actuator, NONLINEAR]:
         return _row(wires.force[actuator], y, u)
     copy_into(scratch, y)
@@ -76,6 +82,8 @@ def _any_wire_force(wires, n, y, u, actuator, scratch, dy):  # type: ignore[no-u
     force = k * (position - x)
     for row in range(wires.laws.shape[0]):
         if wires.laws[row, PLACE] == actuator:
+            if wires.laws[row, CODE] == SLACK:
+                hold[tension] = force + wires.parameters[row, 0]
             begin, end = wires.laws[row, STATE], wires.laws[row, STATE] + wires.laws[row, STATES]
             force = wire_law_force(
                 wires.laws[row, CODE], position, x, v, k, force, scratch[begin:end], wires.parameters[row]
@@ -113,7 +121,8 @@ def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[
 
 @inlined
 def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
-    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law).
+    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law), then the
+    tensions of the wires.
 
     `laws` is ``model.laws``, handed over by itself: where it is None, everything that is not linear is left out of the compiled code.
     """
@@ -141,7 +150,7 @@ def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type
             _add(
                 model.mechanics,
                 first + actuator,
-                _any_wire_force(model.wires, model.n, y, u, actuator, scratch, dy),
+                _any_wire_force(laws, model.wires, model.n, y, u, actuator, scratch, dy, hold),
                 dy,
             )
     sticking = 0

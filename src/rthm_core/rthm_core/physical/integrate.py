@@ -146,6 +146,8 @@ def _error(work, scale, h):  # type: ignore[no-untyped-def]
 def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its piece; negative: it has left it."""
     laws = model.laws
+    if row >= laws.numbers.shape[0]:
+        return piece * hold[row]
     split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
     if split == POSITION:
         above = laws.thresholds[row, piece] - y[dof] if piece < 2 else np.inf
@@ -201,6 +203,9 @@ def _loose(hold):  # type: ignore[no-untyped-def]
 def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
     """Put law `row` into the piece that is in force from here on."""
     laws, pieces, y = model.laws, state.pieces, state.y
+    if row >= laws.numbers.shape[0]:
+        pieces[row] = -pieces[row]
+        return
     split, piece, dof = laws.numbers[row, SPLIT], pieces[row], laws.numbers[row, PLACE]
     if split == POSITION:
         pieces[row] = piece + 1 if piece < 2 and y[dof] >= laws.thresholds[row, piece] else piece - 1
@@ -219,7 +224,7 @@ def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
     for _ in range(2 * state.pieces.size + 1):
         _rate(model, state.pieces, work, state.y, t, work.stages[0])
         loose = -1
-        for row in range(state.pieces.size):
+        for row in range(model.laws.numbers.shape[0]):
             if (
                 state.pieces[row] == 0
                 and model.laws.numbers[row, SPLIT] == FRICTION
@@ -270,6 +275,8 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)
     _begin(model, state, work, t0)
+    for row in range(model.laws.numbers.shape[0], state.pieces.size):
+        state.pieces[row] = 1 if work.hold[row] >= 0.0 else -1
     trace.count[0] = 0
     _record(trace, 0.0, y, work.stages[0], work.stages[0], state.pieces)
     s, still = 0.0, 0

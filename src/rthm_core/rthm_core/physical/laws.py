@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 PLANT_LAWS: list[Any] = [law for law in (effect(kind, "plant") for kind in kinds("plant")) if not law.linear]
 WIRE_LAWS: list[Any] = [effect(kind, "wire") for kind in kinds("wire")]
+SLACK = WIRE_LAWS.index(Slack)
+"""Code of the law by which a wire goes slack."""
+
 SPLITS = ("none", "position", "velocity", "friction")
 MOST_PARAMETERS = 8
 

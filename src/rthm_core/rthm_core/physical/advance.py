@@ -10,7 +10,15 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, compiled, inlined
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
-from rthm_core.physical.drive import LIMIT, QUANTUM, RATE, conditioned, motor_position, motor_velocity, settled
+from rthm_core.physical.drive import (
+    LIMIT,
+    QUANTUM,
+    RATE,
+    conditioned,
+    motor_position,
+    motor_velocity,
+    settled,
+)
 from rthm_core.physical.flow import POSITION, VELOCITY, mechanics_rate, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, Trace, Work, integrate, trace, work
 from rthm_core.physical.laws import DOF
@@ -61,7 +69,9 @@ class Physical(NamedTuple):
 def physical(
     model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats
 ) -> Physical:
-    """Physical side at the start of a test: the motors have been at `command` (m,) and the plant at `position` (n,) for ever."""
+    """Physical side at the start of a test: the motors have been at `command` (m,) and the plant at
+    `position` (n,) for ever.
+    """
     nq, ny, laws, limit = (
         model.drive.system.ab.shape[0],
         model.mechanics.shape[0],
@@ -96,7 +106,7 @@ def physical(
 def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) -> None:
     """Own states of pulleys, laws and sensors after the initial position has been there for ever."""
     wires, sensors = model.wires, model.sensors
-    for actuator, (dof, pulley, _) in enumerate(wires.numbers):
+    for actuator, (dof, pulley, _) in enumerate(wires.numbers.tolist()):
         if pulley >= 0:
             k, nominal = wires.stiffness[actuator]
             soft = 1.0 / (1.0 / nominal - 1.0 / k)
@@ -156,7 +166,7 @@ def _segment_end(physical, to_ns):  # type: ignore[no-untyped-def]
     for i in range(model.m):
         if state.command[i] != state.target[i]:
             travel = abs(state.target[i] - state.command[i]) / model.drive.conditioning[RATE, i]
-            end = min(end, now + max(1, int(math.ceil(travel * 1e9))))
+            end = min(end, now + max(1, math.ceil(travel * 1e9)))
     return end
 
 
@@ -205,7 +215,9 @@ def _move(laws, model, physical, dt):  # type: ignore[no-untyped-def]
 
 @inlined
 def advance_segment(physical, to_ns):  # type: ignore[no-untyped-def]
-    """Advance to `to_ns` or to the end of the segment before it; the trace then holds its smooth steps if the mechanics are not linear."""
+    """Advance to `to_ns` or to the end of the segment before it; the trace then holds its smooth steps if the
+    mechanics are not linear.
+    """
     model, state = physical.model, physical.state
     begin_segment(physical)
     end = _segment_end(physical, to_ns)
@@ -228,13 +240,23 @@ def present_force(physical, out):  # type: ignore[no-untyped-def]
     motor_position(model.drive, state.q, state.command, work.u)
     for actuator in range(model.m):
         out[actuator] = wire_force(
-            model.laws, model.wires, model.n, state.y, work.u, actuator, work.rows[SCRATCH], work.rows[POINT], work.hold
+            model.laws,
+            model.wires,
+            model.n,
+            state.y,
+            work.u,
+            actuator,
+            work.rows[SCRATCH],
+            work.rows[POINT],
+            work.hold,
         )
 
 
 @inlined
 def sample_physical(physical, stamp, out):  # type: ignore[no-untyped-def]
-    """Measure everything now: `out` gets n positions, n velocities, m forces, m motor positions, m motor velocities and n loads."""
+    """Measure everything now: `out` gets n positions, n velocities, m forces, m motor positions, m motor
+    velocities and n loads.
+    """
     model, state, work = physical.model, physical.state, physical.work
     n, m = model.n, model.m
     present_force(physical, out[2 * n :])
@@ -295,6 +317,7 @@ def command_and_advance(physical: Physical, at_ns: int, command: Floats) -> None
 
 
 @compiled
-def sample_now(physical: Physical, stamp: int, out: Floats) -> None:
-    """Measure everything now (compiled face)."""
+def advance_and_sample(physical: Physical, stamp: int, out: Floats) -> None:
+    """Advance to an instant and measure everything there (compiled face)."""
+    advance_physical(physical, stamp)
     sample_physical(physical, stamp, out)

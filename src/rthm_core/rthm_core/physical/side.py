@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rthm_core.compiled import Floats
 from rthm_core.numerical import as_built
-from rthm_core.physical.advance import Physical, advance_to, command_and_advance, physical, sample_now
+from rthm_core.physical.advance import (
+    Physical,
+    advance_and_sample,
+    advance_to,
+    command_and_advance,
+    physical,
+)
 from rthm_core.physical.model import physical_model
 from rthm_core.substructure import interface
 
@@ -17,7 +24,9 @@ if TYPE_CHECKING:
 
 
 class PhysicalSample(NamedTuple):
-    """What the data acquisition sees at one instant: motion of n dofs, known external loads, and m actuators. SI units."""
+    """What the data acquisition sees at one instant: motion of n dofs, known external loads, and m actuators.
+    SI units.
+    """
 
     position: Floats
     velocity: Floats
@@ -28,7 +37,9 @@ class PhysicalSample(NamedTuple):
 
 
 def first_command(spec: Spec) -> Floats:
-    """Command (m,) that has been there for ever before the test: position cancellation plus F_d(0) / k_tot."""
+    """Command (m,) that has been there for ever before the test: position cancellation plus F_d(0) /
+    k_tot.
+    """
     if spec.actuator is None or spec.plant is None:
         return np.empty(0)
     believed, computed = as_built(spec, "controller"), as_built(spec, "numerical")
@@ -55,7 +66,8 @@ def build(spec: Spec) -> Physical:
 class PhysicalSide:
     """Motor, wire and plant with the effects of the spec.
 
-    All instants are ns since the start of the test. Commands and samples must come in the order of their instants.
+    All instants are ns since the start of the test. Commands and samples must come in the order of their
+    instants.
 
     Parameters
     ----------
@@ -70,7 +82,9 @@ class PhysicalSide:
 
     def __init__(self, spec: Spec) -> None:
         self.compiled = build(spec)
-        self._out = np.zeros(3 * self.dofs + 3 * self.actuators)
+        n, m = self.dofs, self.actuators
+        self._out = np.zeros(3 * n + 3 * m)
+        self._ends = [0, n, 2 * n, 2 * n + m, 2 * n + 2 * m, 2 * n + 3 * m, 3 * n + 3 * m]
 
     @property
     def dofs(self) -> int:
@@ -97,10 +111,9 @@ class PhysicalSide:
 
     def sample(self, stamp_ns: int) -> PhysicalSample:
         """Advance to `stamp_ns` and measure, with the noise and the sensor effects of the spec."""
-        self.advance(stamp_ns)
-        sample_now(self.compiled, stamp_ns, self._out)
-        n, m = self.dofs, self.actuators
-        position, velocity, force, motor, motor_velocity, load = np.split(
-            self._out.copy(), np.cumsum([n, n, m, m, m])
+        advance_and_sample(self.compiled, stamp_ns, self._out)
+        out = self._out.copy()
+        position, velocity, force, motor, motor_velocity, load = (
+            out[begin:end] for begin, end in pairwise(self._ends)
         )
         return PhysicalSample(position, velocity, load, motor, motor_velocity, force)

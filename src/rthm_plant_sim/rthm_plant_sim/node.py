@@ -2,7 +2,9 @@
 
 The plant moves in its own time: a sample stamped t has the values of exactly t, and a command becomes
 the input of the motors exactly when its delay is over, however punctual the process is. A command that
-arrives later than that becomes the input at its arrival, and is counted late.
+arrives later than that becomes the input at its arrival, and is counted late. Its process may therefore be
+the last of three that are due
+at one instant.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ class PlantNode(LoopNode):
     """Publishes ``plant/state`` every Td1; acts on ``actuator/command`` over the link tau4."""
 
     def __init__(self) -> None:
-        super().__init__("plant", leads=True)
+        super().__init__("plant", leads=True, yields=1)
 
     def connect(self, spec: Spec) -> None:
         """Open the topics of the plant."""

@@ -42,6 +42,8 @@ class LoopNode(LifecycleNode):  # type: ignore[misc]
         Name of the node, and of the part in a run in simulated time.
     leads
         Whether this node chooses the start of the test when `start_time` does not.
+    yields
+        By how much less real-time priority it asks for, as others have less time to spare at one instant.
 
     Attributes
     ----------
@@ -49,9 +51,9 @@ class LoopNode(LifecycleNode):  # type: ignore[misc]
         What the node is configured with, and what it is doing.
     """
 
-    def __init__(self, part: str, leads: bool = False) -> None:
+    def __init__(self, part: str, leads: bool = False, yields: int = 0) -> None:
         super().__init__(part, namespace="/rthm", allow_undeclared_parameters=True)
-        self._part, self._leads = part, leads
+        self._part, self._leads, self._yields = part, leads, yields
         self._besides = {*self._parameters, *OWN}
         declare_own(self)
         declare_spec(self, self._besides)
@@ -145,7 +147,8 @@ class LoopNode(LifecycleNode):  # type: ignore[misc]
         if self.value("virtual"):
             self._lock_step()
         self._rehearse(spec)
-        self._granted = system.prepare(self.value("priority"), self.value("lock_memory"))
+        priority = max(self.value("priority") - self._yields, 0)
+        self._granted = system.prepare(priority, self.value("lock_memory"))
         self.spec = spec
 
     def _rehearse(self, spec: Spec) -> None:

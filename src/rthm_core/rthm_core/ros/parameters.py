@@ -42,7 +42,7 @@ OWN = {
     "priority": Own(50, "real-time priority (SCHED_FIFO) that is asked for; 0: none", 0, 99),
     "lock_memory": Own(True, "keep all memory of the process in RAM"),
     "spin_margin": Own(
-        200e-6, "time before a deadline in which the clock is watched without sleep [s]", 0.0, 0.01
+        100e-6, "time before a deadline in which the clock is watched without sleep [s]", 0.0, 0.01
     ),
     "depth": Own(DEPTH, "samples of a topic that are kept for a slow receiver", 10, 100000),
     "reliable": Own(True, "reliable delivery; false: best effort, for networks that lose messages"),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 
@@ -42,6 +43,7 @@ class Ports:
         self.listening = self.speaking = False
         self.inputs: list[Input] = []
         self.outputs: list[Output] = []
+        self._told: list[tuple[Publisher, bytes]] = []
 
     def output(
         self, topic: str, names: Sequence[str], fields: Sequence[str] = FIELDS, peers: int = 0
@@ -54,6 +56,17 @@ class Ports:
         """Subscribe to `topic` behind `link`."""
         self.inputs.append(Input(self, topic, names, link, period))
         return self.inputs[-1]
+
+    def later(self, publisher: Publisher, data: bytes) -> None:
+        """Publish what nobody waits for, once the samples of this instant are out."""
+        if self.speaking:
+            self._told.append((publisher, data))
+
+    def flush(self) -> None:
+        """Publish what was left for later."""
+        for publisher, data in self._told:
+            publisher.publish(data)
+        self._told.clear()
 
     def clear(self) -> None:
         """Forget all samples and counts."""
@@ -161,9 +174,8 @@ class Input:
 
     def tell(self, now: int, stamp: int) -> None:
         """Publish that the sample of this stamp is used at `now` (both ns after the start)."""
-        if self._ports.speaking:
-            start = self._ports.start or 0
-            self._uses.publish(self._use(start + now, start + stamp))
+        start = self._ports.start or 0
+        self._ports.later(self._uses, self._use(start + now, start + stamp))
 
     def matched(self, node: Node) -> bool:
         """Whether somebody publishes the topic, and all that are known are connected."""

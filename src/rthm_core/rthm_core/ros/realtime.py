@@ -88,11 +88,12 @@ class RealTime:
                 self._meet(due)
 
     def _meet(self, due: int) -> None:
-        """Do all events of this instant; when behind, let one message in before the next instant."""
+        """Do all events of this instant; far behind, let one message in before the next instant."""
         while self._agenda.next().at == due:
             began = self.now()
             _, entry = self._agenda.run(began)
             entry.judge(due, began, self.now())
+        self._ports.flush()
         if self._agenda.next().at < self.now() - NS // 1000:
             self._executor.spin_once(timeout_sec=0)
 

@@ -10,7 +10,7 @@ import gc
 import os
 from typing import NamedTuple
 
-MCL_CURRENT, MCL_FUTURE = 1, 2
+MCL_CURRENT, MCL_FUTURE, MCL_ONFAULT = 1, 2, 4
 PR_SET_TIMERSLACK = 29
 
 
@@ -41,7 +41,7 @@ def prepare(priority: int, lock_memory: bool) -> Granted:
         Keep all memory in RAM, so that no page has to be fetched in the middle of a period.
     """
     _library().prctl(PR_SET_TIMERSLACK, ctypes.c_ulong(1), 0, 0, 0)  # else every sleep may last 50 us longer
-    locked = lock_memory and _library().mlockall(MCL_CURRENT | MCL_FUTURE) == 0
+    locked = lock_memory and _library().mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0
     return Granted(priority if priority and _fifo(priority) else 0, locked)
 
 

@@ -123,6 +123,7 @@ class Virtual:
         while self._agenda.next() < grant.bound:
             self._now = self._agenda.next().at
             self._agenda.run(self._now)
+        self._ports.flush()
         self._grants.newest = None
         self._answer(grant.round)
         return True

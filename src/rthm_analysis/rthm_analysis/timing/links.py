@@ -69,7 +69,7 @@ def distribution(values: Floats) -> dict[str, float | None]:
 def ticks_of(uses: Integers, period: int) -> Integers:
     """Tick to which each of the ascending instants `uses` belongs, ns after the start.
 
-    A use never precedes its tick, and of two uses at one instant the earlier one belongs to the earlier tick: so a
+    A use never precedes its tick, and of two uses the earlier one belongs to the earlier tick: so a
     receiver that stood still and then caught up is not taken for one that was early.
     """
     order = np.arange(uses.size)
@@ -109,9 +109,7 @@ def _uses(
     derived = derived_uses(recording, schedule, name) if source else None
     if derived is None or not len(derived):
         return None, [f"links/{name} is not recorded, and cannot be derived: its delay is not known."]
-    return derived, [
-        f"links/{name} is not recorded: taken as the exact schedule's on the recorded stamps."
-    ]
+    return derived, [f"links/{name} is not recorded: taken as the exact schedule's on the recorded stamps."]
 
 
 def derived_uses(recording: Recording, schedule: Schedule, name: str) -> LinkTable | None:

@@ -1,0 +1,173 @@
+"""The compiled pass over recorded samples: the engine's own bookkeeping, held to what was measured.
+
+    recorded   command   tick    sample             command   sample
+    model      u_d       z2      books, then z1     u_d       books, then z1
+
+Between two samples the model of the loop moves as in the exact engine, driven by the recorded commands, and
+the engine's ledger counts the works. At every sample of the plant the model is set to the measured motion, at
+every tick of the numerical substructure to the recorded state. What such a step changes in energy is the work
+of no term: it is what the balance error shows.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
+from rthm_core.energy import total_energy
+from rthm_core.engine.ledger import Ledger, advance_counting
+from rthm_core.numerical import Numerical, begin_numerical
+from rthm_core.physical.advance import Physical, present_rate, set_command
+from rthm_core.physical.flow import FRICTION, POSITION
+from rthm_core.physical.laws import PLACE, SPLIT
+
+COMMAND, TICK, SAMPLE = range(3)
+"""What is recorded, in the order in which it takes place at one instant."""
+
+WORKS = 6
+"""Number of works that the ledger keeps (``rthm_core.energy.TERMS``)."""
+
+
+class Books(NamedTuple):
+    """Model of the loop and its ledger.
+
+    Attributes
+    ----------
+    first_load : int
+        The measured loads are the model's loads from this one on.
+    quiet : float
+        Speed below which a measured dof may as well be at rest, m/s.
+    """
+
+    physical: Physical
+    numerical: Numerical
+    ledger: Ledger
+    first_load: int
+    quiet: float
+
+
+class Events(NamedTuple):
+    """Recorded samples in time order, the last one a sample of the plant.
+
+    Attributes
+    ----------
+    time, what, index : (e,) arrays
+        ns since the start of the test; COMMAND, TICK or SAMPLE; row in the array of that kind.
+    command : (c, 2 m) array
+        Both parts of u_d at their use, position cancellation and F_d / k_tot, in m.
+    tick : (k, 2 n2) array
+        x2 and v2.
+    held : (k, 2 m) array
+        Motion [x1, v1] of the plant that the numerical side holds from the tick on; NaN: the one before.
+    sample : (s, 2 n1) array
+        Measured x1 and v1.
+    load : (s, n1) array
+        Measured load on the plant beyond the one in the spec, until this sample.
+    """
+
+    time: Integers
+    what: Integers
+    index: Integers
+    command: Floats
+    tick: Floats
+    held: Floats
+    sample: Floats
+    load: Floats
+
+
+def row_width(books: Books) -> int:
+    """Numbers that are written at a sample: works, E_total, a1, v2 and a2."""
+    return int(WORKS + 1 + books.physical.model.n + 2 * books.numerical.n)
+
+
+@inlined
+def _bear(books, load):  # type: ignore[no-untyped-def]
+    """Put the measured loads on the model."""
+    for i in range(load.size):
+        books.physical.model.loads.constant[books.first_load + i] = load[i]
+
+
+@inlined
+def _given(books, command):  # type: ignore[no-untyped-def]
+    """Give the motors a command, and the ledger its two parts."""
+    fx, ff = books.ledger.fx, books.ledger.ff
+    for i in range(fx.size):
+        fx[i], ff[i] = command[i], command[fx.size + i]
+    set_command(books.physical, fx + ff)
+
+
+@inlined
+def _latched(books, tick, held):  # type: ignore[no-untyped-def]
+    """Set the numerical side to its recorded state, and let it hold what it latched."""
+    copy_into(books.numerical.y, tick)
+    for i in range(held.size):
+        if not np.isnan(held[i]):
+            books.numerical.held[i] = held[i]
+
+
+@inlined
+def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
+    """Set the plant to its measured motion, and every law to the piece in which it then is.
+
+    A dof that the model holds by friction and that is measured as slow as noise makes a resting one stays at
+    rest.
+    """
+    state, n = books.physical.state, books.physical.model.n
+    for j in range(sample.size):
+        state.y[j] = sample[j]
+    if laws is not None:
+        for row in range(state.pieces.size):
+            split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+            x, v = state.y[dof], state.y[n + dof]
+            if split == POSITION:
+                piece = 0
+                for k in range(laws.thresholds.shape[1]):
+                    piece += laws.thresholds[row, k] < x
+                state.pieces[row] = piece
+            elif split == FRICTION and state.pieces[row] == 0 and abs(v) <= books.quiet:
+                state.y[n + dof] = 0.0
+            elif split:
+                state.pieces[row] = -1 if v < 0.0 else 1
+
+
+@inlined
+def _write(books, dy, row):  # type: ignore[no-untyped-def]
+    """Write works, E_total, a1, v2 and a2."""
+    physical, numerical, ledger = books.physical, books.numerical, books.ledger
+    n1, n2, y1, y2, ab = physical.model.n, numerical.n, physical.state.y, numerical.y, numerical.system.ab
+    for term in range(WORKS):
+        row[term] = ledger.work[term]
+    row[WORKS] = total_energy(ledger.bodies, y1[:n1], y1[n1 : 2 * n1], y2[:n2], y2[n2:])
+    present_rate(physical, dy)
+    for i in range(n1):
+        row[WORKS + 1 + i] = dy[n1 + i]
+    begin_numerical(numerical)
+    for i in range(n2):
+        rate = 0.0
+        for j in range(2 * n2):
+            rate += ab[n2 + i, j] * y2[j]
+        for j in range(numerical.inputs.shape[1]):
+            rate += ab[n2 + i, 2 * n2 + j] * numerical.inputs[0, j]
+        row[WORKS + 1 + n1 + i] = y2[n2 + i]
+        row[WORKS + 1 + n1 + n2 + i] = rate
+
+
+@compiled
+def account(books: Books, events: Events, rows: Floats) -> None:
+    """Move the books over `events`; row i of `rows` (s, `row_width`) is written at sample i."""
+    dy = np.empty(books.physical.state.y.size)
+    _bear(books, events.load[0])
+    for e in range(events.time.size):
+        i = events.index[e]
+        advance_counting(books.physical, books.numerical, books.ledger, events.time[e])
+        if events.what[e] == COMMAND:
+            _given(books, events.command[i])
+        elif events.what[e] == TICK:
+            _latched(books, events.tick[i], events.held[i])
+        else:
+            _moved(books, books.physical.model.laws, events.sample[i])
+            _write(books, dy, rows[i])
+            if i + 1 < events.load.shape[0]:
+                _bear(books, events.load[i + 1])

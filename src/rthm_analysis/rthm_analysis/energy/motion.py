@@ -1,0 +1,54 @@
+"""Motion of the plant from its samples: what a driver leaves out is estimated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_core.clock import NS
+from rthm_core.compiled import Floats, Integers
+from rthm_core.spec import Spec
+from rthm_core.substructure import substructure
+
+PHASE = 0.1
+"""Half width, in radians of the plant's fastest motion, of the window in which a velocity is estimated."""
+
+WIDEST = 10
+"""Largest half width in samples."""
+
+
+def window(spec: Spec, period: float) -> int:
+    """Samples on each side from which a missing velocity is estimated.
+
+    Parameters
+    ----------
+    spec : Spec
+        Of which the plant says how fast it can move.
+    period : float
+        Sampling period, s.
+    """
+    plant = substructure(spec.plant)
+    n, inverse_mass = plant.dofs, np.linalg.inv(plant.mass)
+    rest = np.hstack([-inverse_mass @ plant.stiffness, -inverse_mass @ plant.damping])
+    dynamics = np.vstack([np.eye(n, 2 * n, n), rest])
+    step = float(np.abs(np.linalg.eigvals(dynamics)).max()) * period
+    return int(np.clip(PHASE / step, 1, WIDEST)) if step > 0.0 else WIDEST
+
+
+def completed_velocity(stamps_ns: Integers, position: Floats, velocity: Floats, width: int) -> Floats:
+    """Velocity (n, k); where it was not measured, the slope of a local parabola through the positions."""
+    if np.isfinite(velocity).all() or stamps_ns.size < 2:
+        return np.nan_to_num(velocity, nan=0.0)
+    return np.where(np.isfinite(velocity), velocity, _slopes(stamps_ns, position, width))
+
+
+def _slopes(stamps_ns: Integers, position: Floats, width: int) -> Floats:
+    """Slope at each sample of the parabola through it and its neighbours, least squares."""
+    n = stamps_ns.size
+    size = min(2 * width + 1, n)
+    first = np.clip(np.arange(n) - width, 0, n - size)
+    window = first[:, None] + np.arange(size)
+    t = (stamps_ns[window] - stamps_ns[:, None]) / NS
+    powers = np.stack([np.ones_like(t), t, t * t][: min(3, size)], axis=2)
+    scale = np.abs(t).max(axis=1)[:, None] ** np.arange(powers.shape[2])
+    fit = np.linalg.pinv(powers / scale[:, None, :])
+    return np.einsum("nw,nwk->nk", fit[:, 1], position[window]) / scale[:, 1:2]

@@ -1,0 +1,261 @@
+"""The curves of a page: motion, forces, energies, distributions. They draw results and compute nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from bokeh.models import HoverTool, Legend, Range1d
+from bokeh.plotting import figure
+
+from rthm_analysis.report.gathered import Gathered
+from rthm_analysis.report.thinning import extremes
+from rthm_core.compiled import Floats
+
+INK, MUTED, GRID = "#1d2733", "#667587", "#e6eaef"
+FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#8b5a2b")
+"""Colours that people with any colour vision tell apart (Okabe and Ito)."""
+
+TERM_COLOURS = {
+    "E_total": "#7f7f7f",
+    "E_err": "#1d2733",
+    "E_fx": "#0072b2",
+    "E_ff": "#d55e00",
+    "E_num": "#e69f00",
+    "E_damping": "#009e73",
+    "E_load": "#cc79a7",
+    "E_effects": "#56b4e9",
+}
+
+TERM_WORDS = {
+    "E_fx": "position cancellation",
+    "E_ff": "force feedforward",
+    "E_num": "numerical side",
+    "E_err": "all three together",
+    "E_damping": "dampers c1, c2, c3",
+    "E_load": "known loads",
+    "E_effects": "added effects",
+    "E_total": "energy in the system",
+}
+
+
+class Curves:
+    """A plot over the time of the test.
+
+    Parameters
+    ----------
+    title, unit : str
+        What is drawn, and the axis label.
+    span : Range1d
+        Time axis, shared by all plots of a page.
+    height : int
+        In pixels.
+    """
+
+    def __init__(self, title: str, unit: str, span: Range1d, height: int = 300) -> None:
+        self.plot = _plain(title, "time (s)", unit, height)
+        self.plot.x_range = span
+        self._entries: list[tuple[str, list[object]]] = []
+        self._hovered: list[object] = []
+
+    def add(self, name: str, t: Floats, values: Floats, colour: str, **style: object) -> None:
+        """Draw one curve, unless there is nothing to draw."""
+        if not np.isfinite(values).any():
+            return
+        rows = extremes(values)
+        line = self.plot.line(
+            t[rows], values[rows], line_color=colour, name=name, **{"line_width": 1.8} | style
+        )
+        self._entries.append((name, [line]))
+        self._hovered.append(line)
+
+    def finish(self) -> figure:
+        """Add legend and hover; the plot is then ready."""
+        items = [(name, lines) for name, lines in self._entries]
+        legend = Legend(
+            items=items, orientation="horizontal", click_policy="hide", border_line_alpha=0.0, padding=0,
+            margin=4, label_text_font=FONT, label_text_font_size="12px", label_text_color=INK, glyph_width=22,
+            spacing=14, background_fill_alpha=0.0, ncols=min(4, max(1, len(items))),
+        )  # fmt: skip
+        self.plot.add_layout(legend, "above")
+        tips = [("", "$name"), ("time", "$x{0.0000} s"), ("value", "$y{0.000000}")]
+        self.plot.add_tools(HoverTool(renderers=self._hovered, tooltips=tips, mode="mouse"))
+        return self.plot
+
+
+def _plain(title: str, x: str, y: str, height: int, scale: str = "linear") -> figure:
+    plot = figure(
+        title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom,xwheel_zoom,reset,save",
+        active_drag="box_zoom", toolbar_location="right", outline_line_color=None, min_border_left=86,
+        y_axis_type=scale,
+    )  # fmt: skip
+    plot.toolbar.logo, plot.toolbar.autohide = None, True
+    plot.title.text_font, plot.title.text_font_size = FONT, "14px"
+    plot.title.text_color, plot.title.text_font_style = INK, "bold"
+    plot.grid.grid_line_color = GRID
+    plot.background_fill_color = plot.border_fill_color = "#ffffff"
+    for axis, label in ((plot.xaxis, x), (plot.yaxis, y)):
+        axis.axis_label, axis.axis_label_text_font_style = label, "normal"
+        axis.axis_label_text_font = axis.major_label_text_font = FONT
+        axis.axis_label_text_font_size, axis.major_label_text_font_size = "12px", "11px"
+        axis.axis_label_text_color = axis.major_label_text_color = MUTED
+        axis.axis_line_color = axis.major_tick_line_color = "#b8c2cc"
+        axis.minor_tick_line_color = None
+    return plot
+
+
+def time_axis(gathered: Gathered) -> Range1d:
+    """Time axis of all curves of a page."""
+    return Range1d(0.0, max(float(np.ceil(100.0 * gathered.recording.duration)) / 100.0, 0.01), bounds="auto")
+
+
+def motion(gathered: Gathered, span: Range1d) -> list[figure]:
+    """Positions of both substructures beside the ideal system, and how far the plant is from it."""
+    recording, ideal, spec = gathered.recording, gathered.ideal, gathered.spec
+    curves = Curves("Position, beside the ideal system" if ideal else "Position", "m", span, 340)
+    dofs = spec.plant.dofs if spec else recording.plant.names
+    t = recording.seconds(recording.plant.stamp_ns)
+    apart = Curves("Distance from the ideal system", "m", span, 220)
+    for k, dof in enumerate(dofs):
+        position = recording.plant.columns("position", [dof])[:, 0]
+        if ideal:
+            curves.add(
+                f"{dof} ideal",
+                ideal.t,
+                ideal.plant_position[:, k],
+                COLOURS[k],
+                line_dash="4 3",
+                line_alpha=0.75,
+            )
+            at = np.interp(t, ideal.t, ideal.plant_position[:, k])
+            apart.add(dof, t, position - at, COLOURS[k])
+        curves.add(f"{dof} plant", t, position, COLOURS[k])
+    numerical = recording.tables.get("numerical/state")
+    for k, dof in enumerate(spec.numerical.dofs if spec and spec.numerical and numerical else ()):
+        colour = COLOURS[(len(dofs) + k) % len(COLOURS)]
+        when, position = recording.seconds(numerical.stamp_ns), numerical.columns("position", [dof])[:, 0]
+        if ideal:
+            curves.add(
+                f"{dof} ideal",
+                ideal.t,
+                ideal.numerical_position[:, k],
+                colour,
+                line_dash="4 3",
+                line_alpha=0.75,
+            )
+            apart.add(dof, when, position - np.interp(when, ideal.t, ideal.numerical_position[:, k]), colour)
+        curves.add(f"{dof} numerical", when, position, colour)
+    return [curves.finish(), *([apart.finish()] if ideal else [])]
+
+
+def forces(gathered: Gathered, span: Range1d) -> list[figure]:
+    """Force reference beside the force in the wire."""
+    recording, spec = gathered.recording, gathered.spec
+    dofs = spec.plant.dofs if spec else ()
+    actuators = (
+        spec.actuator.names if spec and spec.actuator else [n for n in recording.plant.names if n not in dofs]
+    )
+    reference = recording.tables.get("numerical/force_reference")
+    curves = Curves("Force reference beside force" if reference else "Force", "N", span)
+    t, drawn = recording.seconds(recording.plant.stamp_ns), False
+    for k, name in enumerate(actuators):
+        force = recording.plant.columns("effort", [name])[:, 0]
+        drawn |= bool(np.isfinite(force).any())
+        curves.add(
+            f"force in {name}" if spec and spec.actuator else f"force {name}", t, force, COLOURS[(2 * k) % 8]
+        )
+        if reference:
+            wanted = reference.columns("effort", [name])[:, 0]
+            curves.add(
+                f"reference for {name}",
+                *_steps(recording.seconds(reference.stamp_ns), wanted),
+                COLOURS[(2 * k + 1) % 8],
+            )
+            drawn = True
+    return [curves.finish()] if drawn else []
+
+
+def _steps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Corners of a held signal."""
+    return np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]
+
+
+def energies(gathered: Gathered, span: Range1d) -> list[figure]:
+    """Energy by term, the estimate of (27) beside what it estimates, and the closure of the books."""
+    energy = gathered.energy
+    if energy is None:
+        return []
+    by_term = Curves("Energy by term", "J, + when introduced", span, 380)
+    told = energy.works | {"E_err": energy.error, "E_total": energy.total}
+    for name, values in ((name, told[name]) for name in TERM_COLOURS):
+        if np.any(values) or name in ("E_total", "E_err"):
+            width = 2.6 if name in ("E_total", "E_err") else 1.8
+            by_term.add(f"{name}: {TERM_WORDS[name]}", energy.t, values, TERM_COLOURS[name], line_width=width)
+    estimate = Curves("Energy of the errors beside its first-order estimate (27)", "J", span, 240)
+    estimate.add("E_err", energy.t, energy.error, TERM_COLOURS["E_err"])
+    estimate.add("integral of P_err_estimate", energy.t, energy.estimated_error, COLOURS[0], line_dash="5 4")
+    closure = Curves("Closure: total energy minus its start and all works", "J", span, 220)
+    closure.add("balance error", energy.t, energy.balance_error, COLOURS[1])
+    of_loop = bool(np.isfinite(energy.error).any())
+    return [by_term.finish(), *([estimate.finish()] if of_loop else []), closure.finish()]
+
+
+def ages(gathered: Gathered) -> list[figure]:
+    """How old samples were at their use, link by link."""
+    return [
+        _histogram(f"Age at use, {name}", link.age, COLOURS[0])
+        for name, link in gathered.timing.links.items()
+        if link.age.size
+    ]
+
+
+def excesses(gathered: Gathered) -> list[figure]:
+    """By how much samples were older than the exact schedule has them."""
+    links = gathered.timing.links.items()
+    return [_histogram(f"Excess, {name}", link.excess, COLOURS[1]) for name, link in links if link.age.size]
+
+
+def periods(gathered: Gathered) -> list[figure]:
+    """Times from tick to tick, clock by clock."""
+    clocks = gathered.timing.clocks.items()
+    return [
+        _histogram(f"Period of {name.capitalize()}", clock.period, COLOURS[2])
+        for name, clock in clocks
+        if clock.period.size
+    ]
+
+
+def _histogram(title: str, seconds: Floats, colour: str, bins: int = 40) -> figure:
+    """Shares on a logarithmic scale, where one use in thousands can still be seen."""
+    values = 1e3 * seconds[np.isfinite(seconds)]
+    plot = _plain(title, "ms", "share (%)", 210, "log")
+    plot.min_border_left = 56
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    room = max(0.02 * (high - low), 0.02)
+    counts, edges = np.histogram(values, bins=bins, range=(low - room, high + room))
+    filled = counts > 0
+    share, floor = 100.0 * counts[filled] / max(values.size, 1), 50.0 / max(values.size, 1)
+    left, right = edges[:-1][filled], edges[1:][filled]
+    plot.quad(
+        top=share,
+        bottom=floor,
+        left=left,
+        right=right,
+        fill_color=colour,
+        line_color="#ffffff",
+        line_width=0.5,
+    )
+    plot.x_range = Range1d(low - room, high + room)
+    plot.y_range = Range1d(floor, 200.0)
+    plot.xgrid.grid_line_color = None
+    plot.xaxis.ticker.desired_num_ticks = 4
+    tips = [("from", "@left{0.0000} ms"), ("to", "@right{0.0000} ms"), ("share", "@top{0.000} %")]
+    plot.add_tools(HoverTool(tooltips=tips))
+    return plot
+
+
+def rows(figures: Sequence[figure], per_row: int = 4) -> list[list[figure]]:
+    """Figures side by side."""
+    return [list(figures[k : k + per_row]) for k in range(0, len(figures), per_row)]

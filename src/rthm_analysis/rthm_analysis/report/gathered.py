@@ -1,0 +1,66 @@
+"""Everything that a page shows, computed once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rthm_analysis.energy import EnergyResult, energy_of
+from rthm_analysis.recording import Recording, read_recording
+from rthm_analysis.timing import TimingResult, timing_of
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_core.engine import Trajectory
+    from rthm_core.spec import Spec
+
+ROWS_OF_IDEAL = 4000
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """Results about one recording; None where there is nothing to tell, and `notes` say why."""
+
+    recording: Recording
+    energy: EnergyResult | None
+    timing: TimingResult
+    ideal: Trajectory | None
+    notes: tuple[str, ...]
+
+    @property
+    def spec(self) -> Spec | None:
+        """The spec in the recording."""
+        return self.recording.spec
+
+
+def gather(bag: str | Path) -> Gathered:
+    """Read and analyse a bag; InputError when it cannot be read."""
+    recording = read_recording(bag)
+    timing = timing_of(recording, recording.spec)
+    notes = [*recording.notes, *timing.notes]
+    energy, ideal = None, None
+    try:
+        energy = energy_of(recording, recording.spec)
+        notes += energy.notes
+        ideal = _ideal(recording, energy)
+    except InputError as reason:
+        notes.append(str(reason))
+    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)))
+
+
+def _ideal(recording: Recording, energy: EnergyResult) -> Trajectory | None:
+    """Motion of the ideal system from the start of the test, for a recording that has that start."""
+    spec = recording.spec
+    if (
+        spec is None
+        or not spec.is_loop
+        or spec.timing is None
+        or energy.t[0] > 0.0
+        or recording.duration <= 0.0
+    ):
+        return None
+    from rthm_core.engine import simulate
+
+    sample = max(spec.timing.td1, recording.duration / ROWS_OF_IDEAL)
+    return simulate(spec, recording.duration, sample, "ideal", energies=False)

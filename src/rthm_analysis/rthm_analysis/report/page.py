@@ -1,0 +1,171 @@
+"""Put the page together: one HTML file with everything in it, the numbers too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rthm_analysis.bag_analysis import to_json
+from rthm_analysis.report import figures, tables
+from rthm_analysis.report.gathered import Gathered, gather
+from rthm_analysis.report.loop_drawing import draw_loop
+from rthm_analysis.report.verdict import verdict
+from rthm_core.clock import NS
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from bokeh.plotting import figure
+
+COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """Part of a page: a heading, a line of explanation, and rows of plots or pieces of HTML."""
+
+    title: str
+    words: str
+    parts: Sequence[str | list[figure]]
+
+
+def write_report(bag: str | Path, html: str | Path) -> None:
+    """Write the page about a recorded test.
+
+    Parameters
+    ----------
+    bag : str or Path
+        Recording: its folder or file.
+    html : str or Path
+        Where the page goes. It needs no other file and no network.
+
+    Raises
+    ------
+    InputError
+        The recording cannot be read, or the page cannot be written.
+    """
+    text = page(gather(bag))
+    try:
+        Path(html).parent.mkdir(parents=True, exist_ok=True)
+        Path(html).write_text(text, encoding="utf-8")
+    except OSError as reason:
+        raise InputError(
+            f"{html} cannot be written ({reason.strerror}): name a place that you may write to."
+        ) from None
+
+
+def page(gathered: Gathered) -> str:
+    """Page as text."""
+    from bokeh.embed import components
+    from bokeh.resources import Resources
+
+    sections = [section for section in _sections(gathered) if any(section.parts)]
+    plots = [
+        plot for section in sections for part in section.parts if not isinstance(part, str) for plot in part
+    ]
+    script, places = components(plots) if plots else ("", ())
+    waiting = iter(places)
+    body = "".join(_section(section, waiting) for section in sections)
+    library = Resources(mode="inline", components=["bokeh"]).render_js() if plots else ""
+    style = (files(__package__) / "page.css").read_text(encoding="utf-8")
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{escape(_title(gathered))}</title>"
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<style>{style}</style>{library}</head><body><main>{_header(gathered)}{body}{_footer(gathered)}</main>"
+        f"{_numbers(gathered)}{script}</body></html>\n"
+    )
+
+
+def _sections(gathered: Gathered) -> list[Section]:
+    span, spec, timing = figures.time_axis(gathered), gathered.spec, gathered.timing
+    loop = [draw_loop(spec, timing)] if spec and spec.is_loop else []
+    single = [[plot] for plot in figures.motion(gathered, span)]
+    force = [[plot] for plot in figures.forces(gathered, span)]
+    energy = [[plot] for plot in figures.energies(gathered, span)]
+    delays = [*figures.rows(figures.ages(gathered)), *figures.rows(figures.excesses(gathered))]
+    clocks = [tables.clocks(timing), *figures.rows(figures.periods(gathered))] if timing.clocks else []
+    return [
+        Section("The loop", "Delays as asked for, and how old samples were when they were used.", loop),
+        Section("Motion", "", single),
+        Section("Force", "", force),
+        Section("Energy", "Work done on the moving masses since the start of the test.", energy),
+        Section(
+            "Delays",
+            "Age of each sample at its use, holds included; excess: what it has beyond the exact schedule.",
+            [tables.links(timing), *delays] if timing.links else [],
+        ),
+        Section("Clocks", "Time from tick to tick, as the ticks were done.", clocks),
+        Section("Notes", "", [_notes(gathered.notes)] if gathered.notes else []),
+        Section("Spec", "The test, as it is in the recording.", [_spec(gathered)] if spec else []),
+    ]
+
+
+def _section(section: Section, places: Any) -> str:
+    words = f"<p>{escape(section.words)}</p>" if section.words else ""
+    parts = [part if isinstance(part, str) else _row(part, places) for part in section.parts]
+    return f"<section><h2>{escape(section.title)}</h2>{words}{''.join(parts)}</section>"
+
+
+def _row(plots: list[figure], places: Any) -> str:
+    inside = "".join(f"<div>{next(places)}</div>" for _ in plots)
+    return f'<div class="row {COLUMNS[len(plots)]}">{inside}</div>'
+
+
+def _title(gathered: Gathered) -> str:
+    kind = "Hybrid test" if gathered.spec and gathered.spec.is_loop else "Test of a plant"
+    return f"{kind}: {gathered.recording.path.resolve().name}"
+
+
+def _header(gathered: Gathered) -> str:
+    recording = gathered.recording
+    begin = datetime.fromtimestamp(recording.start_ns / NS, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    facts = "".join(
+        f'<div class="fact {fact.level}" title="{escape(fact.words)}"><span>{escape(fact.label)}</span>'
+        f"<b>{_unit_small(fact.value)}</b></div>"
+        for fact in verdict(gathered.energy, gathered.timing)
+    )
+    words = f"{recording.duration:.3f} s from {begin}, {len(recording.plant)} samples of the plant"
+    return (
+        f'<header><h1>{escape(_title(gathered))}</h1><p>{words}</p><div class="facts">{facts}</div></header>'
+    )
+
+
+def _unit_small(value: str) -> str:
+    """Figure with its unit in smaller letters."""
+    number, _, unit = value.partition(" ")
+    return f"{escape(number)} <small>{escape(unit)}</small>" if unit else escape(number)
+
+
+def _footer(gathered: Gathered) -> str:
+    words = "Drag to zoom in, reset to go back, click a name to hide its curve; all time axes move together."
+    return f"<footer>{words}</footer>"
+
+
+def _notes(notes: Sequence[str]) -> str:
+    return f'<ul class="notes">{"".join(f"<li>{escape(note)}</li>" for note in notes)}</ul>'
+
+
+def _spec(gathered: Gathered) -> str:
+    text = escape(gathered.recording.spec_text.strip())
+    return f"<details><summary>Show the spec</summary><pre>{text}</pre></details>"
+
+
+def _numbers(gathered: Gathered) -> str:
+    """Return the results as JSON, for programs that read the page."""
+    results: dict[str, Any] = {"timing": gathered.timing.as_dict()}
+    if gathered.energy is not None:
+        results["energy"] = gathered.energy.as_dict()
+    return "".join(
+        f'<script type="application/json" id="{name}">{_safe(to_json(result))}</script>'
+        for name, result in results.items()
+    )
+
+
+def _safe(text: str) -> str:
+    """JSON that cannot end the element it stands in."""
+    return text.replace("</", "<\\/")

@@ -1,6 +1,7 @@
 """Random numbers that are a pure function of (seed, stream, stamp).
 
-Noise and jitter belong to a sample, not to the process that happens to draw them. Keyed by the sample's stamp, the exact engine, a virtual
+Noise and jitter belong to a sample, not to the process that happens to draw them. Keyed by the sample's
+stamp, the exact engine, a virtual
 run and a node on another host draw the same value for the same sample, in any order and after any loss.
 """
 

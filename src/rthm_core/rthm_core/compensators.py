@@ -1,4 +1,6 @@
-"""Compensators: how the controller predicts what its delayed samples will have become when the motor acts on them."""
+"""Compensators: how the controller predicts what its delayed samples will have become when the motor acts on
+them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,8 @@ def compensator_code(spec: Spec) -> tuple[int, Floats]:
     name = str(spec.loop().actuator.compensator)
     if name not in CODES:
         raise InputError(
-            f"actuator.compensator {name!r} is not available, allowed is one of {', '.join(CODES)}; choose one of them."
+            f"actuator.compensator {name!r} is not available, allowed is one of "
+            f"{', '.join(CODES)}; choose one of them."
         )
     return CODES[name], np.empty(0)
 

@@ -1,6 +1,7 @@
 """Compile physics written in Python, once per version of the sources.
 
-Numba's own cache looks at one file only: a cached caller can keep an old callee of another module. The cache folder is therefore keyed by a
+Numba's own cache looks at one file only: a cached caller can keep an old callee of another module. The cache
+folder is therefore keyed by a
 hash of all sources of this package.
 """
 
@@ -42,7 +43,9 @@ def _source_hash() -> str:
 
 
 def _cache_folder() -> Path:
-    """Where compiled code is kept: ``RTHM_CACHE_DIR``, the user's cache, or a temporary folder when neither can be written."""
+    """Where compiled code is kept: ``RTHM_CACHE_DIR``, the user's cache, or a temporary folder when neither
+    can be written.
+    """
     base = os.environ.get("RTHM_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     folder = Path(base) / "rthm" / "compiled" / _source_hash()
     try:
@@ -60,23 +63,28 @@ numba.config.CACHE_DIR = str(_cache_folder())
 def compiled(function: F) -> F:
     """Compile a pure function of numbers and arrays; the result is cached on disk.
 
-    Division by zero gives inf or nan as in numpy, and floating-point order is kept, so that every process computes the same bits.
+    Division by zero gives inf or nan as in numpy, and floating-point order is kept, so that every process
+    computes the same bits.
     """
     return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)  # type: ignore[no-any-return]
 
 
-def inlined(function: F) -> F:
-    """Compile a function that only compiled functions call: without a way in from Python, and as part of its callers' cache."""
+def inlined(function: Callable[..., Any]) -> Any:
+    """Compile a function that only compiled functions call: without a way in from Python, and as part of its
+    callers' cache.
+    """
     without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(error_model="numpy", **without_entry)(function)  # type: ignore[no-any-return]
+    return numba.njit(error_model="numpy", **without_entry)(function)
 
 
 def chosen(
     functions: list[Callable[..., Any]], otherwise: Callable[..., Any], arguments: str
 ) -> Callable[..., Any]:
-    """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any other code.
+    """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any
+    other code.
 
-    Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of laws stands in one place only. A function
+    Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of
+    laws stands in one place only. A function
     that stands in the list several times (a method that is not overridden) is compiled once.
     """
     distinct = [function for function in dict.fromkeys(functions) if function is not otherwise]
@@ -88,7 +96,8 @@ def chosen(
         codes = " or ".join(f"code == {code}" for code, one in enumerate(functions) if one is function)
         lines += [f"    if {codes}:", f"        return f{i}({arguments})"]
     exec("\n".join([*lines, f"    return otherwise({arguments})"]), names)
-    return inlined(names["choice"])
+    choice: Callable[..., Any] = inlined(names["choice"])
+    return choice
 
 
 @inlined

@@ -1,6 +1,7 @@
 """The actuator controller: position cancellation and force feedforward.
 
-``u_d = x1 [zoh1, tau1, zoh3] + F_d [tau3, zoh4] / k_tot`` (paper, (6) and (11)); a compensator may predict both terms.
+``u_d = x1 [zoh1, tau1, zoh3] + F_d [tau3, zoh4] / k_tot`` (paper, (6) and (11)); a compensator may predict
+both terms.
 """
 
 from __future__ import annotations
@@ -11,8 +12,7 @@ import numpy as np
 
 from rthm_core.compensators import compensated, compensator_code
 from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
-from rthm_core.numerical import as_built
-from rthm_core.substructure import interface
+from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -49,7 +49,9 @@ class ControllerState(NamedTuple):
 
 
 def controller(spec: Spec) -> ControllerState:
-    """Controller of a spec at the start of a test: it has held the initial state and F_c(z1(0), z2(0)) for ever."""
+    """Controller of a spec at the start of a test: it has held the initial state and F_c(z1(0), z2(0)) for
+    ever.
+    """
     believed = as_built(spec, "controller")
     computed = as_built(spec, "numerical")
     loop, sides = computed.loop(), interface(computed)
@@ -161,4 +163,4 @@ class Controller:
     @property
     def force(self) -> Floats:
         """F_d (m,) in use, in N."""
-        return self.compiled.force[0]
+        return np.asarray(self.compiled.force[0])

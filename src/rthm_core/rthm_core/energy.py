@@ -1,8 +1,10 @@
 """Energy bookkeeping: the powers of the loop, and how they are integrated between two instants.
 
-All energies are work done on the moving masses, in joule, + when it is introduced (contract, section 1; paper, (13) and (14) with the corrected signs).
+All energies are work done on the moving masses, in joule, + when it is introduced (contract, section 1;
+paper, (13) and (14) with the corrected signs).
 
-Between the ends of a smooth step, positions follow the quintic through position, velocity and acceleration at both ends; powers are integrated by
+Between the ends of a smooth step, positions follow the quintic through position, velocity and acceleration at
+both ends; powers are integrated by
 Gauss quadrature of order 8. The same code keeps the ledger of a simulation and of a recording.
 """
 
@@ -66,9 +68,18 @@ def bodies(spec: Spec) -> Bodies:
         )
     two, sides = substructure(spec.loop().numerical), interface(spec)
     return Bodies(
-        one.mass, one.damping, one.stiffness, two.mass, two.damping, two.stiffness,
-        sides.plant, sides.numerical, sides.stiffness, sides.damping, np.array(spec.k_tot, dtype=float),
-    )  # fmt: skip
+        one.mass,
+        one.damping,
+        one.stiffness,
+        two.mass,
+        two.damping,
+        two.stiffness,
+        sides.plant,
+        sides.numerical,
+        sides.stiffness,
+        sides.damping,
+        np.array(spec.k_tot, dtype=float),
+    )
 
 
 class Moment(NamedTuple):
@@ -169,7 +180,9 @@ def total_energy(bodies, x1, v1, x2, v2):  # type: ignore[no-untyped-def]
 
 @inlined
 def quintic(x0, v0, a0, x1, v1, a1, h, r):  # type: ignore[no-untyped-def]
-    """Position and velocity at the fraction `r` of a step `h` on the quintic through position, velocity and acceleration at its ends."""
+    """Position and velocity at the fraction `r` of a step `h` on the quintic through position, velocity and
+    acceleration at its ends.
+    """
     d = x1 - x0
     b0, b1 = h * v0, h * v1
     c0, c1 = h * h * a0, h * h * a1
@@ -201,9 +214,11 @@ def total_energy_of(bodies: Bodies, x1: Floats, v1: Floats, x2: Floats, v2: Floa
 
 
 def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
-    """M_tau and C_tau of the first-order approximation (26a) and (26b): the parts of mass and damping that the delays add.
+    """M_tau and C_tau of the first-order approximation (26a) and (26b): the parts of mass and damping that
+    the delays add.
 
-    Rows and columns are the plant dofs, then the numerical dofs; tau' as in (20). Exact in the paper for one dof and one actuator a side, and written
+    Rows and columns are the plant dofs, then the numerical dofs; tau' as in (20). Exact in the paper for one
+    dof and one actuator a side, and written
     here for every actuator by itself.
     """
     loop, sides = spec.loop(), interface(spec)

@@ -1,10 +1,13 @@
 """Exact step of a linear system ``dy/dt = A y + B u(t)`` over any interval.
 
-The input is a polynomial in the time since the start of the step, given by its derivatives there, so that held commands (order 0), ramps
+The input is a polynomial in the time since the start of the step, given by its derivatives there, so that
+held commands (order 0), ramps
 (order 1) and harmonic loads (all orders) take the same way.
 
-A step is the Taylor series of the solution, summed until it stops changing: exact to rounding for any interval, matrix and defect of the matrix.
-Clocks make the same few intervals come again and again, so the first ones met are kept as matrices; where jitter makes every interval a new
+A step is the Taylor series of the solution, summed until it stops changing: exact to rounding for any
+interval, matrix and defect of the matrix.
+Clocks make the same few intervals come again and again, so the first ones met are kept as matrices; where
+jitter makes every interval a new
 one, the series itself is cheap.
 """
 
@@ -43,7 +46,7 @@ class LinearSystem(NamedTuple):
     fastest: float
     kept_for: Floats
     kept: Floats
-    count: Integers
+    count: Integers  # type: ignore[assignment]
     work: Floats
 
     @property
@@ -73,7 +76,9 @@ def linear_system(a: Floats, b: Floats, orders: int = 1) -> LinearSystem:
 
 @inlined
 def polynomial(inputs, column, k, s):  # type: ignore[no-untyped-def]
-    """Derivative k of an input a time `s` after the instant to which the derivatives `inputs` (orders, ...) belong."""
+    """Derivative k of an input a time `s` after the instant to which the derivatives `inputs` (orders, ...)
+    belong.
+    """
     value, factor = 0.0, 1.0
     for j in range(k, inputs.shape[0]):
         value += inputs[j, column] * factor
@@ -83,7 +88,9 @@ def polynomial(inputs, column, k, s):  # type: ignore[no-untyped-def]
 
 @inlined
 def _series(system, y, inputs, begin, dt):  # type: ignore[no-untyped-def]
-    """Sum the Taylor series of the solution over `dt`, in place; the step starts `begin` after the inputs' instant."""
+    """Sum the Taylor series of the solution over `dt`, in place; the step starts `begin` after the inputs'
+    instant.
+    """
     ab, work, n = system.ab, system.work, y.size
     for i in range(n):
         work[0, i] = y[i]
@@ -111,7 +118,7 @@ def _series(system, y, inputs, begin, dt):  # type: ignore[no-untyped-def]
 
 @inlined
 def _series_in_parts(system, y, inputs, dt):  # type: ignore[no-untyped-def]
-    parts = max(1, int(math.ceil(system.fastest * dt)))
+    parts = max(1, math.ceil(system.fastest * dt))
     for part in range(parts):
         _series(system, y, inputs, dt * part / parts, dt / parts)
 

@@ -1,6 +1,7 @@
 """A link: how long a sample is under way, whether it arrives, and which sample a receiver holds.
 
-A newer sample replaces an older one; an older one that arrives after a newer one is dropped. All instants are ns since the start of the test.
+A newer sample replaces an older one; an older one that arrives after a newer one is dropped. All instants are
+ns since the start of the test.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ class Link:
     spec : Spec
         A complete loop.
     name : str
-        ``"tau1"`` (state to controller), ``"tau2"`` (state to numerical substructure), ``"tau3"`` (reference to controller) or ``"tau4"``
+        ``"tau1"`` (state to controller), ``"tau2"`` (state to numerical substructure), ``"tau3"`` (reference
+        to controller) or ``"tau4"``
         (command to motor).
 
     Attributes
@@ -37,7 +39,8 @@ class Link:
     delay_ns : int
         Constant part of the delay: tau and the link's ``extra_delay`` and ``clock_offset``.
     offset_ns : int
-        By how much the stamps of arriving samples are ahead (effect ``clock_offset``); the receiver waits for them in its own clock.
+        By how much the stamps of arriving samples are ahead (effect ``clock_offset``); the receiver waits for
+        them in its own clock.
     """
 
     def __init__(self, spec: Spec, name: str) -> None:
@@ -99,7 +102,9 @@ class Inbox:
         self.lost = self.late = self.dropped = 0
 
     def push(self, stamp_ns: int, due_ns: int | None, payload: Any, now_ns: int | None = None) -> None:
-        """Take a sample in; ``due_ns=None``: the link lost it. With `now_ns`, a sample whose due time is over counts as late."""
+        """Take a sample in; ``due_ns=None``: the link lost it. With `now_ns`, a sample whose due time is over
+        counts as late.
+        """
         if due_ns is None:
             self.lost += 1
             return
@@ -116,7 +121,9 @@ class Inbox:
         return self._waiting[0][1] if self._waiting else None
 
     def take(self, now_ns: int) -> tuple[int, Any] | None:
-        """Stamp and payload of the newest sample that has come due by `now_ns` since the last call; None when there is none newer than what was taken."""
+        """Stamp and payload of the newest sample that has come due by `now_ns` since the last call; None when
+        there is none newer than what was taken.
+        """
         taken = None
         while self._waiting and self._waiting[0][0] <= now_ns:
             _, stamp, payload = heapq.heappop(self._waiting)

@@ -1,6 +1,7 @@
 """Known external forces w1 and w2 and their time derivatives.
 
-A load is a sum of sinusoids under a linear ramp, or a table with straight lines between its rows. Both are given to the exact step by their
+A load is a sum of sinusoids under a linear ramp, or a table with straight lines between its rows. Both are
+given to the exact step by their
 derivatives at its start.
 """
 
@@ -8,16 +9,13 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers, inlined
 from rthm_core.errors import InputError
-
-if TYPE_CHECKING:
-    from rthm_core.spec.schema import LoadSpec
 
 HARMONIC_ORDERS = 10
 """Derivatives that a sinusoid is given by; with `LONGEST_PHASE` its error is below 1e-13 of its amplitude."""
@@ -27,7 +25,9 @@ LONGEST_PHASE = 0.3
 
 
 class Load(NamedTuple):
-    """Force on one dof: ``constant + ramp(t) sum(amplitude sin(frequency t + phase))``, or a table (times in ns, forces in N)."""
+    """Force on one dof: ``constant + ramp(t) sum(amplitude sin(frequency t + phase))``, or a table (times in
+    ns, forces in N).
+    """
 
     constant: float
     amplitude: Floats
@@ -58,7 +58,7 @@ class Load(NamedTuple):
 NO_LOAD = Load(0.0, np.empty(0), np.empty(0), np.empty(0), 0.0, np.empty(0, dtype=np.int64), np.empty(0))
 
 
-def load(section: LoadSpec | None) -> Load:
+def load(section: Any) -> Load:
     """Load of a spec section ``load.plant`` or ``load.numerical``."""
     if section is None or section.kind == "none":
         return NO_LOAD
@@ -75,7 +75,7 @@ def load(section: LoadSpec | None) -> Load:
     return _from_file(section.path)
 
 
-def _multisine(section: LoadSpec) -> Load:
+def _multisine(section: Any) -> Load:
     """Sum of `count` sinusoids of equal amplitude, evenly spaced from low to high, with random phases."""
     count = int(section.count)
     phases = np.random.default_rng(int(section.seed)).uniform(0.0, 2.0 * np.pi, count)
@@ -93,7 +93,8 @@ def _from_file(path: str) -> Load:
         time, force = np.atleast_1d(rows["t"]), np.atleast_1d(rows["force"])
     except (OSError, ValueError, IndexError, TypeError) as error:
         raise InputError(
-            f"load file {path!r} could not be read as a CSV with the columns t (s) and force (N): {str(error).splitlines()[0]}."
+            f"load file {path!r} could not be read as a CSV with the columns t (s) and force "
+            f"(N): {str(error).splitlines()[0]}."
         ) from None
     if (
         time.size < 2
@@ -102,7 +103,8 @@ def _from_file(path: str) -> Load:
         or np.any(np.diff(time) <= 0.0)
     ):
         raise InputError(
-            f"load file {path!r} needs at least two rows of finite numbers with ascending t; sort and clean it."
+            f"load file {path!r} needs at least two rows of finite numbers with ascending t; "
+            f"sort and clean it."
         )
     return NO_LOAD._replace(table_time=np.rint(time * 1e9).astype(np.int64), table_force=force)
 
@@ -110,7 +112,8 @@ def _from_file(path: str) -> Load:
 class Loads(NamedTuple):
     """Several loads, laid out for compiled code.
 
-    Rows of `sines` are amplitude, frequency, phase and ramp; `which` says to which load a row belongs, `table_begin` where the table of a load begins.
+    Rows of `sines` are amplitude, frequency, phase and ramp; `which` says to which load a row belongs,
+    `table_begin` where the table of a load begins.
     """
 
     constant: Floats
@@ -136,7 +139,7 @@ def together(loads: list[Load]) -> Loads:
     ]
     begins = np.concatenate([[0], np.cumsum([one.table_time.size for one in loads])])
 
-    def joined(parts: list[Floats], kind: type) -> Floats:
+    def joined(parts: list[Any], kind: type) -> Any:
         return np.concatenate(parts).astype(kind) if parts else np.empty(0, dtype=kind)
 
     return Loads(
@@ -156,7 +159,8 @@ def together(loads: list[Load]) -> Loads:
 def load_derivatives(loads, t_ns, first, out):  # type: ignore[no-untyped-def]
     """Derivatives of all loads at `t_ns` (since the start of the test).
 
-    ``out[k, first + i]`` gets derivative k of load i; `out` (orders, ...) may hold other inputs in other columns.
+    ``out[k, first + i]`` gets derivative k of load i; `out` (orders, ...) may hold other inputs in other
+    columns.
     """
     for i in range(loads.constant.size):
         out[0, first + i] = loads.constant[i]
@@ -185,7 +189,9 @@ def _sine_derivatives(sines, s, t, column, out):  # type: ignore[no-untyped-def]
 
 @inlined
 def first_after(instants, begin, end, t):  # type: ignore[no-untyped-def]
-    """Index in [begin, end) of the first of the ascending `instants` that is later than `t`; `end` when there is none."""
+    """Index in [begin, end) of the first of the ascending `instants` that is later than `t`; `end` when there
+    is none.
+    """
     while begin < end:
         middle = (begin + end) // 2
         if instants[middle] > t:

@@ -1,6 +1,7 @@
 """The numerical substructure: a linear structure that sees the plant's motion held between its ticks.
 
-``M2 a2 = -c3 v2 - k3 x2 - F_c(z1 held, z2 continuous) + w2`` (contract, section 1; paper, (9b) with the corrected (10b)).
+``M2 a2 = -c3 v2 - k3 x2 - F_c(z1 held, z2 continuous) + w2`` (contract, section 1; paper, (9b) with the
+corrected (10b)).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from rthm_core.compiled import Floats, Integers, compiled, inlined
 from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
-from rthm_core.substructure import interface, substructure
+from rthm_core.substructure import as_built, interface, substructure
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -49,7 +50,8 @@ def numerical(spec: Spec) -> Numerical:
     """
     if spec.numerical is None or spec.plant is None:
         raise InputError(
-            "numerical is missing: a hybrid test needs a numerical substructure; add the section or use a spec that has it."
+            "numerical is missing: a hybrid test needs a numerical substructure; add the "
+            "section or use a spec that has it."
         )
     body, sides = substructure(spec.numerical), interface(spec)
     n, m = body.dofs, sides.actuators
@@ -70,9 +72,19 @@ def numerical(spec: Spec) -> Numerical:
     x1, v1 = np.array(spec.plant.initial_position), np.array(spec.plant.initial_velocity)
     orders = one.orders
     return Numerical(
-        n, m, linear_system(a, b, orders), together([one]), np.array([load_dof], dtype=np.int64), sides.numerical, sides.stiffness, sides.damping,
-        np.zeros(1, dtype=np.int64), np.concatenate([body.position, body.velocity]), np.concatenate([x1[sides.plant], v1[sides.plant]]).astype(float), np.zeros((orders, 2 * m + 1)),
-    )  # fmt: skip
+        n,
+        m,
+        linear_system(a, b, orders),
+        together([one]),
+        np.array([load_dof], dtype=np.int64),
+        sides.numerical,
+        sides.stiffness,
+        sides.damping,
+        np.zeros(1, dtype=np.int64),
+        np.concatenate([body.position, body.velocity]),
+        np.concatenate([x1[sides.plant], v1[sides.plant]]).astype(float),
+        np.zeros((orders, 2 * m + 1)),
+    )
 
 
 @inlined
@@ -165,17 +177,3 @@ class NumericalSide:
 @compiled
 def _loads_now(numerical: Numerical) -> None:
     begin_numerical(numerical)
-
-
-def as_built(spec: Spec, block: str) -> Spec:
-    """The spec that `block` (``"numerical"`` or ``"controller"``) really computes with: nominal, but for its ``wrong_parameter`` effects."""
-    wrong = {
-        str(e.parameters["name"]): float(e.parameters["value"])
-        for e in spec.effects
-        if e.block == block and e.kind == "wrong_parameter"
-    }
-    if not wrong:
-        return spec
-    from rthm_core.spec import apply
-
-    return apply(spec, wrong)

@@ -1,16 +1,19 @@
 """The event order of the loop as data.
 
-Nothing in the loop's timing depends on its motion: which sample is used when follows from clocks, delays, jitter and loss alone. A schedule
-is therefore computed beforehand, and one table says what happens when, with which sample. The exact engine executes it, the theory multiplies along
+Nothing in the loop's timing depends on its motion: which sample is used when follows from clocks, delays,
+jitter and loss alone. A schedule
+is therefore computed beforehand, and one table says what happens when, with which sample. The exact engine
+executes it, the theory multiplies along
 it, a recording is compared with it.
 
-At one instant (contract, section 1): delays that are over, the motor's command first; sampling; the numerical substructure; the controller; and
+At one instant (contract, section 1): delays that are over, the motor's command first; sampling; the numerical
+substructure; the controller; and
 after each of the last three a delay of zero passes at once.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +25,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 SAMPLE, REFERENCE, COMMAND, MOTOR, OUTPUT = range(5)
-"""What can happen: the plant is sampled, the numerical substructure ticks, the controller commands, a command reaches the motor, a row is written."""
+"""What can happen: the plant is sampled, the numerical substructure ticks, the controller commands, a command
+reaches the motor, a row is written."""
 
 _MOTOR_DUE, _REFERENCE_DUE, _SAMPLING, _NUMERICAL, _CONTROL, _AFTER = 0, 2, 4, 5, 7, 9
 _AT_ONCE = 1
@@ -31,7 +35,9 @@ INITIAL = -1
 
 
 class Commands(NamedTuple):
-    """Commands of a span of time: when, with which state sample and which reference, and at which place in the order of their instant."""
+    """Commands of a span of time: when, with which state sample and which reference, and at which place in
+    the order of their instant.
+    """
 
     time: Integers
     state: Integers
@@ -42,18 +48,21 @@ class Commands(NamedTuple):
 class Events(NamedTuple):
     """What happens in a span of time, in order.
 
-    `index` is the number of the sample, reference, command or output row; `state` and `reference` are the numbers of what it uses.
+    `index` is the number of the sample, reference, command or output row; `state` and `reference` are the
+    numbers of what it uses.
     """
 
     time: Integers
     what: Integers
-    index: Integers
+    index: Integers  # type: ignore[assignment]
     state: Integers
     reference: Integers
 
 
 def newest(link: Link, period: int, uses: Integers) -> Integers:
-    """Number of the newest sample of a clock of `period` that has passed `link` at each of the instants `uses` (ascending); -1: none yet."""
+    """Number of the newest sample of a clock of `period` that has passed `link` at each of the instants
+    `uses` (ascending); -1: none yet.
+    """
     if uses.size == 0:
         return np.empty(0, dtype=np.int64)
     if link.constant:
@@ -72,7 +81,9 @@ def newest_arrived(numbers: Integers, due: Integers, uses: Integers) -> Integers
 
 
 def overtaking(due: Integers) -> Integers:
-    """Positions, in the order of their due times, of the samples that a receiver ever uses: those that no newer sample has overtaken."""
+    """Positions, in the order of their due times, of the samples that a receiver ever uses: those that no
+    newer sample has overtaken.
+    """
     order = np.lexsort((np.arange(due.size), due))
     order = order[due[order] < NEVER]
     if order.size == 0:
@@ -106,7 +117,9 @@ class Schedule:
         return numbers, newest(self.links["tau2"], self.td1, numbers * self.td2)
 
     def commands(self, begin: int, end: int) -> Commands:
-        """Commands in [begin, end): on every tick of the controller, and when a reference changes between two of them."""
+        """Commands in [begin, end): on every tick of the controller, and when a reference changes between two
+        of them.
+        """
         regular = self.ticks(self.td3, begin, end) * self.td3
         extra = np.setdiff1d(self._reference_changes(begin, end), regular)
         time = np.concatenate([regular, extra])
@@ -142,15 +155,16 @@ class Schedule:
         return due[used], Commands(*(column[used] for column in sent))
 
     def events(self, begin: int, end: int, output: int | None = None) -> Events:
-        """Everything that happens in [begin, end), in order; with `output`, a row is written every `output` ns."""
+        """Everything that happens in [begin, end), in order; with `output`, a row is written every `output`
+        ns.
+        """
         numbers, numerical_state = self.references(begin, end)
         commands = self.commands(begin, end)
         due, arriving = self.arrivals(begin, end)
         at_once = due == arriving.time
         used = self._samples(begin, end)
         rows = self.ticks(output, begin, end) if output else np.empty(0, dtype=np.int64)
-        none = np.full
-        parts = [
+        parts: list[tuple[Any, ...]] = [
             (used * self.td1, _SAMPLING, SAMPLE, used, used, used),
             (numbers * self.td2, _NUMERICAL, REFERENCE, numbers, numerical_state, numbers),
             (commands.time, commands.rank, COMMAND, commands.time, commands.state, commands.reference),
@@ -167,7 +181,7 @@ class Schedule:
         time = np.concatenate([part[0] for part in parts])
         rank = np.concatenate([np.broadcast_to(part[1], part[0].shape) for part in parts])
         order = np.lexsort((rank, time))
-        columns = [np.concatenate([none(part[0].size, part[2]) for part in parts])]
+        columns = [np.concatenate([np.full(part[0].size, part[2]) for part in parts])]
         columns += [np.concatenate([part[k] for part in parts]) for k in (3, 4, 5)]
         return Events(time[order], *(column[order].astype(np.int64) for column in columns))
 

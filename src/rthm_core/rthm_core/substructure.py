@@ -81,7 +81,8 @@ def interface(spec: Spec) -> Interface:
     """
     if spec.interface is None or spec.plant is None or spec.numerical is None:
         raise InputError(
-            "interface is missing: a hybrid test needs plant, numerical, interface, actuator and timing; add the sections or use a spec that has them."
+            "interface is missing: a hybrid test needs plant, numerical, interface, actuator "
+            "and timing; add the sections or use a spec that has them."
         )
     section = spec.interface
     return Interface(
@@ -90,3 +91,19 @@ def interface(spec: Spec) -> Interface:
         np.array(section.stiffness, dtype=float),
         np.array(section.damping, dtype=float),
     )
+
+
+def as_built(spec: Spec, block: str) -> Spec:
+    """The spec that `block` (``"numerical"`` or ``"controller"``) really computes with: nominal, but for its
+    ``wrong_parameter`` effects.
+    """
+    wrong = {
+        str(e.parameters["name"]): float(e.parameters["value"])
+        for e in spec.effects
+        if e.block == block and e.kind == "wrong_parameter"
+    }
+    if not wrong:
+        return spec
+    from rthm_core.spec import apply
+
+    return apply(spec, wrong)

@@ -1,4 +1,5 @@
-"""The loop of the contract once more, by brute force: a fixed step of 1e-5 s and every held and delayed signal as a literal array.
+"""The loop of the contract once more, by brute force: a fixed step of 1e-5 s and every held and delayed
+signal as a literal array.
 
 Shares nothing with the engine but the matrices that a test hands to both.
 """
@@ -101,13 +102,33 @@ def brute_force(spec, duration, cubic=None, drag=None):
     def square(values, n):
         return np.array(values, dtype=float).reshape(n, n)
 
-    p, q, face, n1, n2 = spec.plant, spec.numerical, spec.interface, len(spec.plant.dofs), len(spec.numerical.dofs)
+    p, q, face, n1, n2 = (
+        spec.plant,
+        spec.numerical,
+        spec.interface,
+        len(spec.plant.dofs),
+        len(spec.numerical.dofs),
+    )
     dof1 = np.array([p.dofs.index(name) for name in face.plant_dof])
     dof2 = np.array([q.dofs.index(name) for name in face.numerical_dof])
     zero = np.zeros(n1)
-    b1 = (np.linalg.inv(square(p.mass, n1)), square(p.damping, n1), square(p.stiffness, n1), dof1, np.array(spec.k_tot),
-          zero if cubic is None else cubic, zero if drag is None else drag)  # fmt: skip
-    b2 = (np.linalg.inv(square(q.mass, n2)), square(q.damping, n2), square(q.stiffness, n2), dof2, np.array(face.stiffness), np.array(face.damping))
+    b1 = (
+        np.linalg.inv(square(p.mass, n1)),
+        square(p.damping, n1),
+        square(p.stiffness, n1),
+        dof1,
+        np.array(spec.k_tot),
+        zero if cubic is None else cubic,
+        zero if drag is None else drag,
+    )
+    b2 = (
+        np.linalg.inv(square(q.mass, n2)),
+        square(q.damping, n2),
+        square(q.stiffness, n2),
+        dof2,
+        np.array(face.stiffness),
+        np.array(face.damping),
+    )
     y1 = np.array([*p.initial_position, *p.initial_velocity], dtype=float)
     y2 = np.array([*q.initial_position, *q.initial_velocity], dtype=float)
     td = np.array([spec.timing.ns(name) // STEP_NS for name in ("td1", "td2", "td3")])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from brute_force import STEP_NS, brute_force
+
 from rthm_core.engine import simulate
 from rthm_core.spec import apply, shipped_spec
 
@@ -55,7 +56,16 @@ def test_without_delays_and_holds_the_hybrid_becomes_the_ideal_system():
 
 LOADED = {
     "load.plant": {"dof": "x1", "kind": "harmonic", "amplitude": 1.0, "frequency": 2.4, "phase": 0.3},
-    "load.numerical": {"dof": "x2", "kind": "multisine", "rms": 0.5, "low": 1.0, "high": 9.0, "count": 7, "seed": 3, "ramp": 2.0},
+    "load.numerical": {
+        "dof": "x2",
+        "kind": "multisine",
+        "rms": 0.5,
+        "low": 1.0,
+        "high": 9.0,
+        "count": 7,
+        "seed": 3,
+        "ramp": 2.0,
+    },
 }
 WIRE = {"block": "wire", "actuator": "a1"}
 CASES = {
@@ -64,7 +74,19 @@ CASES = {
     "lag": ({}, {"band": {"block": "motor", "kind": "lag", "actuator": "a1", "time_constant": 0.003}}),
     "friction": ({}, {"guide": {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.05}}),
     "smooth": (LOADED, {"spring": CUBIC, "water": DRAG}),
-    "stop": ({}, {"stop": {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.2, "stiffness": 300.0, "damping": 2.0}}),
+    "stop": (
+        {},
+        {
+            "stop": {
+                "block": "plant",
+                "kind": "end_stop",
+                "dof": "x1",
+                "position": 0.2,
+                "stiffness": 300.0,
+                "damping": 2.0,
+            }
+        },
+    ),
     "slack": ({"actuator.pretension": [1.5]}, {}),
 }
 
@@ -72,7 +94,11 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_energy_balance_closes(case):
     changes, effects = CASES[case]
-    spec = with_effects(apply(shipped_spec("paper"), changes), **effects) if effects else apply(shipped_spec("paper"), changes)
+    spec = (
+        with_effects(apply(shipped_spec("paper"), changes), **effects)
+        if effects
+        else apply(shipped_spec("paper"), changes)
+    )
     found = simulate(spec, 20.0, 0.0012)
     assert np.isfinite(found.plant_position).all()
     assert np.abs(found.balance_error).max() < 1e-9
@@ -94,14 +120,24 @@ def test_full_transmission_approaches_its_static_stiffness():
 
 
 def decay(**effects):
-    spec = apply(shipped_spec("decay"), {"plant.mass": [1.0], "plant.damping": [0.0], "plant.stiffness": [4.0], "plant.initial_position": [0.5]})
+    spec = apply(
+        shipped_spec("decay"),
+        {
+            "plant.mass": [1.0],
+            "plant.damping": [0.0],
+            "plant.stiffness": [4.0],
+            "plant.initial_position": [0.5],
+        },
+    )
     return with_effects(spec, **effects)
 
 
 def test_coulomb_decay_is_the_closed_form():
     """Each half cycle turns 2 F / k nearer to zero, and the mass stays where it turns within F / k."""
     force, k = 0.15, 4.0
-    found = simulate(decay(guide={"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": force}), 20.0, 0.001)
+    found = simulate(
+        decay(guide={"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": force}), 20.0, 0.001
+    )
     half = np.pi / 2.0
     amplitude, position, expected = 0.5, 0.5, np.empty(found.t.size)
     for row, t in enumerate(found.t):
@@ -118,7 +154,20 @@ def test_coulomb_decay_is_the_closed_form():
 
 
 def test_end_stop_without_damping_gives_back_what_it_took():
-    found = simulate(decay(stop={"block": "plant", "kind": "end_stop", "dof": "x1", "position": -0.2, "stiffness": 500.0, "damping": 0.0}), 20.0, 0.001)
+    found = simulate(
+        decay(
+            stop={
+                "block": "plant",
+                "kind": "end_stop",
+                "dof": "x1",
+                "position": -0.2,
+                "stiffness": 500.0,
+                "damping": 0.0,
+            }
+        ),
+        20.0,
+        0.001,
+    )
     x, v = found.plant_position[:, 0], found.plant_velocity[:, 0]
     stop = np.where(x < -0.2, 0.5 * 500.0 * (x + 0.2) ** 2, 0.0)
     energy = 0.5 * v**2 + 2.0 * x**2 + stop

@@ -3,6 +3,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from rthm_core.link import NEVER, Inbox, Link
 from rthm_core.schedule import Schedule, newest, newest_arrived
 from rthm_core.spec import apply, shipped_spec
@@ -10,7 +11,9 @@ from rthm_core.spec import apply, shipped_spec
 
 def jittered(std, loss=0.0):
     effects = {"effects": ["shaky", "lossy"], "shaky": {"block": "link.tau1", "kind": "jitter", "std": std}}
-    return apply(shipped_spec("paper"), effects | {"lossy": {"block": "link.tau1", "kind": "loss", "fraction": loss}})
+    return apply(
+        shipped_spec("paper"), effects | {"lossy": {"block": "link.tau1", "kind": "loss", "fraction": loss}}
+    )
 
 
 @settings(max_examples=30)
@@ -41,11 +44,16 @@ def test_due_times_are_the_same_one_by_one_and_together():
     link = Link(jittered(0.003, 0.2), "tau1")
     stamps = np.arange(200, dtype=np.int64) * 1_200_000
     together = link.due_all(stamps)
-    assert [link.due(int(stamp)) for stamp in stamps] == [None if due == NEVER else due for due in together.tolist()]
+    assert [link.due(int(stamp)) for stamp in stamps] == [
+        None if due == NEVER else due for due in together.tolist()
+    ]
     assert 0.1 < np.mean(together == NEVER) < 0.3
 
 
-@given(st.lists(st.integers(0, 1000), min_size=1, max_size=40), st.lists(st.integers(0, 1200), min_size=1, max_size=20))
+@given(
+    st.lists(st.integers(0, 1000), min_size=1, max_size=40),
+    st.lists(st.integers(0, 1200), min_size=1, max_size=20),
+)
 def test_newest_arrived_is_the_largest_number_that_is_due(due, uses):
     numbers = np.arange(len(due), dtype=np.int64)
     found = newest_arrived(numbers, np.array(due), np.sort(np.array(uses)))
@@ -54,7 +62,8 @@ def test_newest_arrived_is_the_largest_number_that_is_due(due, uses):
 
 
 def test_hold_and_delay_add_up_as_facts_say():
-    """With all clocks in phase the effective paths are 16.4 / 36.4 / 14.4 ms (state by tau1, by tau2 and tau3, reference)."""
+    """With all clocks in phase the effective paths are 16.4 / 36.4 / 14.4 ms (state by tau1, by tau2 and
+    tau3, reference)."""
     schedule = Schedule(shipped_spec("paper"))
     commands = schedule.commands(600_000_000, 12_600_000_000)
     until = np.append(commands.time[1:], 12_600_000_000)
@@ -64,7 +73,7 @@ def test_hold_and_delay_add_up_as_facts_say():
         return float((width * (0.5 * (until + commands.time) - stamp)).sum() / width.sum()) * 1e-6 + 10.0
 
     assert abs(mean_age(commands.state * schedule.td1) - 16.4) < 0.01
-    numbers, state = schedule.references(0, 13_000_000_000)
+    _, state = schedule.references(0, 13_000_000_000)
     assert abs(mean_age(state[commands.reference] * schedule.td1) - 36.4) < 0.01
 
 

@@ -8,7 +8,9 @@ from rthm_core.effects.laws import PlantLaw
 
 @register
 class EndStop(PlantLaw):
-    """Spring and damper that act beyond a position: above it when the position is positive, below it when negative."""
+    """Spring and damper that act beyond a position: above it when the position is positive, below it when
+    negative.
+    """
 
     kind = "end_stop"
     blocks = ("plant",)

@@ -24,7 +24,10 @@ class BoucWen(PlantLaw):
     blocks = ("plant",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = -alpha z; dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n"
-    words = "the spring at {dof} is hysteretic: its force, up to {alpha} per metre, depends on where the motion last turned (Bouc-Wen)"
+    words = (
+        "the spring at {dof} is hysteretic: its force, up to {alpha} per metre, depends on where "
+        "the motion last turned (Bouc-Wen)"
+    )
     states = 1
     split = "velocity"
 

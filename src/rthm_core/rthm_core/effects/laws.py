@@ -1,18 +1,22 @@
 """What a law of force is: the interface between an effect and everything that computes with it.
 
-A law is a handful of pure functions of numbers, written once in plain Python. The simulator compiles them, the plant node runs the same
+A law is a handful of pure functions of numbers, written once in plain Python. The simulator compiles them,
+the plant node runs the same
 compiled code, and the diagnosis fits their parameters.
 
-Symbols: ``x`` (m) and ``v`` (m/s) motion of the dof, ``z`` the law's own states, ``t`` (s) time since the start of the test, ``p`` the parameters in
+Symbols: ``x`` (m) and ``v`` (m/s) motion of the dof, ``z`` the law's own states, ``t`` (s) time since the
+start of the test, ``p`` the parameters in
 the order of their declaration, ``piece`` the smooth piece of the law that is in force.
 
-**Pieces.** Friction, stops and hysteresis are smooth only between switching points. The integrator freezes ``piece`` during a step and ends the
+**Pieces.** Friction, stops and hysteresis are smooth only between switching points. The integrator freezes
+``piece`` during a step and ends the
 step where it changes, so that no step crosses a kink. ``split`` says in which variable the pieces meet:
 
 * ``"none"``: one piece, 0;
 * ``"position"``: piece k lies between ``thresholds(p)[k - 1]`` and ``thresholds(p)[k]``;
 * ``"velocity"``: piece +1 for v > 0, -1 for v < 0;
-* ``"friction"``: as velocity, and 0 where the dof sticks; it breaks away when the force that holds it exceeds ``breakaway(p)``.
+* ``"friction"``: as velocity, and 0 where the dof sticks; it breaks away when the force that holds it exceeds
+``breakaway(p)``.
 """
 
 from __future__ import annotations
@@ -53,7 +57,9 @@ class PlantLaw(Effect):
 
     @staticmethod
     def excitation(p: Parameters) -> tuple[float, float, float, float] | None:
-        """Constant (N), amplitude (N), frequency (rad/s) and phase of a law that depends on time alone; None for all others."""
+        """Constant (N), amplitude (N), frequency (rad/s) and phase of a law that depends on time alone; None
+        for all others.
+        """
         return None
 
     @staticmethod
@@ -65,7 +71,8 @@ class PlantLaw(Effect):
 class WireLaw(Effect):
     """What a wire does beside ``k (u - x)``.
 
-    Wire laws of one actuator act one after the other: each gets the drive-side position `u` and the force `f` that the laws before it left
+    Wire laws of one actuator act one after the other: each gets the drive-side position `u` and the force `f`
+    that the laws before it left
     and gives the force that it leaves. ``order`` sorts them from the motor to the plant.
     """
 

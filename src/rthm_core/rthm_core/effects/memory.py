@@ -20,7 +20,10 @@ class MaxwellBranch(PlantLaw):
         "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
     }
     equation = "F = -k (x - y); c dy/dt = k (x - y)"
-    words = "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside it (Maxwell)"
+    words = (
+        "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside "
+        "it (Maxwell)"
+    )
     states = 1
     linear = True
 

@@ -9,7 +9,9 @@ from rthm_core.effects.laws import WireLaw
 
 @register
 class Backlash(WireLaw):
-    """Play between the measured motor position and the wire: the far end moves only once the gap is used up."""
+    """Play between the measured motor position and the wire: the far end moves only once the gap is used
+    up.
+    """
 
     kind = "backlash"
     blocks = ("wire",)
@@ -34,7 +36,9 @@ class Backlash(WireLaw):
 
 @register
 class PulleyInertia(WireLaw):
-    """Pulley with mass in the middle of the wire: a mass between two springs of 2 k, to the motor and to the plant."""
+    """Pulley with mass in the middle of the wire: a mass between two springs of 2 k, to the motor and to the
+    plant.
+    """
 
     kind = "pulley_inertia"
     blocks = ("wire",)
@@ -64,7 +68,9 @@ class PulleyInertia(WireLaw):
 
 @register
 class PulleyFriction(WireLaw):
-    """Massless pulley with dry friction in the middle of the wire: it moves only when the two halves pull unequally enough."""
+    """Massless pulley with dry friction in the middle of the wire: it moves only when the two halves pull
+    unequally enough.
+    """
 
     kind = "pulley_friction"
     blocks = ("wire",)
@@ -116,7 +122,10 @@ class WireMaxwellBranch(WireLaw):
         "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
     }
     equation = "F = k d + k_b (d - y); c dy/dt = k_b (d - y), d = u - x"
-    words = "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts beside it (Maxwell)"
+    words = (
+        "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts "
+        "beside it (Maxwell)"
+    )
     states = 1
     order = 4
     linear = True
@@ -138,14 +147,18 @@ class WireMaxwellBranch(WireLaw):
 class WireBoucWen(WireLaw):
     """Hysteretic wire. Its own states are the last elongation and the hysteretic state there.
 
-    The state depends on the path of the elongation and not on its speed, so it is carried along the path (Runge-Kutta), also when the motor jumps.
+    The state depends on the path of the elongation and not on its speed, so it is carried along the path
+    (Runge-Kutta), also when the motor jumps.
     """
 
     kind = "bouc_wen"
     blocks = ("wire",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = k d + alpha z; dz/dt = A dd - beta |dd| |z|^(n-1) z - gamma dd |z|^n, d = u - x"
-    words = "the wire of {actuator} is hysteretic: its force depends on where its elongation last turned (Bouc-Wen, {alpha})"
+    words = (
+        "the wire of {actuator} is hysteretic: its force depends on where its elongation last "
+        "turned (Bouc-Wen, {alpha})"
+    )
     states = 2
     order = 5
 

@@ -1,6 +1,7 @@
 """Systems without a loop: a plant alone, the ideal system, and its first-order approximation.
 
-The ideal system is (9): both substructures joined by the interface itself. The approximation is (25) with the corrected (26). Both are a plant of
+The ideal system is (9): both substructures joined by the interface itself. The approximation is (25) with the
+corrected (26). Both are a plant of
 n1 + n2 dofs without actuators, with the plant's effects where they were.
 """
 
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
 
 
 def coupled_body(spec: Spec, system: str) -> Substructure:
-    """Mass, damping and stiffness of the ideal system or of its first-order approximation; plant dofs first."""
+    """Mass, damping and stiffness of the ideal system or of its first-order approximation; plant dofs
+    first.
+    """
     one, two, sides = substructure(spec.plant), substructure(spec.loop().numerical), interface(spec)
     n1, n2 = one.dofs, two.dofs
     mass, damping, stiffness = (np.zeros((n1 + n2, n1 + n2)) for _ in range(3))
@@ -69,14 +72,17 @@ def _rows(side: Physical, step: int, out: Floats, listed: Floats) -> None:
 
 
 def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: bool) -> Trajectory:
-    """Trajectory of a plant alone (``"hybrid"`` of a spec without loop), of the ideal system or of its approximation, every `step` ns."""
+    """Trajectory of a plant alone (``"hybrid"`` of a spec without loop), of the ideal system or of its
+    approximation, every `step` ns.
+    """
     from rthm_core.engine.simulate import (
         Trajectory,
     )  # the one public result type lives beside the verb that gives it
 
     if system != "hybrid" and not spec.is_loop:
         raise InputError(
-            f"system {system!r} needs a whole loop, but the spec has a plant alone; add the other sections or choose the system hybrid."
+            f"system {system!r} needs a whole loop, but the spec has a plant alone; add the "
+            f"other sections or choose the system hybrid."
         )
     body = substructure(spec.plant) if not spec.is_loop else coupled_body(spec, system)
     further = _further_load(spec) if spec.is_loop else []
@@ -88,7 +94,7 @@ def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: 
     n1 = len(spec.plant.dofs)
     force = _interface_forces(spec, x, v) if spec.is_loop else np.zeros((out.shape[0], 0))
     return Trajectory(
-        np.arange(out.shape[0]) * step * 1e-9,
+        np.asarray(np.arange(out.shape[0]) * step * 1e-9, dtype=float),
         x[:, :n1],
         v[:, :n1],
         x[:, n1:],
@@ -108,7 +114,9 @@ def _interface_forces(spec: Spec, x: Floats, v: Floats) -> Floats:
 
 
 def _energies(spec: Spec, body: Substructure, x: Floats, v: Floats) -> dict[str, Floats]:
-    """Total energy; the works of a loop that is not there are zero, and the others are not counted here (nan)."""
+    """Total energy; the works of a loop that is not there are zero, and the others are not counted here
+    (nan).
+    """
     total = 0.5 * (np.einsum("ti,ij,tj->t", v, body.mass, v) + np.einsum("ti,ij,tj->t", x, body.stiffness, x))
     return {
         term: np.zeros(x.shape[0]) if term in ("E_num", "E_ff", "E_fx") else np.full(x.shape[0], np.nan)

@@ -77,7 +77,9 @@ class Ledger(NamedTuple):
 def ledger(
     spec: Spec, physical: Physical, numerical: Numerical, first_fx: Floats, first_ff: Floats, *, on: bool
 ) -> Ledger:
-    """Empty ledger; `first_fx` and `first_ff` (m,) are the parts of the command that has been there for ever."""
+    """Empty ledger; `first_fx` and `first_ff` (m,) are the parts of the command that has been there for
+    ever.
+    """
     model = physical.model
     believed = drive(spec, model.whole.orders, effects=False)
     n1, n2, m, ny = model.n, numerical.n, model.m, model.mechanics.shape[0]
@@ -95,11 +97,32 @@ def ledger(
         and not any(e.block in ("plant", "wire") for e in spec.effects)
     )
     return Ledger(
-        on, bodies(spec), np.zeros(6), believed, settled(believed, first_fx), settled(believed, first_ff), first_fx.copy(), first_ff.copy(), max(longest, 1000),
-        moment(n1, n2, m), np.zeros(6), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros(model.drive.system.ab.shape[0]),
-        np.zeros_like(physical.state.inputs), np.zeros_like(numerical.inputs), np.zeros(2 * n2), np.zeros((4, 2 * n2)), np.zeros(believed.system.ab.shape[0]), np.zeros((model.whole.orders, m)), bool(plain),
-        np.zeros(piece_count(model)), np.zeros(piece_count(model), dtype=np.int64),
-    )  # fmt: skip
+        on,
+        bodies(spec),
+        np.zeros(6),
+        believed,
+        settled(believed, first_fx),
+        settled(believed, first_ff),
+        first_fx.copy(),
+        first_ff.copy(),
+        max(longest, 1000),
+        moment(n1, n2, m),
+        np.zeros(6),
+        np.zeros(ny),
+        np.zeros(ny),
+        np.zeros(ny),
+        np.zeros(ny),
+        np.zeros(model.drive.system.ab.shape[0]),
+        np.zeros_like(physical.state.inputs),
+        np.zeros_like(numerical.inputs),
+        np.zeros(2 * n2),
+        np.zeros((4, 2 * n2)),
+        np.zeros(believed.system.ab.shape[0]),
+        np.zeros((model.whole.orders, m)),
+        bool(plain),
+        np.zeros(piece_count(model)),
+        np.zeros(piece_count(model), dtype=np.int64),
+    )
 
 
 @inlined
@@ -139,7 +162,9 @@ def _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r):  # type: ignore[no-unty
 
 @inlined
 def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-def]
-    """Loads and everything that acts on the plant from outside, from the equation of motion, into ``ledger.at``."""
+    """Loads and everything that acts on the plant from outside, from the equation of motion, into
+    ``ledger.at``.
+    """
     model, work, at, b = physical.model, physical.work, ledger.at, ledger.bodies
     n = model.n
     inputs_at(model, work, ledger.q_begin, ledger.inputs, s)
@@ -208,7 +233,9 @@ def _begin_counting(physical, numerical, ledger):  # type: ignore[no-untyped-def
 
 @inlined
 def _numerical_end(numerical, ledger, s):  # type: ignore[no-untyped-def]
-    """z2 and its rate a time `s` after the start of the segment, into rows 2 and 3 of ``ledger.numerical``."""
+    """z2 and its rate a time `s` after the start of the segment, into rows 2 and 3 of
+    ``ledger.numerical``.
+    """
     copy_into(ledger.numerical[2], ledger.start2)
     step_linear(numerical.system, ledger.numerical[2], ledger.inputs2, s)
     _numerical_rate(numerical, ledger.numerical[2], ledger.inputs2, s, ledger.numerical[3])
@@ -225,7 +252,20 @@ def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[n
         for i in range(ledger.pieces.size):
             ledger.pieces[i] = trace.pieces[k, i]
         if trace.time[k] > trace.time[k - 1]:
-            _smooth_step(ledger, physical, numerical, begin_ns, trace.time[k - 1], trace.time[k], trace.y[0, k - 1], trace.y[2, k], trace.y[0, k], trace.y[1, k], ledger.pieces, ledger.inputs2)  # fmt: skip
+            _smooth_step(
+                ledger,
+                physical,
+                numerical,
+                begin_ns,
+                trace.time[k - 1],
+                trace.time[k],
+                trace.y[0, k - 1],
+                trace.y[2, k],
+                trace.y[0, k],
+                trace.y[1, k],
+                ledger.pieces,
+                ledger.inputs2,
+            )
         copy_into(ledger.numerical[0], ledger.numerical[2])
         copy_into(ledger.numerical[1], ledger.numerical[3])
 

@@ -18,7 +18,8 @@ from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE, Events
 
 
 class Rings(NamedTuple):
-    """What is under way in the links: the latest samples, references and commands, each at its number modulo the length of the ring.
+    """What is under way in the links: the latest samples, references and commands, each at its number modulo
+    the length of the ring.
 
     A command is a row [u_fx, u_ff], and is found by the instant at which it was given.
     """
@@ -126,9 +127,9 @@ def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
         t, what = events.time[e], events.what[e]
         if counting and what != COMMAND:
             advance_counting(loop.physical, loop.numerical, loop.ledger, t)
-        if not counting and (what == SAMPLE or what == MOTOR or what == OUTPUT):
+        if not counting and (what in (SAMPLE, MOTOR, OUTPUT)):
             advance_physical(loop.physical, t)
-        if not counting and (what == REFERENCE or what == OUTPUT):
+        if not counting and (what in (REFERENCE, OUTPUT)):
             advance_numerical(loop.numerical, t)
         if what == SAMPLE:
             _sample(loop, t, events.index[e])

@@ -16,10 +16,10 @@ from rthm_core.engine.coupled import simulate_coupled
 from rthm_core.engine.ledger import ledger
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
-from rthm_core.numerical import as_built, numerical
+from rthm_core.numerical import numerical
 from rthm_core.physical.side import build, first_command
 from rthm_core.schedule import Schedule
-from rthm_core.substructure import interface
+from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -81,7 +81,8 @@ def simulate(
     sample : float, optional
         Distance of the rows in s; Td1 (or 1 ms for a plant alone) when absent.
     system : {"hybrid", "ideal", "taylor"}
-        The loop with its delays; the same without delays, holds and actuator; or the first-order approximation (25) and (26).
+        The loop with its delays; the same without delays, holds and actuator; or the first-order
+        approximation (25) and (26).
     energies : bool
         Whether the works are counted.
     progress : callable, optional
@@ -97,7 +98,7 @@ def simulate(
         return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
     loop = _loop(spec, energies=energies)
     n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
-    rows = [out for out in _chunks(spec, loop, to_ns(duration), step, 2 * n1 + 2 * n2 + 2 * m + 7, progress)]
+    rows = list(_chunks(spec, loop, to_ns(duration), step, 2 * n1 + 2 * n2 + 2 * m + 7, progress))
     return _trajectory(np.concatenate(rows), step, n1, n2, m, energies=energies)
 
 
@@ -109,13 +110,15 @@ def _checked(spec: Spec, duration: float, sample: float | None, system: str) -> 
         )
     if not (np.isfinite(duration) and duration > 0.0):
         raise InputError(
-            f"duration {duration!r} is not allowed, it must be a positive number of seconds; give one above zero."
+            f"duration {duration!r} is not allowed, it must be a positive number of seconds; "
+            f"give one above zero."
         )
     default = spec.timing.td1 if spec.timing is not None else 0.001
     value = default if sample is None else sample
     if not (np.isfinite(value) and to_ns(value) > 0):
         raise InputError(
-            f"sample {value!r} is not allowed, it must be at least one nanosecond; give a positive number of seconds."
+            f"sample {value!r} is not allowed, it must be at least one nanosecond; give a "
+            f"positive number of seconds."
         )
     return to_ns(value)
 
@@ -132,9 +135,15 @@ def _loop(spec: Spec, *, energies: bool) -> Loop:
     ring = rings(
         reach // schedule.td1 + 8 + lost,
         (links["tau3"].reach_ns + max(schedule.td4, schedule.td3)) // schedule.td2 + 8 + lost,
-        2 * (links["tau4"].reach_ns + schedule.motor_delay) // min(schedule.td2, schedule.td3, schedule.td4 or schedule.td3) + 16 + 2 * lost,
-        m, np.concatenate([x1, v1]).astype(float), control.force[0].copy(),
-    )  # fmt: skip
+        2
+        * (links["tau4"].reach_ns + schedule.motor_delay)
+        // min(schedule.td2, schedule.td3, schedule.td4 or schedule.td3)
+        + 16
+        + 2 * lost,
+        m,
+        np.concatenate([x1, v1]).astype(float),
+        control.force[0].copy(),
+    )
     command = first_command(spec)
     book = ledger(spec, physical, number, x1.astype(float), command - x1, on=energies)
     return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
@@ -163,4 +172,13 @@ def _trajectory(rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: 
         rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1
     )
     found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
-    return Trajectory(np.arange(rows.shape[0]) * step * 1e-9, x1, v1, x2, v2, reference, force, found)
+    return Trajectory(
+        np.asarray(np.arange(rows.shape[0]) * step * 1e-9, dtype=float),
+        x1,
+        v1,
+        x2,
+        v2,
+        reference,
+        force,
+        found,
+    )

@@ -117,7 +117,7 @@ def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) ->
         else:
             drive_position = wires.drive[place] @ np.concatenate([y, u])
             y[at : at + law.states] = law.initial(drive_position, y[wires.numbers[place, DOF]], p)
-    for row in np.flatnonzero(sensors.lagged >= 0):
+    for row in np.flatnonzero(sensors.lagged >= 0).tolist():
         actuator = row - 2 * model.n
         force = (
             wires.stiffness[actuator, 1] * (u[actuator] - y[wires.numbers[actuator, DOF]])

@@ -1,6 +1,7 @@
 """Motors: from the commands to the motor positions u, one linear chain per actuator.
 
-``u = h(s) u_d(t - tau4)`` with ``h(s) = 1 / ((1 + s/kv)(1 + s/ka))`` (paper, (1) and (2)), followed by the motor effects ``lag`` and ``second_order``. Before the chain
+``u = h(s) u_d(t - tau4)`` with ``h(s) = 1 / ((1 + s/kv)(1 + s/ka))`` (paper, (1) and (2)), followed by the
+motor effects ``lag`` and ``second_order``. Before the chain
 stand the effects on the command itself: ``quantisation``, ``saturation`` and ``rate_limit``, in this order.
 """
 
@@ -41,7 +42,8 @@ QUANTUM, LIMIT, RATE = range(3)
 
 
 Stage = tuple[Floats, Floats, Floats]
-"""One element of a chain: its dynamics, the effect of its input on its states, and the row that gives its output."""
+"""One element of a chain: its dynamics, the effect of its input on its states, and the row that gives its
+output."""
 
 
 def _first_order(time_constant: float) -> Stage:
@@ -59,11 +61,13 @@ def _stages(spec: Spec, actuator: str, *, effects: bool) -> list[Stage]:
     stages = [_first_order(1.0 / pole) for pole in spec.actuator.motor_poles or ()]
     for effect in spec.effects if effects else ():
         if effect.block == "motor" and effect.actuator == actuator:
-            if effect.kind == "lag" and effect.parameters["time_constant"] > 0.0:
-                stages.append(_first_order(effect.parameters["time_constant"]))
+            if effect.kind == "lag" and float(effect.parameters["time_constant"]) > 0.0:
+                stages.append(_first_order(float(effect.parameters["time_constant"])))
             elif effect.kind == "second_order":
                 stages.append(
-                    _second_order(effect.parameters["frequency"], effect.parameters["damping_ratio"])
+                    _second_order(
+                        float(effect.parameters["frequency"]), float(effect.parameters["damping_ratio"])
+                    )
                 )
     return stages
 
@@ -78,7 +82,9 @@ def _conditioning(spec: Spec, kind: str, parameter: str, absent: float) -> Float
 
 
 def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int | None = None) -> Drive:
-    """Motors of a spec, or of its first `actuators`; ``effects=False`` gives the motors that the controller believes in, h(s) alone."""
+    """Motors of a spec, or of its first `actuators`; ``effects=False`` gives the motors that the controller
+    believes in, h(s) alone.
+    """
     names = spec.actuator.names[:actuators] if spec.actuator else ()
     m = len(names)
     chains = [_stages(spec, name, effects=effects) for name in names]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-
 from rthm_core.compiled import copy_into, inlined
 from rthm_core.physical.laws import (
     CODE,
@@ -40,7 +39,9 @@ def _row(row, y, u):  # type: ignore[no-untyped-def]
 
 @inlined
 def settle_wire(wires, y, u, actuator):  # type: ignore[no-untyped-def]
-    """Bring path-dependent states of one wire up to the present motion, in place; returns the drive-side position that the wire feels."""
+    """Bring path-dependent states of one wire up to the present motion, in place; returns the drive-side
+    position that the wire feels.
+    """
     position = _row(wires.drive[actuator], y, u)
     x, k = y[wires.numbers[actuator, DOF]], wires.stiffness[actuator, 0]
     for row in range(wires.laws.shape[0]):
@@ -62,7 +63,9 @@ def settle_wires(wires, y, u):  # type: ignore[no-untyped-def]
 
 @inlined
 def wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: ignore[no-untyped-def]
-    """Force of one wire, in N; of a wire that is not linear, also the rates of its laws' states, into `dy`."""
+    """Force of one wire, in N; of a wire that is not linear, also the rates of its laws' states, into
+    `dy`.
+    """
     if laws is None:
         return _row(wires.force[actuator], y, u)
     return _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold)
@@ -121,10 +124,12 @@ def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[
 
 @inlined
 def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
-    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law), then the
+    """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law),
+    then the
     tensions of the wires.
 
-    `laws` is ``model.laws``, handed over by itself: where it is None, everything that is not linear is left out of the compiled code.
+    `laws` is ``model.laws``, handed over by itself: where it is None, everything that is not linear is left
+    out of the compiled code.
     """
     mechanics = model.mechanics
     size, m, loads = y.size, u.size, w.size
@@ -143,7 +148,9 @@ def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type:
 
 @inlined
 def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
-    """Add what wires and laws that are not linear do; their forces enter through the columns of ``model.mechanics`` from `first` on."""
+    """Add what wires and laws that are not linear do; their forces enter through the columns of
+    ``model.mechanics`` from `first` on.
+    """
     m = u.size
     for actuator in range(m):
         if model.wires.numbers[actuator, NONLINEAR]:
@@ -166,7 +173,9 @@ def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type
 
 @inlined
 def _hold(laws, mechanics, first, n, inverse_mass, pieces, dy, hold, sticking):  # type: ignore[no-untyped-def]
-    """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs one sweep."""
+    """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs
+    one sweep.
+    """
     for _ in range(1 if sticking == 1 else 200):
         change = 0.0
         for row in range(laws.numbers.shape[0]):

@@ -1,9 +1,12 @@
-"""Integration of mechanics that are not linear: Runge-Kutta 5(4) between switching points that are located exactly.
+"""Integration of mechanics that are not linear: Runge-Kutta 5(4) between switching points that are located
+exactly.
 
-A law's piece is frozen during a step. When a step would end in another piece, it is shortened until it ends where the pieces meet, and the law switches there.
+A law's piece is frozen during a step. When a step would end in another piece, it is shortened until it ends
+where the pieces meet, and the law switches there.
 No step crosses a kink, so that the order of the method holds through sticking, stops and turning points.
 
-Method: Dormand and Prince (1980). The motor is not part of the integration: u is known exactly at every stage.
+Method: Dormand and Prince (1980). The motor is not part of the integration: u is known exactly at every
+stage.
 """
 
 from __future__ import annotations
@@ -43,19 +46,22 @@ class Trace(NamedTuple):
     time : (rows,) array
         Seconds since the start of the segment.
     y : (3, rows, ny) array
-        Mechanics and its rate at the end of each step, and its rate at the start of the step, after any switch there.
+        Mechanics and its rate at the end of each step, and its rate at the start of the step, after any
+        switch there.
     pieces : (rows, L) array
         Pieces in force during the step that ends there.
     """
 
-    count: Integers
+    count: Integers  # type: ignore[assignment]
     time: Floats
     y: Floats
     pieces: Integers
 
 
 class Work(NamedTuple):
-    """Scratch of the integration: stages (7, ny), rows `TRIAL`, `POINT`, `SCRATCH`, `START` (4, ny), motor states, u, command, w, holding forces."""
+    """Scratch of the integration: stages (7, ny), rows `TRIAL`, `POINT`, `SCRATCH`, `START` (4, ny), motor
+    states, u, command, w, holding forces.
+    """
 
     stages: Floats
     rows: Floats
@@ -80,7 +86,9 @@ def trace(size: int, laws: int, rows: int = 256) -> Trace:
 
 
 def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
-    """Scratch for `size` mechanical and `chain` motor states, `m` actuators, `loads` loads and `laws` laws."""
+    """Scratch for `size` mechanical and `chain` motor states, `m` actuators, `loads` loads and `laws`
+    laws.
+    """
     return Work(
         np.zeros((7, size)),
         np.zeros((4, size)),
@@ -96,7 +104,8 @@ def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
 def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
     """Motor positions and loads a time `s` after the start of the segment, into ``work.u`` and ``work.w``.
 
-    `q` are the motor states at the start of the segment and `inputs` the derivatives of commands and loads there.
+    `q` are the motor states at the start of the segment and `inputs` the derivatives of commands and loads
+    there.
     """
     m = model.m
     copy_into(work.q, q)
@@ -116,7 +125,9 @@ def _rate(model, pieces, work, y, t, dy):  # type: ignore[no-untyped-def]
 
 @inlined
 def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
-    """One step of `h` from the present state, whose rate is in ``work.stages[0]``; its end goes to row `TRIAL`."""
+    """One step of `h` from the present state, whose rate is in ``work.stages[0]``; its end goes to row
+    `TRIAL`.
+    """
     point, y = work.rows[POINT], state.y
     for stage in range(1, 7):
         for i in range(y.size):
@@ -155,7 +166,7 @@ def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
         return min(above, below)
     if split == FRICTION and piece == 0:
         return laws.breakaway[row] - abs(hold[row])
-    if split == VELOCITY or split == FRICTION:
+    if split in (VELOCITY, FRICTION):
         return piece * y[model.n + dof]
     return np.inf
 
@@ -171,7 +182,9 @@ def _left(model, pieces, y, hold, other_than, tolerance):  # type: ignore[no-unt
 
 @inlined
 def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
-    """Length of the step that ends where law `row` leaves its piece (Illinois method); the trial is left there."""
+    """Length of the step that ends where law `row` leaves its piece (Illinois method); the trial is left
+    there.
+    """
     piece, trial = state.pieces[row], work.rows[TRIAL]
     low, high, at_low = 0.0, h, 0.0
     at_high = _margin(model, row, piece, trial, work.hold)
@@ -251,7 +264,9 @@ def _record(trace, time, y, dy, start, pieces):  # type: ignore[no-untyped-def]
 
 @inlined
 def _until_switch(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
-    """Shorten a step that was tried to the first switch on its way: its length, and the law that switches at its end (-1: none)."""
+    """Shorten a step that was tried to the first switch on its way: its length, and the law that switches at
+    its end (-1: none).
+    """
     hold, trial = work.hold, work.rows[TRIAL]
     row = _left(model, state.pieces, trial, hold, -1, 0.0)
     law = row
@@ -270,7 +285,9 @@ def _step_size(step, h, error):  # type: ignore[no-untyped-def]
 
 @inlined
 def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def]
-    """Advance the mechanics ``state.y`` by `dt` seconds from time `t0` (s); the motor states in ``state.q`` stay at its start."""
+    """Advance the mechanics ``state.y`` by `dt` seconds from time `t0` (s); the motor states in ``state.q``
+    stay at its start.
+    """
     y, start, trial = state.y, work.rows[START], work.rows[TRIAL]
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import EffectSpec
 
-PLANT_LAWS: list[Any] = [law for law in (effect(kind, "plant") for kind in kinds("plant")) if not law.linear]
+_ALL_PLANT_LAWS: list[Any] = [effect(kind, "plant") for kind in kinds("plant")]
+PLANT_LAWS: list[Any] = [law for law in _ALL_PLANT_LAWS if not law.linear]
 WIRE_LAWS: list[Any] = [effect(kind, "wire") for kind in kinds("wire")]
 SLACK = WIRE_LAWS.index(Slack)
 """Code of the law by which a wire goes slack."""
@@ -37,7 +38,8 @@ wire_rate = chosen([law.rate for law in WIRE_LAWS], WireLaw.rate, "u, x, v, k, z
 class LawTable(NamedTuple):
     """Nonlinear laws on the plant: L rows.
 
-    Columns of `numbers` are code, dof, first own state, number of own states, and how the pieces meet; `parameters` (L, 8), `thresholds` (L, 2);
+    Columns of `numbers` are code, dof, first own state, number of own states, and how the pieces meet;
+    `parameters` (L, 8), `thresholds` (L, 2);
     `breakaway` (L,) in N.
     """
 
@@ -48,7 +50,8 @@ class LawTable(NamedTuple):
 
 
 class WireTable(NamedTuple):
-    """Wires of m actuators, and the laws of those that are not linear (W rows, sorted from motor to plant within an actuator).
+    """Wires of m actuators, and the laws of those that are not linear (W rows, sorted from motor to plant
+    within an actuator).
 
     Attributes
     ----------
@@ -101,13 +104,16 @@ def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
     for dof in stuck:
         if stuck.count(dof) > 1:
             raise InputError(
-                f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed is one per dof; join them into one."
+                f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed "
+                f"is one per dof; join them into one."
             )
     return found
 
 
 def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[Any, tuple[float, ...]]]:
-    """Wire laws of one actuator, sorted; a pretension that is not zero makes the wire one that can go slack."""
+    """Wire laws of one actuator, sorted; a pretension that is not zero makes the wire one that can go
+    slack.
+    """
     found = [_law(e) for e in spec.effects if e.block == "wire" and e.actuator == actuator]
     if pretension > 0.0 and not any(law.kind == "slack" for law, _ in found):
         found.append((Slack, (pretension,)))
@@ -115,7 +121,9 @@ def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[An
 
 
 def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
-    """Wires of the first `m` actuators; states from `at` on are given to pulleys and laws, and the next free one is returned."""
+    """Wires of the first `m` actuators; states from `at` on are given to pulleys and laws, and the next free
+    one is returned.
+    """
     numbers, stiffness = np.zeros((m, 3), dtype=np.int64), np.zeros((m, 2))
     rows: list[tuple[Any, tuple[float, ...], int, int]] = []
     for a in range(m):

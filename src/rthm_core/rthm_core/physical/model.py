@@ -4,7 +4,8 @@ The mechanics are one linear system with nonlinear forces fed back into it,
 
     dy/dt = A y + B_u u + B_w w + B_F F + B_p f,
 
-with the motor positions u, the loads w, the forces F of wires that are not linear and the forces f of laws that are not linear. Linear laws are
+with the motor positions u, the loads w, the forces F of wires that are not linear and the forces f of laws
+that are not linear. Linear laws are
 probed with unit motions and become part of A, so that their equation, too, is written once.
 """
 
@@ -41,7 +42,8 @@ if TYPE_CHECKING:
 class PhysicalModel(NamedTuple):
     """Everything that the compiled code needs to know of motor, wire and plant.
 
-    The state is ``whole = [q, y]`` with the motor chain q (nq,) and the mechanics y (ny,) = [x, v, transmission, own states of laws, sensor lags];
+    The state is ``whole = [q, y]`` with the motor chain q (nq,) and the mechanics y (ny,) = [x, v,
+    transmission, own states of laws, sensor lags];
     ``dy/dt = mechanics [y, u, w, F, f]``. `laws` is None when all is linear.
     """
 
@@ -139,7 +141,9 @@ class _Assembly:
 
 
 def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], list[int], int]:
-    """All forces on the plant that depend on time alone, their dofs, and how many of them are listed in the spec's ``load``."""
+    """All forces on the plant that depend on time alone, their dofs, and how many of them are listed in the
+    spec's ``load``.
+    """
     assert spec.plant is not None
     section = spec.load.plant
     loads, dofs = (
@@ -152,7 +156,7 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
         shape = law.excitation(p)
         if shape is not None:
             constant, amplitude, frequency, phase = shape
-            sine = {
+            sine: dict[str, Any] = {
                 "amplitude": np.array([amplitude]),
                 "frequency": np.array([frequency]),
                 "phase": np.array([phase]),
@@ -163,7 +167,8 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
 
 
 Resting = tuple[Any, tuple[float, ...], str, int, int]
-"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own state."""
+"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own
+state."""
 
 
 def physical_model(
@@ -194,7 +199,8 @@ def physical_model(
     """
     if spec.plant is None:
         raise InputError(
-            "plant is missing: nothing can be simulated without it; add a plant section with dofs, mass, damping and stiffness."
+            "plant is missing: nothing can be simulated without it; add a plant section with "
+            "dofs, mass, damping and stiffness."
         )
     plant = body or substructure(spec.plant)
     m = len(spec.actuator.names) if spec.actuator and body is None else 0
@@ -239,8 +245,8 @@ def physical_model(
         m,
         motors,
         _whole(motors, parts, orders),
-        np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]),
-        parts.inverse_mass,
+        np.asarray(np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]), dtype=float),
+        np.asarray(parts.inverse_mass, dtype=float),
         together(loads),
         np.array(load_dofs, dtype=np.int64),
         listed,

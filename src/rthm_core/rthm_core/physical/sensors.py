@@ -1,4 +1,5 @@
-"""Sensors: what is measured of the motion and the force, with noise and the effects ``bias``, ``scale``, ``drift``, ``lag`` and ``quantisation``.
+"""Sensors: what is measured of the motion and the force, with noise and the effects ``bias``, ``scale``,
+``drift``, ``lag`` and ``quantisation``.
 
 A measured value is ``scale * lagged + bias + drift t``, plus noise, rounded to the quantisation step.
 """
@@ -44,7 +45,7 @@ def _channels(spec: Spec) -> list[tuple[str, str]]:
     return [(channel, where) for channel in CHANNELS for where in wheres[channel]]
 
 
-def _effects(spec: Spec, channel: str, where: str, kind: str) -> list[dict[str, float]]:
+def _effects(spec: Spec, channel: str, where: str, kind: str) -> list[dict[str, Any]]:
     return [
         e.parameters
         for e in spec.effects
@@ -58,7 +59,9 @@ def sensor_states(spec: Spec) -> int:
 
 
 def sensors(spec: Spec, parts: Any, at: int, *, measured: bool = True) -> Sensors:
-    """Sensors of a spec, or none at all when nothing is `measured`; the dynamics of those that lag are written into the matrices of `parts` from state `at` on."""
+    """Sensors of a spec, or none at all when nothing is `measured`; the dynamics of those that lag are
+    written into the matrices of `parts` from state `at` on.
+    """
     channels = _channels(spec) if measured else []
     lagged = np.full(len(channels), -1, dtype=np.int64)
     columns: dict[str, list[float]] = {name: [] for name in ("scale", "bias", "drift", "quantum", "noise")}
@@ -93,7 +96,9 @@ def _add_lag(parts: Any, channel: str, row: int, at: int, time_constant: float) 
 
 @inlined
 def measured(sensors, row, true, y, stamp):  # type: ignore[no-untyped-def]
-    """Measured value of channel `row` whose true value is `true`, for the sample stamped `stamp` (ns since the start)."""
+    """Measured value of channel `row` whose true value is `true`, for the sample stamped `stamp` (ns since
+    the start).
+    """
     settings = sensors.values
     value = y[sensors.lagged[row]] if sensors.lagged[row] >= 0 else true
     value = settings[row, 0] * value + settings[row, 1] + settings[row, 2] * stamp * 1e-9

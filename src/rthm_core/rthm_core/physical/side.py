@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats
-from rthm_core.numerical import as_built
 from rthm_core.physical.advance import (
     Physical,
     advance_and_sample,
@@ -17,7 +16,7 @@ from rthm_core.physical.advance import (
     physical,
 )
 from rthm_core.physical.model import physical_model
-from rthm_core.substructure import interface
+from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

@@ -25,7 +25,7 @@ def test_a_small_publisher_replaces_the_plant(
     environment: dict[str, str], network: Network, tmp_path: Path
 ) -> None:
     options = ["--plant", "external", "--duration", "2", "--out", str(tmp_path / "out"), "--json", "-"]
-    with subprocess.Popen([sys.executable, str(DRIVER), "60"], env=environment) as driver:
+    with subprocess.Popen([sys.executable, str(DRIVER), "600"], env=environment) as driver:
         done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
         driver.terminate()
     assert done.returncode == 0, done.stdout + done.stderr
@@ -51,7 +51,7 @@ def test_names_that_the_spec_does_not_know_are_refused(
     ).stdout
     spec.write_text(text.replace('"x1"', '"head"'))
     options = [str(spec), "--plant", "external", "--duration", "2", "--out", str(tmp_path / "out")]
-    with subprocess.Popen([sys.executable, str(DRIVER), "60"], env=environment) as driver:
+    with subprocess.Popen([sys.executable, str(DRIVER), "600"], env=environment) as driver:
         done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
         driver.terminate()
     assert done.returncode == 1

@@ -11,7 +11,6 @@ import threading
 import time
 
 import rclpy
-import rclpy.executors
 import rclpy.signals
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
@@ -25,9 +24,8 @@ command = [0.5]
 node.create_subscription(
     JointState, "actuator/command", lambda message: command.__setitem__(0, message.position[0]), 100
 )
-executor = rclpy.executors.SingleThreadedExecutor()
-executor.add_node(node)
-threading.Thread(target=executor.spin, daemon=True).start()
+listener = threading.Thread(target=rclpy.spin, args=(node,))
+listener.start()
 
 message = JointState(name=["x1", "a1"], effort=[0.0, 0.0])
 x, due = 0.5, time.time_ns()
@@ -43,5 +41,5 @@ while due < end and not asked.is_set():
     message.effort = [float("nan"), 40.0 * (command[0] - x)]
     publisher.publish(message)
     due += PERIOD
-executor.shutdown()
 rclpy.try_shutdown()
+listener.join()

@@ -1,0 +1,31 @@
+"""``rthm simulate`` writes what the contract promises."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rthm_core.engine import simulate
+from rthm_core.spec import shipped_spec
+
+
+@pytest.mark.parametrize("system", ["hybrid", "ideal", "taylor"])
+def test_the_file_holds_the_trajectory_of_the_engine(system: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", "paper", "--duration", "0.5"]
+    command += ["--sample", "0.01", "--system", system, "--out", str(tmp_path / "a.npz"), "--json", "-"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    expected = simulate(shipped_spec(), 0.5, 0.01, system)
+    with np.load(tmp_path / "a.npz") as file:
+        assert file["t"].tolist() == expected.t.tolist()
+        assert file["t"][[0, -1]].tolist() == [0.0, 0.5]
+        assert np.array_equal(file["plant_position"], expected.plant_position)
+        assert np.array_equal(file["force_reference"], expected.force_reference)
+        assert np.array_equal(file["E_total"], expected.energies["E_total"])
+        errors = file["E_num"] + file["E_ff"] + file["E_fx"]
+        assert np.allclose(file["E_err"], errors, rtol=0, atol=1e-15)
+        assert json.loads(done.stdout)["energies"]["E_total"] == file["E_total"][-1]

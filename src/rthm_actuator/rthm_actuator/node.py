@@ -18,14 +18,14 @@ from rthm_core.controller import Controller
 from rthm_core.link import Link
 from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.diagnostics import ERROR, OK
-from rthm_core.ros.lifecycle import LoopNode
+from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.ros.realtime import RealTime
 from rthm_core.spec import LimitsSpec, Spec
 from rthm_core.substructure import interface
 
 
-class ActuatorNode(LoopNode):
+class ActuatorNode(PartNode):
     """Publishes ``actuator/command``; sees the plant over tau1 and the force reference over tau3."""
 
     def __init__(self) -> None:

@@ -12,12 +12,12 @@ from rthm_core.clock import Rank
 from rthm_core.link import Link
 from rthm_core.numerical import NumericalSide
 from rthm_core.ros.agenda import Agenda
-from rthm_core.ros.lifecycle import LoopNode
+from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.spec import Spec
 
 
-class NumericalNode(LoopNode):
+class NumericalNode(PartNode):
     """Publishes ``numerical/state`` and ``numerical/force_reference``; sees the plant over tau2."""
 
     def __init__(self) -> None:

@@ -16,13 +16,13 @@ from rthm_core.clock import Rank
 from rthm_core.link import Inbox, Link
 from rthm_core.physical import PhysicalSide
 from rthm_core.ros.agenda import Agenda
-from rthm_core.ros.lifecycle import LoopNode
+from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
 
-class PlantNode(LoopNode):
+class PlantNode(PartNode):
     """Publishes ``plant/state`` every Td1; acts on ``actuator/command`` over the link tau4."""
 
     def __init__(self) -> None:

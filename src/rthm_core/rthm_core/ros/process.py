@@ -5,26 +5,31 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Callable
+from types import FrameType
 
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.signals import SignalHandlerOptions
 
 from rthm_core.errors import InputError
-from rthm_core.ros.lifecycle import LoopNode
+from rthm_core.ros.part import PartNode
 
 
-def run(build: Callable[[], LoopNode]) -> int:
+def run(build: Callable[[], PartNode]) -> int:
     """Run a node until it is asked to end by SIGINT, SIGTERM or a shutdown.
+
+    The first signal ends the turns, so that motors can still be brought to rest; a second one ends at once.
 
     Returns
     -------
     int
         Exit status: 0, or 2 when the node cannot be built from what it was given.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Python's exception would abort the executor
-    rclpy.init()
+    asked: list[int] = []
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, frame: _ask(asked, number, frame))
     try:
         node = build()
     except InputError as error:
@@ -33,15 +38,18 @@ def run(build: Callable[[], LoopNode]) -> int:
     executor = EventsExecutor()
     executor.add_node(node)
     try:
-        while rclpy.ok():
+        while rclpy.ok() and not asked:
             node.turn()
-    except ExternalShutdownException:
+        node.stop()
+    except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except rclpy_implementation.RCLError:
-        if rclpy.ok():
-            raise
     finally:
-        node.close()
         node.destroy_node()
         rclpy.try_shutdown()
     return 0
+
+
+def _ask(asked: list[int], number: int, frame: FrameType | None) -> None:
+    if asked:
+        raise KeyboardInterrupt
+    asked.append(number)

@@ -1,0 +1,137 @@
+"""A lifecycle node around a spec: transitions never raise, and parameters change only when they may."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+
+from rthm_core.errors import InputError
+from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
+from rthm_core.spec import Spec
+
+
+class ManagedNode(LifecycleNode):  # type: ignore[misc]
+    """Lifecycle node; what it does in a transition is `configure`, `activate`, `deactivate` and `release`.
+
+    A transition fails with one sentence in the log when one of them raises `InputError`.
+
+    Attributes
+    ----------
+    spec
+        What the node is configured with; None while it is not.
+    active
+        Whether a test is going on.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, namespace="/rthm", allow_undeclared_parameters=True)
+        self._besides = {*self._parameters, *OWN}
+        declare_own(self)
+        declare_spec(self, self._besides)
+        self.spec: Spec | None = None
+        self.active = False
+        self._transit = self._service_change_state.callback
+        self._service_change_state.callback = self._change_state
+        self.add_on_set_parameters_callback(self._check_change)
+
+    def configure(self, spec: Spec) -> None:
+        """Get ready for tests of this spec."""
+
+    def activate(self, spec: Spec) -> None:
+        """Begin a test."""
+
+    def deactivate(self) -> None:
+        """End the test."""
+
+    def release(self) -> None:
+        """Let go of everything that `configure` took, also if it did not come to its end."""
+
+    def value(self, name: str) -> Any:
+        """Value of one of the node's own parameters."""
+        return self.get_parameter(name).value
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Read the spec from the parameters."""
+        done = self._attempt(self._configure)
+        if done != TransitionCallbackReturn.SUCCESS:
+            self._release()
+        return done
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Begin a test."""
+        return self._attempt(self._activate)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End the test."""
+        return self._attempt(self.stop)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Forget the spec; another one can then be set."""
+        return self._attempt(self._release)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End whatever goes on."""
+        self._attempt(self.stop)
+        return self._attempt(self._release)
+
+    def stop(self) -> None:
+        """End the test, if one is going on."""
+        if self.active:
+            self.deactivate()
+        self.active = False
+
+    def _configure(self) -> None:
+        spec = spec_of(self, self._besides)
+        self.configure(spec)
+        self.spec = spec
+
+    def _activate(self) -> None:
+        assert self.spec is not None
+        self.activate(self.spec)
+        self.active = True
+
+    def _release(self) -> None:
+        self.release()
+        self.spec = None
+
+    def _attempt(self, step: Callable[[], None]) -> TransitionCallbackReturn:
+        """Do a step of a transition; rclpy would swallow what it raises."""
+        try:
+            step()
+        except InputError as error:
+            self.get_logger().error(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception:
+            self.get_logger().fatal(traceback.format_exc())
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
+
+    def _change_state(
+        self, request: ChangeState.Request, response: ChangeState.Response
+    ) -> ChangeState.Response:
+        """Refuse a transition that the present state does not have; rclpy would raise, and end the node."""
+        try:
+            return self._transit(request, response)
+        except rclpy_implementation.RCLError as error:
+            self.get_logger().error(str(error))
+            response.success = False
+            return response
+
+    def _check_change(self, changes: list[Parameter]) -> SetParametersResult:
+        for change in changes:
+            if self.active:
+                return _refused(change, "before the node is activated")
+            if self.spec is not None and change.name not in self._besides:
+                return _refused(change, "before the node is configured")
+        return SetParametersResult(successful=True)
+
+
+def _refused(change: Parameter, when: str) -> SetParametersResult:
+    return SetParametersResult(successful=False, reason=f"{change.name} can be changed only {when}")

@@ -17,7 +17,6 @@ def verb(
 ) -> int:
     """Write a self-contained page about a recorded test."""
     from rthm_analysis.report import write_report
-
     from rthm_bringup.cli.output import put
 
     write_report(bag, out)

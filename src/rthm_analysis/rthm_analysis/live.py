@@ -61,12 +61,10 @@ class LiveLedger:
         final : bool
             Nothing more comes: count everything.
         """
-        waiting, self._waiting = self._waiting, self._empty()
-        self._open(waiting["plant/state"])
-        if self._ledger is None:
-            for name, topic in waiting.items():
-                self._waiting[name] = topic
+        if self._ledger is None and not self._open(final=final):
             return None
+        assert self._ledger is not None
+        waiting, self._waiting = self._waiting, self._empty()
         self._add(self._ledger, waiting)
         rows = self._ledger.advance(None if final else self._newest - LAG_NS)
         if rows.stamp_ns.size:
@@ -78,14 +76,13 @@ class LiveLedger:
     def _empty() -> dict[str, RawTopic]:
         return {name: RawTopic(name, kind) for name, kind in TOPICS.items()}
 
-    def _open(self, plant: RawTopic) -> None:
-        """Begin with the first sample of the plant that belongs to the test."""
-        if self._ledger is not None or not len(plant):
-            return
-        stamps = joint_table(plant)[0].stamp_ns
-        stamps = stamps[stamps >= self._begin]
-        if stamps.size:
-            self._ledger = EnergyLedger(self._spec, int(stamps[0]), self._spec.loop().timing.td1)
+    def _open(self, *, final: bool) -> bool:
+        """Begin with the first sample of the plant in the test, once none before it can still come."""
+        stamps = self._table(self._waiting["plant/state"]).stamp_ns
+        if not stamps.size or (stamps[-1] - stamps[0] < LAG_NS and not final):
+            return False
+        self._ledger = EnergyLedger(self._spec, int(stamps[0]), self._spec.loop().timing.td1)
+        return True
 
     def _add(self, ledger: EnergyLedger, waiting: dict[str, RawTopic]) -> None:
         loop = self._spec.loop()

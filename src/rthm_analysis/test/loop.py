@@ -7,6 +7,7 @@ from math import gcd
 
 import numpy as np
 
+from rthm_analysis.energy.model import load_at
 from rthm_core.chance import normal
 from rthm_core.clock import to_ns
 from rthm_core.link import NEVER
@@ -104,18 +105,10 @@ def recorded(spec: Spec, duration: float) -> list[Message]:
     n1, n2, m = len(loop.plant.dofs), len(loop.numerical.dofs), sides.actuators
     names = (*loop.plant.dofs, *loop.actuator.names)
     nothing = [NAN] * m
-    load = np.zeros(n1)
-    for t, row, f in zip(when.sample, plant, force, strict=True):
-        messages.append(
-            joint_state(
-                "/rthm/plant/state",
-                START + int(t),
-                names,
-                [*row[:n1], *nothing],
-                [*row[n1:], *nothing],
-                [*load, *f],
-            )
-        )
+    loads = load_at(spec, when.sample)
+    for t, row, w, f in zip(when.sample, plant, loads, force, strict=True):
+        position, velocity = [*row[:n1], *nothing], [*row[n1:], *nothing]
+        messages.append(joint_state("/rthm/plant/state", START + int(t), names, position, velocity, [*w, *f]))
     for t, row, f in zip(when.tick, numerical, reference, strict=True):
         at = START + int(t)
         messages.append(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.recording import read_recording
+from rthm_analysis.recording.uses import tick_of_each
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.spec import apply, shipped_spec
 
@@ -105,3 +106,19 @@ def test_a_plant_alone_has_one_clock(tmp_path: Path) -> None:
     result = timing_of(recording, None).as_dict()
     assert result["links"] == {}
     assert result["clocks"]["td1"]["period_mean"] == pytest.approx(1e-3)
+
+
+def test_uses_of_a_receiver_that_catches_up_belong_to_the_ticks_that_it_missed() -> None:
+    ticks = np.arange(10) * 10
+    uses = np.array([1, 11, 55, 56, 57, 62, 63, 71, 81])
+    assert tick_of_each(uses, ticks, 10).tolist() == [0, 1, 2, 3, 4, 5, 6, 7, 8]
+
+
+def test_a_repeated_use_moves_no_other() -> None:
+    ticks = np.arange(6) * 10
+    assert tick_of_each(np.array([1, 11, 21, 25, 31, 41]), ticks, 10).tolist() == [0, 1, -1, 2, 3, 4]
+
+
+def test_a_use_of_an_unknown_tick_moves_no_other() -> None:
+    ticks = np.array([0, 10, 20, 40])
+    assert tick_of_each(np.array([-3, 1, 11, 21, 31, 41, 51]), ticks, 10).tolist() == [-1, 0, 1, 2, -1, 3, -1]

@@ -13,8 +13,9 @@ import numpy as np
 
 from rthm_analysis.energy.kernel import COMMAND, SAMPLE, TICK, WORKS, Books, Events, account, row_width
 from rthm_analysis.energy.model import begins, estimated_power, first_parts, load_at, open_books, state_at
-from rthm_analysis.energy.motion import completed_velocity, window
-from rthm_analysis.energy.series import Series, Uses, assigned
+from rthm_analysis.energy.motion import completed_velocity, motion_at, window
+from rthm_analysis.energy.series import Series, Uses
+from rthm_analysis.recording.uses import tick_of_each
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.link import NEVER
@@ -236,15 +237,15 @@ class EnergyLedger:
             return held
         pairs = self._uses["tau2"].pairs
         if pairs.size:
-            tick = assigned(ticks, pairs[:, 0])
-            row = np.searchsorted(stamps, pairs[:, 1], side="right") - 1
+            tick, used = tick_of_each(pairs[:, 0], ticks, self._schedule.td2), pairs[:, 1]
         else:
-            tick = np.arange(ticks.size)
             due = self._schedule.links["tau2"].due_all(stamps - self.start_ns)
             row = newest_arrived(np.arange(stamps.size), due, ticks - self.start_ns)
-        found = (tick >= 0) & (row >= 0)
+            tick, used = np.flatnonzero(row >= 0), stamps[row[row >= 0]]
+        within = tick >= 0
         plant = interface(self.spec).plant
-        held[tick[found]] = motion[row[found]][:, [*plant, *(self._n1 + plant)]]
+        latched = motion_at(stamps, motion, used[within])
+        held[tick[within]] = latched[:, [*plant, *(self._n1 + plant)]]
         return held
 
     def _loads(self, chosen: Integers) -> Floats:

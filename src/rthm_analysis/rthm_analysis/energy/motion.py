@@ -34,6 +34,42 @@ def window(spec: Spec, period: float) -> int:
     return int(np.clip(PHASE / step, 1, WIDEST)) if step > 0.0 else WIDEST
 
 
+def motion_at(stamps_ns: Integers, motion: Floats, at_ns: Integers) -> Floats:
+    """Motion [x (k), v (k)] at the instants `at_ns`: the sample, or what is between two where it is missing.
+
+    Parameters
+    ----------
+    stamps_ns : (n,) array
+        Ascending, n >= 1.
+    motion : (n, 2 k) array
+        m and m/s.
+    at_ns : (a,) array
+        NaN results before the first sample; after the last one its motion holds.
+
+    Returns
+    -------
+    (a, 2 k) array
+        On the cubic through position and velocity of both neighbours.
+    """
+    row = np.searchsorted(stamps_ns, at_ns, side="right") - 1
+    here, after = np.maximum(row, 0), np.minimum(np.maximum(row, 0) + 1, stamps_ns.size - 1)
+    found = motion[here]
+    between = (stamps_ns[here] < at_ns) & (after > here)
+    if between.any():
+        found[between] = _cubic(stamps_ns, motion, here[between], after[between], at_ns[between])
+    found[row < 0] = np.nan
+    return found
+
+
+def _cubic(stamps_ns: Integers, motion: Floats, here: Integers, after: Integers, at_ns: Integers) -> Floats:
+    k = motion.shape[1] // 2
+    h = ((stamps_ns[after] - stamps_ns[here]) / NS)[:, None]
+    r = ((at_ns - stamps_ns[here]) / NS)[:, None] / h
+    x0, v0, x1, v1 = motion[here, :k], h * motion[here, k:], motion[after, :k], h * motion[after, k:]
+    bend, twist = 3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0)
+    return np.hstack([x0 + r * (v0 + r * (bend + r * twist)), (v0 + r * (2.0 * bend + r * 3.0 * twist)) / h])
+
+
 def completed_velocity(stamps_ns: Integers, position: Floats, velocity: Floats, width: int) -> Floats:
     """Velocity (n, k); where it was not measured, the slope of a local parabola through the positions."""
     if np.isfinite(velocity).all() or stamps_ns.size < 2:

@@ -77,14 +77,3 @@ class Uses:
         """Drop all uses before an instant."""
         first = int(np.searchsorted(self.pairs[:, 0], before_ns))
         self._pairs = [self.pairs[first:].copy()]
-
-
-def assigned(ticks: Integers, uses: Integers) -> Integers:
-    """Number of the tick at which each of the ascending `uses` took place; -1 and less: before the first.
-
-    A use follows its tick, and each tick has one: a receiver that stood still and then caught up gives many
-    uses after the last of many ticks.
-    """
-    order = np.arange(uses.size)
-    newest_possible = np.searchsorted(ticks, uses, side="right") - 1 - order
-    return np.minimum.accumulate(newest_possible[::-1])[::-1] + order

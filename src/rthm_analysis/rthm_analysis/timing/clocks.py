@@ -67,7 +67,8 @@ def _absent(stamps: Integers, period: int) -> int:
 
 def _overrun(done: Integers, period: int) -> int:
     """Ticks that were done only after the next one was due."""
-    return int(np.count_nonzero(done - ticks_of(done, period) * period > period)) if done.size else 0
+    tick = ticks_of(done, period)
+    return int(np.count_nonzero((tick >= 0) & (done - tick * period > period)))
 
 
 def _told(recording: Recording, name: str) -> int:

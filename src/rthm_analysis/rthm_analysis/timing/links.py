@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_analysis.recording.uses import LONGEST_STALL, tick_of_each
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.link import NEVER, Link
@@ -67,14 +68,19 @@ def distribution(values: Floats) -> dict[str, float | None]:
 
 
 def ticks_of(uses: Integers, period: int) -> Integers:
-    """Tick to which each of the ascending instants `uses` belongs, ns after the start.
+    """Number of the tick (counted from the start of the test) to which each of the ascending `uses` belongs; -1: none.
 
-    A use never precedes its tick, and of two uses the earlier one belongs to the earlier tick: so a
-    receiver that stood still and then caught up is not taken for one that was early.
+    A use may precede its tick by a twentieth of a period, for receivers that tell the time less exactly.
     """
-    order = np.arange(uses.size)
-    newest_possible = (uses + period // 20) // period - order
-    return np.minimum.accumulate(newest_possible[::-1])[::-1] + order
+    if not uses.size:
+        return uses
+    first = max(int(uses[0]) // period - LONGEST_STALL, 0)
+    count = int(uses[-1]) // period + 2 - first
+    if count > 100 * uses.size + 10 * LONGEST_STALL:
+        return np.maximum(uses // period, -1)
+    ticks = (first + np.arange(max(count, 1), dtype=np.int64)) * period
+    number = tick_of_each(uses, ticks - period // 20, period)
+    return np.where(number < 0, -1, first + number)
 
 
 def clock_of(name: str, schedule: Schedule) -> tuple[int, int]:
@@ -144,9 +150,10 @@ def _exact_age(schedule: Schedule, name: str, use: Integers, sample: Integers) -
         due = due_of(link, sample)
         again = np.append(False, np.diff(sample) == 0)[: sample.size]
         return np.where((due == NEVER) | again, NEVER, due - sample)
-    instants = np.maximum(ticks_of(use, receiver), 0) * receiver
+    tick = ticks_of(use, receiver)
+    instants = np.maximum.accumulate(np.maximum(tick, 0)) * receiver
     number = newest(link, source, instants)
-    return np.where(number < 0, NEVER, instants - number * source)
+    return np.where((tick < 0) | (number < 0), NEVER, instants - number * source)
 
 
 def _lost(schedule: Schedule, name: str, stamps: Integers, use: Integers, sample: Integers) -> int:

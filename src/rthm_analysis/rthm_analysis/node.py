@@ -24,6 +24,7 @@ from sensor_msgs.msg import JointState, TimeReference
 from std_srvs.srv import Trigger
 
 from rthm_analysis.bag_analysis import analyse_bag, write_beside
+from rthm_analysis.energy import rehearse
 from rthm_analysis.live import JOINT_STATE, TOPICS, LiveLedger
 from rthm_analysis.report.verdict import BAD, verdict
 from rthm_core.errors import InputError
@@ -83,6 +84,7 @@ class AnalysisNode(LifecycleNode):
         try:
             self.spec = spec_of(self, self._besides)
             self.spec.loop()
+            rehearse(self.spec)
         except InputError as error:
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE

@@ -177,7 +177,13 @@ class LockStep:
             bound = min(part.safe(sent), longest, self._end)
             if part.idle and (part.next < bound or (part.stirred(sent) and part.grant.bound < bound)):
                 found.append((part, bound))
-        return found
+        return found or self._last(sent)
+
+    def _last(self, sent: Counts) -> list[tuple[Part, Position]]:
+        """When nothing is left to do, all messages are still to be received."""
+        if any(not part.idle or part.next < self._end for part in self._parts):
+            return []
+        return [(part, self._end) for part in self._parts if part.grant.messages != sent]
 
     def _sent(self) -> Counts:
         return tuple(map(sum, zip(*(part.sent for part in self._parts), strict=True)))

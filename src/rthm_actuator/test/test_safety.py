@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rthm_actuator.safety import Expected, SafetyMonitor
+from rthm_core.clock import NS
+from rthm_core.errors import InputError
+from rthm_core.spec import LimitsSpec
+
+MS = 1_000_000
+REST = np.array([0.4, -0.1])
+STIFFNESS = np.array([40.0, 25.0])
+STATE, REFERENCE = "plant/state", "numerical/force_reference"
+INPUTS = {STATE: Expected(4 * MS, 2 * MS), REFERENCE: Expected(12 * MS, 12 * MS)}
+
+ANY = st.floats() | st.floats(-2.0, 2.0)
+PAIRS = st.tuples(ANY, ANY).map(np.array)
+POSITIVE = st.floats(0.02, 5.0)
+STEPS = st.lists(
+    st.tuples(st.integers(0, 40 * MS), PAIRS, PAIRS, st.booleans(), PAIRS), min_size=1, max_size=60
+)
+
+
+def monitor(end: int = 0, **limits: float) -> SafetyMonitor:
+    return SafetyMonitor(LimitsSpec(**limits) if limits else None, REST, STIFFNESS, INPUTS, end)
+
+
+def feed(safety: SafetyMonitor, at: int) -> None:
+    safety.accept(STATE, at, REST)
+    safety.accept(REFERENCE, at, REST)
+
+
+@given(st.fixed_dictionaries({}, optional={"force": POSITIVE, "stale": POSITIVE, "ramp": POSITIVE}), STEPS)
+def test_no_input_whatever_gets_a_command_over_the_limits(limits: dict[str, float], steps: list) -> None:
+    safety = monitor(end=NS, command=0.5, rate=3.0, **limits)
+    at, last = 0, REST
+    for wait, u_d, x1, fresh, force in steps:
+        at += wait
+        if fresh and safety.accept(REFERENCE, at, force):
+            assert np.all(np.abs(safety.reference(force)) <= limits.get("force", math.inf))
+        if fresh:
+            safety.accept(STATE, at, x1)
+        sent = safety.command(at, u_d, np.nan_to_num(x1, posinf=0.0, neginf=0.0))
+        assert np.all(np.isfinite(sent))
+        assert np.all(np.abs(sent) <= 0.5)
+        assert np.all(np.abs(sent - last) <= 3.0 * wait / NS * (1 + 1e-12) + 1e-15)
+        last = sent
+
+
+@given(st.lists(st.tuples(st.floats(-1e300, 1e300), st.floats(-1e300, 1e300)).map(np.array), max_size=20))
+def test_without_limits_every_finite_command_passes_to_the_last_bit(commands: list[np.ndarray]) -> None:
+    safety = monitor()
+    for k, u_d in enumerate(commands):
+        assert safety.command(k * NS, u_d, REST).tobytes() == u_d.tobytes()
+    assert safety.reason == ""
+
+
+@given(st.lists(st.tuples(st.floats(-0.01, 0.01), st.floats(-0.01, 0.01)).map(np.array), max_size=50))
+def test_within_all_limits_a_command_passes_to_the_last_bit(moves: list[np.ndarray]) -> None:
+    safety = monitor(command=1.0, rate=50.0, force=100.0, stale=0.05)
+    for k, move in enumerate(moves, start=1):
+        feed(safety, k * 4 * MS)
+        assert safety.command(k * 4 * MS, REST + move, REST).tobytes() == (REST + move).tobytes()
+    assert not any(safety.limited.values())
+
+
+@pytest.mark.parametrize("fault", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("where", [STATE, REFERENCE, "command"])
+def test_a_number_that_is_not_finite_stops_the_motors_where_they_are_even_without_limits(
+    fault: float, where: str
+) -> None:
+    safety = monitor()
+    bad = np.array([0.1, fault])
+    last = safety.command(MS, np.array([0.3, 0.2]), REST)
+    if where == "command":
+        sent = safety.command(2 * MS, bad, REST)
+    else:
+        assert not safety.accept(where, 2 * MS, bad)
+        sent = safety.command(2 * MS, np.array([0.5, 0.5]), REST)
+    assert np.array_equal(sent, last)
+    assert "not finite" in safety.reason
+    assert np.array_equal(safety.command(3 * NS, np.array([0.5, 0.5]), REST), last)
+
+
+def test_a_stale_input_holds_the_command_and_then_brings_the_motors_back_to_rest() -> None:
+    safety = monitor(stale=0.05, ramp=1.0)
+    out, u_d = {}, REST + 0.2
+    for k in range(1000):
+        at = k * 4 * MS
+        safety.accept(REFERENCE, at, REST)
+        if at <= 1500 * MS:
+            safety.accept(STATE, at, REST)
+        out[k * 4] = safety.command(at, u_d, REST)
+    assert safety.reason == "plant/state has had no fresh sample for 0.052 s"
+    assert np.array_equal(out[1500], u_d)
+    assert np.array_equal(out[1600], u_d)  # tripped at 1552 ms, holds until 1602 ms
+    assert np.allclose(out[2104], REST + 0.1, atol=1e-3)
+    assert np.array_equal(out[2604], REST)
+    assert safety.at_rest
+
+
+def test_nothing_is_stale_before_the_first_sample_can_have_come() -> None:
+    safety = monitor(stale=0.013)
+    for at in range(0, 17 * MS, MS):
+        safety.command(at, REST, REST)
+    assert safety.reason == ""
+    safety.command(18 * MS, REST, REST)
+    assert safety.reason.startswith("plant/state")
+
+
+def test_commands_fade_in_and_out_over_the_ramp() -> None:
+    safety = monitor(end=10 * NS, ramp=2.0)
+    u_d = REST + np.array([1.0, -2.0])
+    sent = [safety.command(t * NS, u_d, REST) for t in range(11)]
+    assert np.array_equal(sent[0], REST)
+    assert sent[1] == pytest.approx(REST + np.array([0.5, -1.0]))
+    assert all(np.array_equal(sent[t], u_d) for t in range(2, 9))
+    assert sent[9] == pytest.approx(sent[1])
+    assert np.array_equal(sent[10], REST)
+
+
+def test_the_force_between_command_and_plant_stays_within_its_limit() -> None:
+    safety = monitor(force=4.0)
+    x1 = np.array([0.3, 0.3])
+    sent = safety.command(MS, np.array([0.9, 0.31]), x1)
+    assert STIFFNESS * (sent - x1) == pytest.approx([4.0, 0.25])
+    assert safety.limited["force"] == 1
+
+
+def test_a_stopped_test_goes_to_rest_without_waiting() -> None:
+    safety = monitor(stale=0.5, ramp=1.0)
+    feed(safety, 2 * NS)
+    safety.command(2 * NS, REST + 0.2, REST)
+    safety.stop(2 * NS, "deactivated")
+    assert np.allclose(safety.command(2 * NS + 500 * MS, REST, REST), REST + 0.1)
+    assert np.array_equal(safety.command(3 * NS, REST, REST), REST)
+
+
+def test_what_stopped_the_monitor_first_is_what_it_tells() -> None:
+    safety = monitor(stale=0.05)
+    safety.accept(STATE, 0, np.array([math.nan, 0.0]))
+    safety.command(NS, REST, REST)
+    assert safety.reason == "plant/state is not finite"
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [({"command": 0.3}, "limits.command is 0.3"), ({"stale": 0.012}, "limits.stale is 0.012")],
+)
+def test_limits_that_cannot_be_kept_are_refused(limits: dict[str, float], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        monitor(**limits)

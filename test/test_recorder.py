@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from rthm_bringup.run import roles
+from rthm_analysis.recording import read_recording
+from rthm_bringup.run import roles, shared_memory
 from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import Network
 from rthm_bringup.run.processes import Process, Processes
@@ -100,8 +101,7 @@ def test_the_spec_is_the_first_message(
 def test_a_killed_recorder_loses_at_most_the_last_second(
     recorder: Process, environment: dict[str, str], network: Network, tmp_path: Path
 ) -> None:
-    from rthm_analysis.recording import read_recording
-
+    memory = shared_memory.files()
     with Processes() as processes, Conductor(lambda: None, network.domain) as conductor:
         processes.start(recorder, environment)
         with flooding(environment, 3.0) as flood:
@@ -110,6 +110,7 @@ def test_a_killed_recorder_loses_at_most_the_last_second(
             recorder.send(signal.SIGKILL)
             killed = time.time_ns()
             begin, *_ = flood.communicate("end\n")[0].split()
+    shared_memory.clean_up(memory)
     recording = read_recording(tmp_path / "bag")
     assert recording.spec == shipped_spec()
     stamps = [stamp_of(data) for data in raw(tmp_path / "bag" / "bag_0.mcap", "/rthm/plant/state")]

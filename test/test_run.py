@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -117,6 +118,17 @@ def test_the_death_of_the_recorder_leaves_a_readable_bag(
     assert long_run.returncode == 1
     assert told["problems"][0].startswith("recorder was killed by SIGKILL")
     assert read_recording(out / "bag").plant.stamp_ns[-1] > killed - 1_000_000_000
+
+
+def test_a_disk_that_is_full_ends_a_run_with_one_sentence(
+    long_run: subprocess.Popen[str], out: Path
+) -> None:
+    full = samples_in(out) + 100_000
+    resource.prlimit(node(long_run, "recorder_node"), resource.RLIMIT_FSIZE, (full, full))
+    told = result(long_run, out)
+    assert long_run.returncode == 1
+    assert "The recording cannot be written" in told["problems"][0]
+    assert len(read_recording(out / "bag").plant) > 100
 
 
 def test_a_killed_launcher_leaves_no_node_behind(

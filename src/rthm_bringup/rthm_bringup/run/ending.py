@@ -17,6 +17,8 @@ class Ending:
         Whether Ctrl-C ended it.
     begin
         Start of the test, ns; None: it never began.
+    wall
+        How long the test took, s of the wall clock; None: it did not come to its end.
     realtime
         Nodes that the system gave real-time priority.
     diagnostics
@@ -26,5 +28,6 @@ class Ending:
     reason: str | None = None
     interrupted: bool = False
     begin: int | None = None
+    wall: float | None = None
     realtime: tuple[str, ...] = ()
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -74,6 +74,7 @@ class Result:
             "interrupted": self.ending.interrupted,
             "realtime": list(self.ending.realtime),
             "virtual": plan.virtual,
+            "wall": self.ending.wall,
             "problems": self.problems,
         }
 

@@ -119,12 +119,12 @@ class Session:
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""
         self._view.phase("the test runs")
+        began, begin = time.monotonic(), self.ending.begin or 0
         if self._plan.virtual:
             self._watch_time(lambda: conductor.simulated_time, conductor)
-            self._wait_complete(conductor)
-            return
-        begin = self.ending.begin or 0
-        self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
+        else:
+            self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
+        self.ending.wall = time.monotonic() - began
         self._wait_complete(conductor)
 
     def _wait_complete(self, conductor: Conductor) -> None:

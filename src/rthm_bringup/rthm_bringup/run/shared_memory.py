@@ -31,6 +31,12 @@ def abandoned() -> set[str]:
     return {name for name in files() if not _owned(name)}
 
 
+def clean_up(before: set[str]) -> None:
+    """Remove what came after `before` and has no living owner."""
+    for name in abandoned() - before:
+        (FOLDER / name).unlink(missing_ok=True)
+
+
 class Caretaker:
     """A process that outlives this one, and then removes what was left in shared memory since its own start.
 
@@ -59,16 +65,11 @@ def _take_care(leash: int, before: set[str]) -> None:
         signal.signal(number, signal.SIG_IGN)
     orderly = bool(os.read(leash, 16))
     deadline = time.monotonic() + PATIENCE
-    _remove(abandoned() - before)
+    clean_up(before)
     while not orderly and files() - before and time.monotonic() < deadline:
         time.sleep(0.2)
-        _remove(abandoned() - before)
+        clean_up(before)
     os._exit(0)
-
-
-def _remove(names: set[str]) -> None:
-    for name in names:
-        (FOLDER / name).unlink(missing_ok=True)
 
 
 def _owned(name: str) -> bool:

@@ -69,7 +69,7 @@ class AnalysisNode(LifecycleNode):
         self._ledger: LiveLedger | None = None
         self._listening: dict[str, Any] = {}
         self._closed = ""
-        self._told: dict[str, float] = {}
+        self._counted, self._told = 0, dict[str, float]()
         self._write = JointStateWriter(TERMS, ["effort"]).bytes
         self._energy = self.create_publisher(JointState, "energy", samples())
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -98,7 +98,7 @@ class AnalysisNode(LifecycleNode):
         """Open the books."""
         assert self.spec is not None
         begin = 0 if self._value("virtual") else self._value("start_time")
-        self._ledger, self._told = LiveLedger(self.spec, begin), {}
+        self._ledger, self._counted, self._told = LiveLedger(self.spec, begin), 0, {}
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -130,8 +130,9 @@ class AnalysisNode(LifecycleNode):
             self._next_report = now + 1.0
             self._report()
 
-    def close(self) -> None:
-        """Nothing is left to be put in order."""
+    def stop(self) -> None:
+        """Close the books; the process ends."""
+        self._ledger = None
 
     def _value(self, name: str) -> Any:
         return self.get_parameter(name).value
@@ -160,9 +161,9 @@ class AnalysisNode(LifecycleNode):
     def _count(self, *, final: bool = False) -> None:
         """Move the books on and publish them."""
         counted = self._ledger.advance(final=final) if self._ledger is not None else None
-        if counted is not None:
-            stamp, self._told = counted
-            self._energy.publish(self._write(stamp, [self._told[name] for name in TERMS]))
+        if counted is not None and counted[0] != self._counted:
+            self._counted, self._told = counted
+            self._energy.publish(self._write(self._counted, [self._told[name] for name in TERMS]))
 
     def _follow(self, event: TransitionEvent) -> None:
         """Analyse a recording when it closes; its recorder knows where it is."""

@@ -176,7 +176,13 @@ def test_the_dictionary_has_the_keys_of_the_contract_and_few_rows(tmp_path: Path
 def test_books_of_a_plant_alone_close(tmp_path: Path, velocity: bool) -> None:
     spec = """/**:
   ros__parameters:
-    plant: {dofs: [x1], mass: [2.0], damping: [0.3], stiffness: [20.0], initial_position: [0.1], initial_velocity: [0.0]}
+    plant:
+      dofs: [x1]
+      mass: [2.0]
+      damping: [0.3]
+      stiffness: [20.0]
+      initial_position: [0.1]
+      initial_velocity: [0.0]
 """
     run = simulate(shipped_like(spec), 4.0, 0.002)
     rows = zip(run.t, run.plant_position[:, 0], run.plant_velocity[:, 0], strict=True)

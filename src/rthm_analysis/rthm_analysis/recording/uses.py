@@ -16,9 +16,9 @@ LONGEST_STALL = 200
 def tick_of_each(uses: Integers, ticks: Integers, period: int) -> Integers:
     """Number of the tick at which each of the `uses` took place; -1: of none of them.
 
-    A use follows its tick, and a tick has one use. A receiver that stood still does many ticks at once when it
-    catches up: of several uses after one tick, the last belongs to it and the others to those before it that have
-    none. A use for which there is no such tick is a repetition.
+    A use follows its tick, and a tick has one use. A receiver that stood still does many ticks at once when
+    it catches up: of several uses after one tick, the last belongs to it and the others to those before it
+    that have none. A use for which there is no such tick is a repetition.
 
     Parameters
     ----------
@@ -28,11 +28,9 @@ def tick_of_each(uses: Integers, ticks: Integers, period: int) -> Integers:
         Time between ticks, ns; a use that comes later after the last known tick belongs to an unknown one.
     """
     newest = np.searchsorted(ticks, uses, side="right") - 1
-    known = (
-        np.flatnonzero((newest >= 0) & (uses - ticks[np.maximum(newest, 0)] < period))
-        if ticks.size
-        else newest[:0]
-    )
+    if not ticks.size:
+        return newest
+    known = np.flatnonzero((newest >= 0) & (uses - ticks[np.maximum(newest, 0)] < period))
     owner = np.full(ticks.size, -1, dtype=np.int64)
     owner[newest[known]] = known
     for use in known[owner[newest[known]] != known]:
@@ -44,7 +42,7 @@ def tick_of_each(uses: Integers, ticks: Integers, period: int) -> Integers:
 
 
 def _make_room(owner: Integers, tick: int, use: int) -> None:
-    """Move the uses before `tick` down to the nearest tick that has none, and put `use` before the last of them."""
+    """Move uses before `tick` down to the nearest tick without one; `use` then comes before the last."""
     first = max(tick - LONGEST_STALL, 0)
     free = np.flatnonzero(owner[first:tick] < 0)
     if free.size:

@@ -10,6 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from rthm_analysis.bag_analysis import to_json
 from rthm_analysis.report import figures, tables
 from rthm_analysis.report.gathered import Gathered, gather
@@ -20,6 +22,9 @@ from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
+
+EARLIEST_YEAR = 2000
+"""Stamps before it are simulated time."""
 
 COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
 
@@ -93,7 +98,7 @@ def _sections(gathered: Gathered) -> list[Section]:
         Section("The loop", "Delays as asked for, and how old samples were when they were used.", loop),
         Section("Motion", "", single),
         Section("Force", "", force),
-        Section("Energy", "Work done on the moving masses since the start of the test.", energy),
+        Section("Energy", _closing(gathered), energy),
         Section(
             "Delays",
             "Age of each sample at its use, holds included; excess: what it has beyond the exact schedule.",
@@ -103,6 +108,14 @@ def _sections(gathered: Gathered) -> list[Section]:
         Section("Notes", "", [_notes(gathered.notes)] if gathered.notes else []),
         Section("Spec", "The test, as it is in the recording.", [_spec(gathered)] if spec else []),
     ]
+
+
+def _closing(gathered: Gathered) -> str:
+    """Return what energy is counted on, and how well the books close."""
+    words = "Work done on the moving masses since the start of the test."
+    if gathered.energy is None:
+        return words
+    return f"{words} The books close to {np.nanmax(np.abs(gathered.energy.balance_error)):.2g} J."
 
 
 def _section(section: Section, places: Any) -> str:
@@ -118,18 +131,20 @@ def _row(plots: list[figure], places: Any) -> str:
 
 def _title(gathered: Gathered) -> str:
     kind = "Hybrid test" if gathered.spec and gathered.spec.is_loop else "Test of a plant"
-    return f"{kind}: {gathered.recording.path.resolve().name}"
+    path = gathered.recording.path.resolve()
+    return f"{kind}: {path.parent.name if path.name == 'bag' else path.name}"
 
 
 def _header(gathered: Gathered) -> str:
     recording = gathered.recording
-    begin = datetime.fromtimestamp(recording.start_ns / NS, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    begin = datetime.fromtimestamp(recording.start_ns / NS, UTC)
+    when = f"from {begin:%Y-%m-%d %H:%M:%S} UTC" if begin.year > EARLIEST_YEAR else "in simulated time"
     facts = "".join(
         f'<div class="fact {fact.level}" title="{escape(fact.words)}"><span>{escape(fact.label)}</span>'
         f"<b>{_unit_small(fact.value)}</b></div>"
         for fact in verdict(gathered.energy, gathered.timing)
     )
-    words = f"{recording.duration:.3f} s from {begin}, {len(recording.plant)} samples of the plant"
+    words = f"{recording.duration:.3f} s {when}, {len(recording.plant)} samples of the plant"
     return (
         f'<header><h1>{escape(_title(gathered))}</h1><p>{words}</p><div class="facts">{facts}</div></header>'
     )

@@ -68,7 +68,7 @@ def distribution(values: Floats) -> dict[str, float | None]:
 
 
 def ticks_of(uses: Integers, period: int) -> Integers:
-    """Number of the tick (counted from the start of the test) to which each of the ascending `uses` belongs; -1: none.
+    """Number of the tick, from the start of the test, of each of the ascending `uses`; -1: none.
 
     A use may precede its tick by a twentieth of a period, for receivers that tell the time less exactly.
     """

@@ -98,9 +98,7 @@ def test_ctrl_c_ends_a_run_in_good_order(long_run: subprocess.Popen[str], out: P
     assert cuts(out / "bag") == []
 
 
-def test_the_death_of_the_plant_ends_a_run_with_status_1(
-    long_run: subprocess.Popen[str], out: Path
-) -> None:
+def test_the_death_of_the_plant_ends_a_run_with_status_1(long_run: subprocess.Popen[str], out: Path) -> None:
     os.kill(node(long_run, "rthm_plant_sim"), signal.SIGKILL)
     told = result(long_run, out)
     assert long_run.returncode == 1
@@ -109,9 +107,7 @@ def test_the_death_of_the_plant_ends_a_run_with_status_1(
     assert len(read_recording(out / "bag").plant) > 100
 
 
-def test_the_death_of_the_recorder_leaves_a_readable_bag(
-    long_run: subprocess.Popen[str], out: Path
-) -> None:
+def test_the_death_of_the_recorder_leaves_a_readable_bag(long_run: subprocess.Popen[str], out: Path) -> None:
     os.kill(node(long_run, "recorder_node"), signal.SIGKILL)
     killed = time.time_ns()
     told = result(long_run, out)
@@ -120,9 +116,7 @@ def test_the_death_of_the_recorder_leaves_a_readable_bag(
     assert read_recording(out / "bag").plant.stamp_ns[-1] > killed - 1_000_000_000
 
 
-def test_a_disk_that_is_full_ends_a_run_with_one_sentence(
-    long_run: subprocess.Popen[str], out: Path
-) -> None:
+def test_a_disk_that_is_full_ends_a_run_with_one_sentence(long_run: subprocess.Popen[str], out: Path) -> None:
     full = samples_in(out) + 100_000
     resource.prlimit(node(long_run, "recorder_node"), resource.RLIMIT_FSIZE, (full, full))
     told = result(long_run, out)

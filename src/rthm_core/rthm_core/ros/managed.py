@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import SetParametersResult
@@ -28,11 +28,15 @@ class ManagedNode(LifecycleNode):  # type: ignore[misc]
         What the node is configured with; None while it is not.
     active
         Whether a test is going on.
+    further
+        Names of parameters of this kind of node beside the spec's and `OWN`; the node declares them itself.
     """
+
+    further: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, name: str) -> None:
         super().__init__(name, namespace="/rthm", allow_undeclared_parameters=True)
-        self._besides = {*self._parameters, *OWN}
+        self._besides = {*self._parameters, *OWN, *self.further}
         declare_own(self)
         declare_spec(self, self._besides)
         self.spec: Spec | None = None

@@ -188,10 +188,18 @@ class Conductor:
         self.simulated_time = message.data
 
     def _ask(self, requests: Mapping[str, Any], service: str, seconds: float) -> dict[str, Any]:
-        """Ask several nodes at once; return their answers."""
-        futures = {
-            name: self._client(name, service).call_async(request) for name, request in requests.items()
-        }
+        """Ask several nodes at once, as soon as they can be asked; return their answers."""
+        clients = {name: self._client(name, service) for name in requests}
+
+        def deaf() -> list[str]:
+            return [name for name, client in clients.items() if not client.service_is_ready()]
+
+        self.wait_until(
+            lambda: not deaf(),
+            seconds,
+            lambda: f"{' and '.join(deaf())} did not offer {service} within {seconds:g} s.",
+        )
+        futures = {name: clients[name].call_async(request) for name, request in requests.items()}
 
         def silent() -> list[str]:
             return [name for name, future in futures.items() if not future.done()]

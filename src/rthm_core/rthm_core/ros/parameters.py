@@ -31,7 +31,7 @@ class Own(NamedTuple):
 OWN = {
     "start_time": Own(
         0,
-        "instant of the start of the test [ns]; 0: the plant takes the next full second after its "
+        "instant of the start of the test [ns]; 0: the plant takes a full second, 1 s to 2 s after its "
         "activation, the others the stamp of its first state",
         0,
         2**63 - 1,

@@ -104,7 +104,7 @@ class PartNode(ManagedNode):
         self.ports.clear()
         self.begin(spec, self.agenda)
         system.hold_garbage()
-        self.ports.start = start if start or virtual else self._next_second()
+        self.ports.start = start if start or virtual else self._chosen_start()
         self.ports.listening = self.ports.speaking = True
         self.loop = self._virtual() if virtual else self._real_time()
         self.ports.now = self.loop.now
@@ -143,8 +143,9 @@ class PartNode(ManagedNode):
             self._grants = Grants(self, self._part)
         return self._grants
 
-    def _next_second(self) -> int | None:
-        return (time.time_ns() // NS + 1) * NS if self._leads else None
+    def _chosen_start(self) -> int | None:
+        """Full second, far enough ahead for those who get ready together with this node."""
+        return (time.time_ns() // NS + 2) * NS if self._leads else None
 
     def _autostart(self) -> None:
         """Configure once, then activate as soon as everybody is there."""

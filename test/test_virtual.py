@@ -1,0 +1,112 @@
+"""A run in simulated time: separate processes, and yet the exact engine's motion, the same every time."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from rthm_analysis.recording import Recording, read_recording
+from rthm_core.engine import simulate
+from rthm_core.schedule import Schedule
+from rthm_core.spec import Spec, parameters, read_spec, shipped_spec, spec_from_parameters, write_spec
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+RUN = [sys.executable, "-m", "rthm_bringup", "run"]
+DURATION = 1.5
+PAPER = {entry.name: entry.value for entry in parameters(shipped_spec())}
+LATE_AND_LOST = {
+    "effects": ["late", "lost"],
+    "late.block": "link.tau1", "late.kind": "jitter", "late.std": 0.003,
+    "lost.block": "link.tau3", "lost.kind": "loss", "lost.fraction": 0.2,
+}  # fmt: skip
+FRICTION = {
+    "effects": ["late", "lost", "guide"],
+    "guide.block": "plant", "guide.kind": "coulomb_friction", "guide.dof": "x1", "guide.force": 0.05,
+}  # fmt: skip
+CHANGES = {
+    "no delay at all": {f"timing.tau{k}": 0.0 for k in (1, 2, 3, 4)},
+    "extra commands at once": {"timing.tau4": 0.0, "timing.tau3": 0.0105, "timing.td2": 0.007},
+    "jitter, loss and friction": LATE_AND_LOST | FRICTION,
+}
+
+
+def spec(changes: dict[str, Any], folder: Path) -> Path:
+    file = folder / "spec.yaml"
+    file.write_text(write_spec(spec_from_parameters(PAPER | changes)))
+    return file
+
+
+def run(environment: dict[str, str], file: Path, out: Path) -> Path:
+    options = ["--virtual", "--duration", str(DURATION), "--out", str(out), "--json", "-"]
+    done = subprocess.run(
+        [*RUN, str(file), *options], env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return Path(json.loads(done.stdout)["bag"])
+
+
+def worst_difference(recording: Recording, spec: Spec) -> float:
+    """Largest difference of any position between a recording and the exact engine, m."""
+    schedule, worst = Schedule(spec), 0.0
+    for topic, period, what in (
+        ("plant/state", schedule.td1, "plant_position"),
+        ("numerical/state", schedule.td2, "numerical_position"),
+    ):
+        table, exact = recording.tables[topic], simulate(spec, DURATION, period / 1e9, energies=False)
+        row = (table.stamp_ns - recording.start_ns) // period
+        columns = getattr(exact, what).shape[1]
+        worst = max(worst, float(np.abs(table.position[:, :columns] - getattr(exact, what)[row]).max()))
+    return worst
+
+
+def payloads(bag: Path) -> dict[str, list[bytes]]:
+    """Bytes of every message of the loop, by topic, in order."""
+    found: dict[str, list[bytes]] = {}
+    for file in sorted(bag.glob("*.mcap")):
+        with file.open("rb") as stream:
+            for _, channel, message in make_reader(stream).iter_messages():
+                found.setdefault(channel.topic, []).append(message.data)
+    return {topic: data for topic, data in found.items() if topic not in ("/diagnostics", "/rthm/energy")}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path: Path, name: str) -> None:
+    file = spec(CHANGES[name], tmp_path)
+    recording = read_recording(run(environment, file, tmp_path / "out"))
+    assert worst_difference(recording, read_spec(file)) < 1e-9
+    schedule = Schedule(read_spec(file))
+    end = round(DURATION * 1e9)
+    assert len(recording.plant) == end // schedule.td1 + 1
+    sent = recording.tables["actuator/command"].stamp_ns - recording.start_ns
+    assert sent.tolist() == schedule.commands(0, end + 1).time.tolist()
+
+
+def test_repeated_it_gives_the_same_bytes_from_separate_processes(
+    environment: dict[str, str], tmp_path: Path, own_processes: Callable[[], list[str]]
+) -> None:
+    file = spec(LATE_AND_LOST, tmp_path)
+    first = run(environment, file, tmp_path / "one")
+    with ThreadPoolExecutor(1) as aside:
+        waiting = aside.submit(run, environment, file, tmp_path / "two")
+        seen: set[str] = set()
+        while not waiting.done():
+            seen |= set(own_processes())
+            time.sleep(0.2)
+        again = waiting.result()
+    for package in ("rthm_plant_sim", "rthm_numerical", "rthm_actuator"):
+        assert sum(f"-m {package}.node" in command for command in seen) == 1
+    one, two = payloads(first), payloads(again)
+    assert len(one["/rthm/plant/state"]) == 1251
+    assert set(one) == set(two)
+    assert all(one[topic] == two[topic] for topic in one)
+    assert worst_difference(read_recording(again), read_spec(file)) < 1e-9

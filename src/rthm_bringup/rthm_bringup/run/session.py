@@ -167,7 +167,8 @@ class Session:
         conductor.watch = lambda: None
         alive = self._answering()
         self._deactivate(conductor, [name for name in alive if name == "coordinator"])
-        self._deactivate(conductor, [name for name in alive if name in roles.LOOP])
+        # The controller first: its motors come to rest while the plant still moves.
+        self._deactivate(conductor, [name for name in reversed(roles.LOOP) if name in alive])
         self._deactivate(conductor, [name for name in alive if name == "analysis"])
         self._deactivate(conductor, [name for name in alive if name == "recorder"])
         if "analysis" in alive and self.ending.begin is not None:
@@ -188,6 +189,8 @@ class Session:
         return [name for name in self._managed if name not in dead]
 
     def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> None:
+        limits = self._plan.spec.limits
+        patience = 5.0 + 2.0 * (limits.ramp or 0.0 if limits else 0.0)
         for name in names:
             with suppress(StoppedError):
-                conductor.step("deactivate", [name], 5.0)
+                conductor.step("deactivate", [name], patience)

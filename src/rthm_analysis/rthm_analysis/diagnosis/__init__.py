@@ -1,0 +1,1 @@
+"""When simulation and recording differ: where, what physics was left out, how big, how sure."""

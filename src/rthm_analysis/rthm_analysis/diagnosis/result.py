@@ -1,0 +1,243 @@
+"""What a diagnosis says: plain data that the command line, the report and the node pass on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+Verdict = Literal["match", "retuned", "explained", "unexplained"]
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number that was found, its standard deviation, and the unit of both."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Physics:
+    """One effect that was found.
+
+    Attributes
+    ----------
+    block, kind
+        Where and what (contract, section 6).
+    place : str or None
+        Dof or actuator that has it; None in blocks that are one thing.
+    parameters : dict
+        Numbers as `Value`; an entry that is text (the name of a wrong parameter) as str.
+    words : str
+        What, where, how big, how sure, for a test engineer.
+    energy : float
+        Work that it did on the moving masses over the recording, J; + introduced. NaN: not known.
+    share : float
+        Part of the retuned model's squared error on unseen data that it removes.
+    """
+
+    block: str
+    kind: str
+    place: str | None
+    parameters: dict[str, Value | str]
+    words: str
+    energy: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """One-block prediction error of a block, over its own noise floor (1: explained by noise)."""
+
+    block: str
+    mismatch: float
+    significant: bool
+
+
+@dataclass(frozen=True)
+class Retuned:
+    """An uncertain parameter of the spec and its value in this recording, in the unit of the spec."""
+
+    nominal: float
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another kind that was tried; `distinguishable`: the recording tells it from what was named."""
+
+    block: str
+    kind: str
+    held_out_nrmse: float
+    distinguishable: bool
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How well a block's output is simulated on data that had no part in any choice or fit.
+
+    Attributes
+    ----------
+    block, signal
+        Which output of which block.
+    window : float or None
+        Seconds of each free run; None: one run over the whole part.
+    train, held_out : (float, float)
+        Seconds since the start of the test.
+    nrmse : dict
+        Error over the signal's standard deviation there: ``nominal``, ``retuned``, ``explained``,
+        ``noise_floor``.
+    time, recorded, nominal, retuned, explained : (n,) arrays
+        The signal over the held-out part and its simulations, for pictures; empty where there are none.
+    """
+
+    block: str
+    signal: str
+    window: float | None
+    train: tuple[float, float]
+    held_out: tuple[float, float]
+    nrmse: dict[str, float]
+    time: Floats | None = None
+    recorded: Floats | None = None
+    nominal: Floats | None = None
+    retuned: Floats | None = None
+    explained: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A smooth force fitted to what no kind explains, or the residual that a named kind explains.
+
+    Attributes
+    ----------
+    block : str
+    variable : str
+        Abscissa: ``x``, ``v``, ``t`` or ``u - x``.
+    unit : str
+        Its unit.
+    at, force, std : (n,) arrays
+        Abscissa, force (N, as seen by the block's output) and its standard deviation.
+    named : (n,) array or None
+        Force of the named kind at the same abscissa, where it is a function of it.
+    improvement : float
+        Part of the squared error on unseen data that the curve would remove.
+    """
+
+    block: str
+    variable: str
+    unit: str
+    at: Floats
+    force: Floats
+    std: Floats
+    named: Floats | None
+    improvement: float
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Smallest size of an effect that would have been seen."""
+
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """What the diagnosis of some blocks found; a `Diagnosis` joins all parts.
+
+    `changes` are what the spec needs (``rthm_core.spec.apply``) so that the simulator behaves as recorded;
+    `effects` are named sections to add, as dicts with block, kind, place and parameters.
+    """
+
+    blocks: tuple[Mismatch, ...] = ()
+    physics: tuple[Physics, ...] = ()
+    retuned: dict[str, Retuned] = field(default_factory=dict)
+    alternatives: tuple[Alternative, ...] = ()
+    fits: tuple[Fit, ...] = ()
+    detection_limits: dict[str, Limit] = field(default_factory=dict)
+    curves: tuple[Curve, ...] = ()
+    changes: dict[str, float] = field(default_factory=dict)
+    effects: tuple[dict[str, Any], ...] = ()
+    unexplained: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that `diagnose` found out (contract, section 7)."""
+
+    verdict: Verdict
+    blocks: tuple[Mismatch, ...]
+    located: tuple[str, ...]
+    physics: tuple[Physics, ...]
+    retuned: dict[str, Retuned]
+    alternatives: tuple[Alternative, ...]
+    fits: tuple[Fit, ...]
+    detection_limits: dict[str, Limit]
+    next_experiment: str
+    words: str
+    curves: tuple[Curve, ...] = ()
+    unexplained: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    patched: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of contract section 7, and `words`, `unexplained`, `curves`, `notes`."""
+        return {
+            "verdict": self.verdict,
+            "words": self.words,
+            "blocks": [asdict(one) for one in self.blocks],
+            "located": list(self.located),
+            "physics": [_physics(one) for one in self.physics],
+            "retuned": {name: asdict(one) for name, one in self.retuned.items()},
+            "alternatives": [asdict(one) for one in self.alternatives],
+            "fits": [_fit(one) for one in self.fits],
+            "detection_limits": {name: asdict(one) for name, one in self.detection_limits.items()},
+            "next_experiment": self.next_experiment,
+            "unexplained": list(self.unexplained),
+            "curves": [_curve(one) for one in self.curves],
+            "notes": list(self.notes),
+        }
+
+
+PLACE_KEYS = {"wire": "actuator", "motor": "actuator", "sensor.force": "actuator"}
+"""Blocks whose effects sit at an actuator; all others have dofs."""
+
+
+def place_key(block: str) -> str:
+    """Key of the place: ``dof`` or ``actuator``."""
+    return PLACE_KEYS.get(block, "dof")
+
+
+def _physics(one: Physics) -> dict[str, Any]:
+    parameters = {k: v if isinstance(v, str) else asdict(v) for k, v in one.parameters.items()}
+    place = {} if one.place is None else {place_key(one.block): one.place}
+    head = {"block": one.block, "kind": one.kind, **place, "parameters": parameters}
+    return {**head, "words": one.words, "energy": one.energy, "share": one.share}
+
+
+def _fit(one: Fit) -> dict[str, Any]:
+    return {
+        "block": one.block,
+        "signal": one.signal,
+        "window": one.window,
+        "train": list(one.train),
+        "held_out": list(one.held_out),
+        "nrmse": one.nrmse,
+    }
+
+
+def _curve(one: Curve) -> dict[str, Any]:
+    arrays = {"at": one.at, "force": one.force, "std": one.std}
+    return {
+        "block": one.block,
+        "variable": one.variable,
+        "unit": one.unit,
+        "improvement": one.improvement,
+        **{name: values.tolist() for name, values in arrays.items()},
+    }

@@ -29,11 +29,14 @@ from rthm_bringup.run.intake import Intake
 from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
+from rthm_core.ros import system
+from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.virtual import Observer
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
+PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
 
 PARAMETERS: dict[str, tuple[Any, str]] = {
@@ -41,6 +44,7 @@ PARAMETERS: dict[str, tuple[Any, str]] = {
     "spec_file": ("", "spec of the test, which goes into the bag first"),
     "start_time": (0, "begin of the test [ns]; 0: whatever comes after activation belongs to it"),
     "duration": (0.0, "length of the test [s]; 0: until the node is deactivated"),
+    "priority": (PRIORITY, "real-time priority (SCHED_FIFO) that is asked for; 0: none"),
     "virtual": (False, "whether stamps are simulated time"),
     "autostart": (False, "configure and activate at once"),
     "awaited": (list(LOOP), "topics that must have a publisher before the test begins"),
@@ -52,6 +56,7 @@ class Recorder(LifecycleNode):
 
     def __init__(self) -> None:
         super().__init__("recorder", namespace=NAMESPACE)
+        refuse_impossible_transitions(self)
         for name, (value, description) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
@@ -83,6 +88,7 @@ class Recorder(LifecycleNode):
             self._observer = Observer(self)
         self._flush_timer = self.create_timer(FLUSH, self._flush)
         self._report_timer = self.create_timer(1.0, self._report)
+        system.prepare(self._value("priority"), lock_memory=False)
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:

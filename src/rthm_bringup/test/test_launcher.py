@@ -176,17 +176,22 @@ def test_no_sample_of_the_loop_precedes_the_start_or_follows_the_end(intake: Int
     assert intake.writer.counts == {"/rthm/plant/state": 3}
 
 
-@given(st.sets(st.integers(2, 60)))
-def test_every_gap_in_the_numbers_of_a_publisher_is_counted(missing: set[int]) -> None:
+@given(st.sets(st.integers(2, 60)), st.integers(0, 62), st.integers(0, 62))
+def test_every_gap_in_the_numbers_of_a_publisher_is_counted_within_the_test(
+    missing: set[int], one: int, other: int
+) -> None:
     import tempfile
 
+    begin, end = 1000 * min(one, other), 1000 * max(one, other)
     with tempfile.TemporaryDirectory() as folder, BagWriter(Path(folder) / "bag") as writer:
         intake = Intake(writer, {STATE: "/rthm/plant/state"})
-        intake.open(0, None)
         for number in range(1, 62):
+            if number == 20:
+                intake.open(begin, end)
             if number not in missing:
-                intake.take(STATE, JOINT_STATE, message(number), told(number))
-        assert intake.lost == len(missing)
+                intake.take(STATE, JOINT_STATE, message(1000 * number), told(number))
+        seen_late = range(max([n for n in range(1, 20) if n not in missing]) + 1, 62)
+        assert intake.lost == sum(begin <= 1000 * number <= end for number in missing if number in seen_late)
 
 
 def test_a_middleware_that_does_not_number_its_messages_loses_none(intake: Intake) -> None:

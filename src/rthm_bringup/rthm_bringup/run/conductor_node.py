@@ -24,6 +24,9 @@ from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 
+PATIENCE = 20.0
+"""How long a node on a busy host may take to answer, s."""
+
 STEPS = {
     "configure": Transition.TRANSITION_CONFIGURE,
     "activate": Transition.TRANSITION_ACTIVATE,
@@ -129,7 +132,7 @@ class Conductor:
             arrived, seconds, lambda: f"{' and '.join(absent)} did not appear within {seconds:g} s."
         )
 
-    def step(self, step: str, names: Iterable[str], seconds: float = 20.0) -> None:
+    def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup."""
         request = ChangeState.Request(transition=Transition(id=STEPS[step]))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds).items():
@@ -142,7 +145,7 @@ class Conductor:
             name: SetParameters.Request(parameters=[_parameter(*item) for item in values.items()])
             for name, values in parameters.items()
         }
-        for name, answer in self._ask(requests, "set_parameters", 10.0).items():
+        for name, answer in self._ask(requests, "set_parameters", PATIENCE).items():
             for result in answer.results:
                 if not result.successful:
                     raise StoppedError(f"{name} refused a parameter: {result.reason}")
@@ -163,7 +166,7 @@ class Conductor:
         waiting = dict.fromkeys(names, "")
         deadline = time.monotonic() + seconds
         while waiting:
-            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", seconds)
+            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", PATIENCE)
             waiting = {name: answer.message for name, answer in answers.items() if not answer.success}
             if waiting and time.monotonic() > deadline:
                 raise UnconnectedError("; ".join(f"{name} {message}" for name, message in waiting.items()))

@@ -22,6 +22,7 @@ from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS, to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros.grants import DONE, PARTS, Done, grant_to
+from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.qos import latched, samples
 from rthm_core.spec import read_spec
 
@@ -36,6 +37,7 @@ class Coordinator(LifecycleNode):
 
     def __init__(self) -> None:
         super().__init__("coordinator", namespace=NAMESPACE)
+        refuse_impossible_transitions(self)
         self.declare_parameter("spec_file", "")
         self.declare_parameter("start_time", 0)
         self.declare_parameter("duration", 0.0)

@@ -20,7 +20,7 @@ class Ending:
     wall
         How long the test took, s of the wall clock; None: it did not come to its end.
     realtime
-        Nodes that the system gave real-time priority.
+        Nodes of the loop that the system gave real-time priority.
     diagnostics
         What each node told last, by the name of its status.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from struct import Struct
-from typing import TypedDict
+from typing import NamedTuple, TypedDict, TypeGuard
 
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.topics import LOOP, SPEC, STRING
@@ -21,6 +21,13 @@ class Info(TypedDict):
     source_timestamp: int
     received_timestamp: int
     publication_sequence_number: int | None
+
+
+class Numbered(NamedTuple):
+    """Number that a publisher gave to a message, and the message's stamp, ns."""
+
+    number: int
+    stamp: int
 
 
 @dataclass
@@ -39,7 +46,7 @@ class Intake:
     Attributes
     ----------
     lost : int
-        Messages of the loop that were published and never received.
+        Samples of the test that were published and never received.
     """
 
     writer: BagWriter
@@ -49,7 +56,7 @@ class Intake:
     end: int | None = None
     lost: int = 0
     _latest: int = 0
-    _numbers: dict[str, int] = field(default_factory=dict)
+    _numbered: dict[str, Numbered] = field(default_factory=dict)
     _stamps: dict[str, int] = field(default_factory=dict)
 
     def open(self, begin: int, end: int | None) -> None:
@@ -86,7 +93,7 @@ class Intake:
         number = info["publication_sequence_number"]
         stamp = _stamp(data)
         if topic in LOOP:
-            self._count(topic, number)
+            self._count(topic, number, stamp)
             self._stamps[topic] = max(stamp, self._stamps.get(topic, 0))
             if not self._within(stamp):
                 return
@@ -107,17 +114,27 @@ class Intake:
     def _within(self, stamp: int) -> bool:
         return self.begin is not None and self.begin <= stamp and (self.end is None or stamp <= self.end)
 
-    def _count(self, topic: str, number: int | None) -> None:
+    def _count(self, topic: str, number: int | None, stamp: int) -> None:
+        """Count what is missing before this message, as far as it belongs to the test.
+
+        A driver publishes also before a test, while the nodes start and the machine is busy.
+        """
         if not _known(number):
             return
-        assert number is not None
-        newest = self._numbers.get(topic)
-        if newest is not None and number > newest + 1:
-            self.lost += number - newest - 1
-        self._numbers[topic] = number if newest is None else max(number, newest)
+        newest, this = self._numbered.get(topic), Numbered(number, stamp)
+        if newest is None or this.number > newest.number:
+            self._numbered[topic] = this
+        if newest is not None:
+            self.lost += sum(self._within(missing) for missing in stamps_between(newest, this))
 
 
-def _known(number: int | None) -> bool:
+def stamps_between(before: Numbered, after: Numbered) -> list[int]:
+    """Stamps (ns) of the messages missing between two, which lie at equal distances."""
+    steps = after.number - before.number
+    return [before.stamp + (after.stamp - before.stamp) * k // steps for k in range(1, steps)]
+
+
+def _known(number: int | None) -> TypeGuard[int]:
     return number is not None and number < _UNKNOWN
 
 

@@ -62,6 +62,8 @@ def parameters(
         told["priority"] = priority
     if role in LOOP and virtual:
         told |= {"priority": 0, "lock_memory": False}
+    if role == "recorder" and (virtual or priority == 0):
+        told["priority"] = 0
     if role in ("recorder", "coordinator"):
         told["spec_file"] = str(spec)
     if role == "recorder" and bag is not None:

@@ -71,7 +71,7 @@ class Session:
         own += roles.COORDINATOR if self._plan.virtual else []
         for role in own:
             self._start(role)
-        conductor.wait_for(own, 30.0)
+        conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, 300.0)
@@ -114,7 +114,9 @@ class Session:
                 "The nodes were not active in time for the begin; this host or the network is too busy."
             )
         self.ending.begin = begin
-        self.ending.realtime = tuple(p.name for p in self._processes.living() if p.realtime())
+        self.ending.realtime = tuple(
+            p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
+        )
 
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""

@@ -17,6 +17,22 @@ from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.spec import Spec
 
 
+def refuse_impossible_transitions(node: LifecycleNode) -> None:
+    """Refuse a transition that the present state of `node` does not have; rclpy would raise, and end it."""
+    service = node._service_change_state
+    transit = service.callback
+
+    def attempt(request: ChangeState.Request, response: ChangeState.Response) -> ChangeState.Response:
+        try:
+            return transit(request, response)
+        except rclpy_implementation.RCLError as error:
+            node.get_logger().error(str(error))
+            response.success = False
+            return response
+
+    service.callback = attempt
+
+
 class ManagedNode(LifecycleNode):  # type: ignore[misc]
     """Lifecycle node; what it does in a transition is `configure`, `activate`, `deactivate` and `release`.
 
@@ -41,8 +57,7 @@ class ManagedNode(LifecycleNode):  # type: ignore[misc]
         declare_spec(self, self._besides)
         self.spec: Spec | None = None
         self.active = False
-        self._transit = self._service_change_state.callback
-        self._service_change_state.callback = self._change_state
+        refuse_impossible_transitions(self)
         self.add_on_set_parameters_callback(self._check_change)
 
     def configure(self, spec: Spec) -> None:
@@ -116,17 +131,6 @@ class ManagedNode(LifecycleNode):  # type: ignore[misc]
             self.get_logger().fatal(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
-
-    def _change_state(
-        self, request: ChangeState.Request, response: ChangeState.Response
-    ) -> ChangeState.Response:
-        """Refuse a transition that the present state does not have; rclpy would raise, and end the node."""
-        try:
-            return self._transit(request, response)
-        except rclpy_implementation.RCLError as error:
-            self.get_logger().error(str(error))
-            response.success = False
-            return response
 
     def _check_change(self, changes: list[Parameter]) -> SetParametersResult:
         for change in changes:

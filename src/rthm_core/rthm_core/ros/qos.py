@@ -1,7 +1,7 @@
 """Quality of service of every topic.
 
 Samples are reliable and the last `depth` are kept. Depth 1 loses samples even on one machine, and a machine
-that stalls for some milliseconds needs as many places as samples come meanwhile. Over a lossy network,
+that stalls needs as many places as samples come meanwhile. Over a lossy network,
 reliable delivery holds back everything behind a lost sample; choose best effort there, and see them counted.
 """
 
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-DEPTH = 100
-"""Samples kept for a slow receiver: more than 0.1 s of the fastest topic."""
+DEPTH = 1000
+"""Samples kept for a slow receiver: about a second of the fastest topic."""
 
 
 def samples(depth: int = DEPTH, reliable: bool = True) -> QoSProfile:

@@ -1,0 +1,1 @@
+"""A loop lifted to one hyperperiod: exact, for clocks and delays of any length (``docs/theory.md``)."""

@@ -1,0 +1,85 @@
+"""The linear part of a spec: what a loop is for motions so small, or so regular, that only its linear physics
+acts.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rthm_core.effects import effect
+from rthm_core.effects.laws import PlantLaw, WireLaw
+from rthm_core.errors import InputError
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
+
+LINEAR = {
+    "motor": ("lag", "second_order", "extra_delay"),
+    "link": ("extra_delay", "clock_offset"),
+    "sensor": ("scale", "lag"),
+    "numerical": ("wrong_parameter",),
+    "controller": ("wrong_parameter",),
+}
+"""Kinds that are linear and constant, by family of blocks; laws of plant and wire say it themselves."""
+
+FORCING = {"plant": ("harmonic_load", "constant_load"), "sensor": ("bias", "drift")}
+"""Kinds that are only a load or an offset: they move the loop without changing its dynamics."""
+
+COMPENSATORS = ("none",)
+"""Compensators whose linear equations are known here."""
+
+
+def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
+    """The loop without loads, noise, pretension and all effects that are not linear.
+
+    Returns
+    -------
+    spec : Spec
+        The linear loop.
+    left_out : tuple of str
+        One sentence for every effect, and every wire, whose nonlinear part was left out.
+
+    Raises
+    ------
+    InputError
+        When the spec describes no loop, or has a compensator that is not linear or not known here.
+    """
+    check_compensator(str(spec.loop().actuator.compensator))
+    kept, left_out = [], []
+    for one in spec.effects:
+        if _linear(one):
+            kept.append(one.name)
+        elif one.kind not in FORCING.get(one.block.partition(".")[0], ()):
+            left_out.append(f"{one.name} ({one.kind} of {one.place}) is not linear and is left out.")
+    slack = [name for name, force in zip(spec.loop().actuator.names, _pretension(spec), strict=True) if force]
+    left_out += [f"The wire of {name} is taken as never slack." for name in slack]
+    changes = {
+        "effects": kept,
+        "actuator.pretension": [0.0] * len(spec.loop().actuator.names),
+        "load.plant.kind": "none",
+        "load.numerical.kind": "none",
+        **{f"noise.{name}": 0.0 for name in ("position", "velocity", "motor", "force")},
+    }
+    return apply(spec, changes), tuple(left_out)
+
+
+def check_compensator(name: str) -> None:
+    """Refuse a compensator whose equations are not known here."""
+    if name not in COMPENSATORS:
+        raise InputError(
+            f"actuator.compensator is {name!r}, whose linear equations are not known, but must be one of "
+            f"{', '.join(COMPENSATORS)}; choose one of them, or simulate the loop."
+        )
+
+
+def _linear(one: EffectSpec) -> bool:
+    law = effect(one.kind, one.block)
+    if issubclass(law, PlantLaw | WireLaw):
+        return law.linear
+    return one.kind in LINEAR.get(one.block.partition(".")[0], ())
+
+
+def _pretension(spec: Spec) -> tuple[float, ...]:
+    return spec.loop().actuator.pretension

@@ -1,0 +1,91 @@
+"""From a spec to its stability."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.lifted.commensurate import period_of
+from rthm_analysis.lifted.cycle import Cycle
+from rthm_analysis.lifted.lifted import Lifted
+from rthm_analysis.lifted.linear_part import linear_part
+from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
+from rthm_analysis.stability.limits import (
+    DELAYS,
+    PERIODS,
+    Limit,
+    delay_limit,
+    k_tot_limit,
+    period_limit,
+    scale_limit,
+)
+from rthm_analysis.stability.modes import modes
+from rthm_analysis.stability.result import Stability
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+Progress = Callable[[float], None]
+
+
+def spectral_radius(spec: Spec) -> float:
+    """Largest modulus of a loop's eigenvalues over one hyperperiod; below 1 it is stable.
+
+    Raises
+    ------
+    InputError
+        When the spec describes no loop, or has a compensator whose linear equations are not known.
+    """
+    linear, _ = linear_part(spec)
+    lifted = Lifted(linear_loop(linear), period_of(linear).cycle)
+    return float(np.abs(np.linalg.eigvals(lifted.monodromy())).max())
+
+
+def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = None) -> Stability:
+    """Exact stability of a loop's linear part, with its modes and, if asked for, all its limits.
+
+    Parameters
+    ----------
+    spec : Spec
+        A complete loop.
+    limits : bool
+        Whether crossings are searched.
+    progress : callable, optional
+        Called with the number of searches done, out of `searches`.
+
+    Raises
+    ------
+    InputError
+        When the spec describes no loop, or has a compensator whose linear equations are not known.
+    """
+    linear, left_out = linear_part(spec)
+    loop, (cycle, error) = linear_loop(linear), period_of(linear)
+    lifted = Lifted(loop, cycle)
+    monodromy = lifted.monodromy()
+    return Stability(
+        float(np.abs(np.linalg.eigvals(monodromy)).max()),
+        cycle.hyperperiod,
+        modes(lifted, monodromy),
+        error,
+        left_out,
+        tuple(spec.k_tot),
+        _limits(linear, loop, cycle, progress or (lambda done: None)) if limits else {},
+    )
+
+
+SEARCHES = 2 + len(DELAYS) + len(PERIODS)
+"""Number of searches of a whole analysis."""
+
+
+def _limits(spec: Spec, loop: LinearLoop, cycle: Cycle, progress: Progress) -> dict[str, Limit]:
+    found: dict[str, Limit | None] = {"scale": scale_limit(spec, loop, cycle)}
+    progress(1.0)
+    found["k_tot"] = k_tot_limit(spec, cycle)
+    progress(2.0)
+    for done, name in enumerate((*DELAYS, *PERIODS), 3):
+        one = delay_limit if name in DELAYS else period_limit
+        found[name] = one(spec, loop, name)
+        progress(float(done))
+    return {name: limit for name, limit in found.items() if limit is not None}

@@ -1,0 +1,179 @@
+"""How far a loop is from the edge: every crossing over all periods and delays, each alone, and k_tot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.lifted.commensurate import commensurate
+from rthm_analysis.lifted.cycle import Cycle
+from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
+from rthm_analysis.stability.rates import EVENTS_IN_A_SEARCH, of_delay, of_k_tot, of_period, of_scale
+from rthm_analysis.stability.search import Crossing, Scan, scan
+from rthm_core.clock import to_ns
+from rthm_core.compiled import Floats
+from rthm_core.schedule import Schedule
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+LARGEST_FACTOR = 100.0
+"""Factor up to which periods and delays are searched."""
+
+K_TOT_FACTOR = 1e4
+"""k_tot is searched from its value divided by this to its value times this."""
+
+PHASE = 0.4
+"""Step of a scan: radians by which the fastest oscillation of the two sides shifts in it."""
+
+FEWEST, MOST = 100, 4000
+"""Points of a first scan."""
+
+MOST_ROWS = 200
+"""A delay alone is searched as far as the loop's matrix has at most this many rows."""
+
+LATTICE_POINTS = 300
+"""Periods that are tried before the neighbourhood of each crossing is."""
+
+DELAYS, PERIODS = ("tau1", "tau2", "tau3", "tau4"), ("td1", "td2", "td3", "td4")
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Stability over one parameter.
+
+    Attributes
+    ----------
+    nominal : float
+        Value in the spec.
+    scan : Scan
+        Crossings in the unit of the parameter, and the range that was searched.
+    resolution : float
+        Distance to which a crossing is known, in the unit of the parameter.
+    start : float
+        Value from which on the first loss of stability counts.
+    """
+
+    nominal: float
+    scan: Scan
+    resolution: float
+    start: float = 0.0
+
+    @property
+    def critical_value(self) -> float | None:
+        """Value at which stability is first lost as the parameter grows from `start`; `start` itself if the
+        loop is not stable there, None if it stays stable.
+        """
+        return self.scan.first_lost(self.start)
+
+    @property
+    def critical_scale(self) -> float | None:
+        """The same as a factor on the nominal value."""
+        value = self.critical_value
+        return None if value is None or self.nominal == 0.0 else value / self.nominal
+
+    def as_dict(self) -> dict[str, object]:
+        """Entry of ``limits`` in the JSON of ``rthm stability``."""
+        return {
+            "nominal": self.nominal,
+            "critical_scale": self.critical_scale,
+            "critical_value": self.critical_value,
+            "crossings": [{"value": one.value, "lost": one.lost} for one in self.scan.crossings],
+            "searched": [self.scan.begin, self.scan.end],
+            "resolution": self.resolution,
+        }
+
+
+def _points(loop: LinearLoop, begin: float, end: float, seconds: float) -> Floats:
+    """First points of a scan over a parameter that changes the time round the loop by `seconds` in all."""
+    count = int(loop.fastest_oscillation * seconds / PHASE) + 1
+    return np.linspace(begin, end, min(max(count, FEWEST), MOST))
+
+
+def scale_limit(spec: Spec, loop: LinearLoop, cycle: Cycle) -> Limit:
+    """Factor on all periods and delays. From zero, where the loop is the ideal system, to 100."""
+    seconds = LARGEST_FACTOR * sum(value for _, value in spec.loop().timing.items())
+    points = _points(loop, 1e-3, LARGEST_FACTOR, seconds)
+    found = scan(of_scale(loop, cycle), np.concatenate([[1e-3, 1e-2, 0.1], points[1:]]), 1e-9)
+    return Limit(1.0, _from_zero(found), 1e-9)
+
+
+def _from_zero(found: Scan) -> Scan:
+    """A search that starts next to zero has begun at zero."""
+    return found._replace(begin=0.0)
+
+
+def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
+    """One delay alone, s: from zero to a hundred times its value (of the longest delay when it is zero), or
+    as far as the loop's matrix stays small.
+    """
+    timing = spec.loop().timing
+    nominal = float(getattr(timing, name))
+    end = LARGEST_FACTOR * (nominal or max(getattr(timing, one) for one in DELAYS) or timing.td2)
+    schedule = Schedule(apply(spec, {f"timing.{name}": 0.0}))
+    end = _affordable(loop, schedule, name, end)
+    found = scan(of_delay(loop, schedule, name), _points(loop, 0.0, end, end), 1e-9)
+    return Limit(nominal, found, 1e-9)
+
+
+def _affordable(loop: LinearLoop, schedule: Schedule, name: str, end: float) -> float:
+    """Value in s of a delay, at most `end`, up to which the loop's matrix has at most MOST_ROWS rows."""
+    while True:
+        longest = deepcopy(schedule)
+        longest.links[name].delay_ns += to_ns(end)
+        rows = loop.actuators * commensurate(longest, EVENTS_IN_A_SEARCH).cycle.kept.size
+        if rows <= MOST_ROWS:
+            return end
+        end *= 0.95 * MOST_ROWS / rows
+
+
+def period_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit | None:
+    """One period alone, up to a hundred times its value, s; None for a Td4 of zero.
+
+    What a loop does depends on which clocks stay in phase, so it is not continuous over a period. Periods are
+    therefore taken from a lattice: multiples of the greatest common divisor of all of them.
+    """
+    timing = spec.loop().timing
+    nominal = timing.ns(name)
+    if nominal == 0:
+        return None
+    end = round(LARGEST_FACTOR * nominal)
+    common = math.gcd(*(timing.ns(one) for one in PERIODS if timing.ns(one) > 0))
+    lattice = max(common, round(end / MOST))
+    count = min(end // lattice, LATTICE_POINTS)
+    points = np.unique(np.rint(np.linspace(1, end // lattice, count))) * lattice * 1e-9
+    resolution = lattice * 1e-9
+    found = scan(of_period(loop, Schedule(spec), name, lattice), points, resolution, finest=np.inf)
+    return Limit(nominal * 1e-9, _from_zero(found), resolution)
+
+
+def k_tot_limit(spec: Spec, cycle: Cycle) -> Limit:
+    """Factor on every k_tot; a transmission is taken as the static stiffness that it has."""
+    points = np.linspace(-math.log(K_TOT_FACTOR), math.log(K_TOT_FACTOR), 400)
+    found = scan(of_k_tot(_loops_over_k_tot(spec), cycle), points, 1e-10)
+    factors = tuple(Crossing(math.exp(one.value), one.lost) for one in found.crossings)
+    over = Scan(factors, found.stable_at_begin, 1.0 / K_TOT_FACTOR, K_TOT_FACTOR)
+    return Limit(1.0, over, 1e-9, start=1.0)
+
+
+def _loops_over_k_tot(spec: Spec) -> Callable[[float], LinearLoop]:
+    """Loop for a factor on k_tot: its dynamics are affine in k_tot, so two loops give them all."""
+    one, two = (
+        linear_loop(apply(spec, {"actuator.stiffness": [factor * k for k in spec.k_tot]}))
+        for factor in (1.0, 2.0)
+    )
+
+    def loop(factor: float) -> LinearLoop:
+        return one._replace(
+            a1=one.a1 + (factor - 1.0) * (two.a1 - one.a1),
+            b1=one.b1 + (factor - 1.0) * (two.b1 - one.b1),
+            flexibility=np.where(one.flexibility == two.flexibility, 1.0, 1.0 / factor) * one.flexibility,
+        )
+
+    return loop

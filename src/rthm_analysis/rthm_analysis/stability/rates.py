@@ -1,0 +1,80 @@
+"""Growth rates of a loop as functions of one of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from functools import cache
+
+import numpy as np
+
+from rthm_analysis.lifted.commensurate import commensurate
+from rthm_analysis.lifted.cycle import Cycle
+from rthm_analysis.lifted.lifted import Lifted
+from rthm_analysis.lifted.matrices import LinearLoop
+from rthm_analysis.stability.search import Rates
+from rthm_core.clock import to_ns
+from rthm_core.compiled import Floats
+from rthm_core.schedule import Schedule
+
+LARGEST = 6
+"""How many of the growth rates a search looks at."""
+
+EVENTS_IN_A_SEARCH = 3000
+"""A search follows cycles up to this length exactly; its loops are many."""
+
+
+def growth_rates(loop: LinearLoop, cycle: Cycle) -> Floats:
+    """The largest growth rates (LARGEST,), 1/s, descending; -inf where there are no more."""
+    size = np.abs(np.linalg.eigvals(Lifted(loop, cycle).monodromy()))
+    largest = np.sort(size)[::-1][:LARGEST]
+    rates = np.full(LARGEST, -np.inf)
+    with np.errstate(divide="ignore"):
+        rates[: largest.size] = np.log(largest) / cycle.hyperperiod
+    return np.maximum(rates, -1e6)
+
+
+def _at_each(one: Callable[[float], Floats]) -> Rates:
+    return lambda values: np.array([one(float(value)) for value in values]).reshape(-1, LARGEST)
+
+
+def of_scale(loop: LinearLoop, cycle: Cycle) -> Rates:
+    """Rates over a factor on all periods and delays, in units of the scaled time."""
+
+    def one(factor: float) -> Floats:
+        return growth_rates(loop, cycle.scaled(factor))
+
+    return _at_each(one)
+
+
+def of_delay(loop: LinearLoop, schedule: Schedule, name: str) -> Rates:
+    """Rates over the value in s of one delay, beside which the link's own effects stay."""
+    beside = schedule.links[name].delay_ns
+
+    def one(change: float) -> Floats:
+        changed = deepcopy(schedule)
+        changed.links[name].delay_ns = max(0, beside + to_ns(change))
+        return growth_rates(loop, commensurate(changed, EVENTS_IN_A_SEARCH).cycle)
+
+    return _at_each(one)
+
+
+def of_period(loop: LinearLoop, schedule: Schedule, name: str, lattice_ns: int) -> Rates:
+    """Rates over one period in s, taken at the nearest multiple of `lattice_ns`."""
+
+    @cache
+    def at(number: int) -> Floats:
+        changed = deepcopy(schedule)
+        setattr(changed, name, number * lattice_ns)
+        return growth_rates(loop, commensurate(changed, EVENTS_IN_A_SEARCH).cycle)
+
+    return _at_each(lambda value: at(max(1, round(value * 1e9 / lattice_ns))))
+
+
+def of_k_tot(loops: Callable[[float], LinearLoop], cycle: Cycle) -> Rates:
+    """Rates over the logarithm of a factor on k_tot."""
+
+    def one(logarithm: float) -> Floats:
+        return growth_rates(loops(float(np.exp(logarithm))), cycle)
+
+    return _at_each(one)

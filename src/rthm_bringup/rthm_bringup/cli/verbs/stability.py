@@ -1,0 +1,57 @@
+"""``rthm stability``: exact stability of the sampled loop."""
+
+from __future__ import annotations
+
+from rthm_bringup.cli.options import Json, SpecName
+
+
+def verb(spec: SpecName = "paper", json: Json = None) -> int:
+    """Tell whether a loop is stable, its modes, and how far every delay is from the edge."""
+    from rthm_analysis.stability import stability
+    from rthm_analysis.stability.analysis import SEARCHES
+    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.output import progress_bar, put
+
+    test = spec_named(spec)
+    with progress_bar("looking for every crossing", SEARCHES) as report:
+        result = stability(test, progress=report)
+    put(result.as_dict(), _lines(result), json)
+    return 0
+
+
+def _lines(result) -> list[str]:
+    from rthm_bringup.cli.output import table
+
+    radius = f"largest eigenvalue {result.spectral_radius:.9f} over {result.hyperperiod * 1e3:.6g} ms"
+    head = [f"{'stable' if result.stable else 'not stable'}: {radius}"]
+    if result.period_error:
+        head.append(f"clocks that never tick together: nearest periods, off by {result.period_error:.1e}")
+    modes = [("mode", "frequency", "damping ratio")]
+    for number, mode in enumerate(result.modes, 1):
+        modes.append((str(number), f"{mode.frequency:.6g} rad/s", f"{mode.damping_ratio:+.6f}"))
+    limits = [("limit", "in the spec", "stability first lost at", "crossings", "searched to")]
+    for name, limit in result.limits.items():
+        unit = 1e3 if name.startswith("t") else 1.0
+        value = limit.critical_value
+        limits.append(
+            (
+                name if name != "scale" else "all delays",
+                _number(limit.nominal * unit, unit),
+                "-" if value is None else _number(value * unit, unit),
+                str(len(limit.scan.crossings)),
+                _number(limit.scan.end * unit, unit),
+            )
+        )
+    return [*head, *result.left_out, "", *table(modes), "", *table(limits), *_k_tot(result)]
+
+
+def _number(value: float, unit: float) -> str:
+    return f"{value:.6g} {'ms' if unit > 1.0 else 'x'}"
+
+
+def _k_tot(result) -> list[str]:
+    found = result.as_dict()["k_tot"]
+    if not result.limits:
+        return []
+    words = {side: "none found" if value is None else f"{value} N/m" for side, value in found.items()}
+    return ["", f"k_tot: lower limit {words['lower']}, upper limit {words['upper']}"]

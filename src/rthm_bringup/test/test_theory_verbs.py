@@ -1,0 +1,30 @@
+"""``rthm stability`` on the command line."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+
+def rthm(*arguments, status=0):
+    done = subprocess.run(
+        [sys.executable, "-m", "rthm_bringup", *map(str, arguments)], capture_output=True, text=True
+    )
+    assert done.returncode == status, done.stderr
+    return done
+
+
+def test_stability_prints_the_keys_of_the_contract():
+    found = json.loads(rthm("stability", "paper", "--json", "-").stdout)
+    assert found["stable"] is True
+    assert found["hyperperiod"] == pytest.approx(0.012)
+    assert 0.99 < found["spectral_radius"] < 1.0
+    assert found["critical_scale"] == pytest.approx(21.17, abs=0.01)
+    assert found["modes"][0]["frequency"] == pytest.approx(2.416, abs=1e-3)
+    assert 0.0 < found["modes"][0]["damping_ratio"] < 0.1
+
+
+def test_stability_of_a_plant_alone_is_one_sentence_and_bad_input():
+    done = rthm("stability", "decay", status=2)
+    assert done.stderr.count("\n") == 1 and "plant alone" in done.stderr

@@ -1,0 +1,61 @@
+"""The smallest effects on a link that its uses would have shown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.links.evidence import GRAIN
+from rthm_analysis.diagnosis.links.models import Model
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.links.evidence import LinkEvidence
+    from rthm_core.compiled import Floats
+
+RANGES = {"delay": (1e-6, 1.0), "jitter": (1e-6, 1.0), "loss": (1e-5, 1.0)}
+ENOUGH = 15.0
+"""Expected gain in the logarithm of the likelihood at which an effect is as good as always found."""
+
+EDGES = np.concatenate([[-np.inf], np.geomspace(GRAIN / 2, 1.0, 90), [np.inf]])
+
+
+def smallest(evidence: LinkEvidence, nothing: Model, kind: str, allowance: float) -> float:
+    """Smallest delay or jitter (s) or loss (1) that would have been told from `nothing`.
+
+    Parameters
+    ----------
+    allowance : float
+        Delay or jitter below which the lateness of the machine is the better explanation.
+    """
+    slack, count = _slack(evidence)
+    low, high = RANGES[kind]
+    for _ in range(20):
+        middle = float(np.sqrt(low * high))
+        other = nothing.but(**{kind: middle})
+        if _information(evidence, slack, count, other, nothing) > ENOUGH:
+            high = middle
+        else:
+            low = middle
+    return max(high, allowance) if kind != "loss" else high
+
+
+def _slack(evidence: LinkEvidence) -> tuple[Floats, Floats]:
+    """How long before a tick the newest sample was due (s), and how often."""
+    newest = np.searchsorted(evidence.due, evidence.use_ns, side="right") - 1
+    known = newest >= 0
+    slack = (evidence.use_ns[known] - evidence.due[newest[known]]) * 1e-9
+    binned, count = np.unique(np.rint(slack / 1e-5), return_counts=True)
+    return binned * 1e-5, count.astype(float)
+
+
+def _information(evidence: LinkEvidence, slack: Floats, count: Floats, true: Model, other: Model) -> float:
+    """Expected gain of `true` over `other` in the logarithm of the likelihood, if `true` holds."""
+    if not evidence.clocked:
+        p, q = (model.probability(EDGES[:-1], EDGES[1:]) for model in (true, other))
+        return evidence.use_ns.size * float(np.sum(p * np.log(p / q)))
+    here = np.full(slack.size, -np.inf)
+    arrived, expected = (model.probability(here, slack) for model in (true, other))
+    absent, unexpected = (np.maximum(1.0 - value, 1e-12) for value in (arrived, expected))
+    gain = arrived * np.log(arrived / expected) + absent * np.log(absent / unexpected)
+    return float(count @ gain)

@@ -1,0 +1,132 @@
+"""By how much the stamps that a receiver read differ from those that the sender wrote.
+
+Samples come at fixed periods, so stamps alone tell a shift only up to whole periods; which sample was really
+used is told by its values, which are recorded without loss.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_core.clock import NS
+from rthm_core.substructure import interface
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+    from rthm_core.spec import Spec
+
+LOOKED_AT = 300
+"""Uses from which a shift is found."""
+
+REACHES = (NS // 10, 5 * NS)
+"""Largest shifts that are tried, ns, one after the other."""
+
+EQUAL = 1e-9
+"""Values that fit this well, relative to the signal's rms, are those of the right samples."""
+
+EXACT = 1e-2
+"""Values that fit the right sample leave less than this share of the misfit of the nearest stamps."""
+
+
+def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> int | None:
+    """Stamps as the receiver of link `name` read them minus the sender's, ns; None: no shift fits.
+
+    Parameters
+    ----------
+    source : Table
+        Topic of the samples that go over the link.
+    """
+    uses = recording.links[name]
+    some = np.unique(np.linspace(0, len(uses) - 1, LOOKED_AT).astype(np.int64))
+    for reach in REACHES:
+        shifts = _shifts(source.stamp_ns, uses.sample_ns[some], reach)
+        if not shifts.size:
+            continue
+        nearest = int(shifts[np.argmin(np.abs(shifts))])
+        if shifts.size == 1:
+            return nearest
+        return _told_by_values(recording, spec, name, uses.rows(some), shifts, nearest)
+    return None
+
+
+def _shifts(source: Integers, used: Integers, reach: int) -> Integers:
+    """Shifts within `reach` with which nearly all `used` stamps are stamps of the source."""
+    first = np.searchsorted(source, used - reach)
+    counts = np.searchsorted(source, used + reach, side="right") - first
+    rows = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
+    shifts, votes = np.unique(np.repeat(used, counts) - source[rows], return_counts=True)
+    inside = (used - reach >= source[0]) & (used + reach <= source[-1])
+    enough = 0.9 * max(int(np.count_nonzero(inside)), used.size // 2)
+    return shifts[votes >= max(enough, 0.95 * votes.max(initial=0))]
+
+
+def _told_by_values(
+    recording: Recording, spec: Spec, name: str, uses: LinkTable, shifts: Integers, nearest: int
+) -> int:
+    """Shift whose samples have the values that the receiver computed with, or else the `nearest`."""
+    equation = {"tau1": _controller, "tau2": _numerical, "tau3": _reference}.get(name)
+    parts = equation(recording, spec, uses) if equation else None
+    if parts is None:
+        return nearest
+    table, columns, others, target = parts
+    misfits = {nearest: _misfit(table, columns, others, target, uses.sample_ns - nearest)}
+    known = target[np.isfinite(target)]
+    if not known.size or misfits[nearest] < EQUAL * float(np.sqrt(np.mean(known**2))):
+        return nearest
+    for shift in shifts[np.argsort(np.abs(shifts), kind="stable")]:
+        misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
+    best = min(misfits, key=lambda shift: misfits[shift])
+    return best if misfits[best] < EXACT * misfits[nearest] else nearest
+
+
+def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamps: Integers) -> float:
+    """Rms that the best linear combination of these samples and the other signals leaves of `target`."""
+    row = np.minimum(np.searchsorted(table.stamp_ns, stamps), len(table) - 1)
+    there = table.stamp_ns[row] == stamps
+    basis = np.column_stack([columns[row], others])[there]
+    known = np.isfinite(basis).all(axis=1) & np.isfinite(target[there]).all(axis=1)
+    if np.count_nonzero(known) < 20:
+        return np.inf
+    basis, wanted = basis[known], target[there][known]
+    left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2)))
+
+
+Equation = tuple[Table, "Floats", "Floats", "Floats"]
+
+
+def _controller(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
+    """u_d is x1 as used plus a part of F_d as used."""
+    commands = recording.tables.get("actuator/command")
+    if commands is None or spec.loop().actuator.compensator != "none":
+        return None
+    row = np.maximum(np.searchsorted(commands.stamp_ns, uses.use_ns, side="right") - 1, 0)
+    columns = recording.plant.columns("position", spec.loop().interface.plant_dof)
+    return recording.plant, columns, commands.effort[row], commands.position[row]
+
+
+def _numerical(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
+    """F_d combines z1 as used with z2."""
+    states = recording.tables.get("numerical/state")
+    forces = recording.tables.get("numerical/force_reference")
+    if states is None or forces is None or len(states) != len(forces):
+        return None
+    row = np.maximum(np.searchsorted(states.stamp_ns, uses.use_ns, side="right") - 1, 0)
+    dofs = spec.loop().interface.plant_dof
+    motion = [recording.plant.columns(field, dofs) for field in ("position", "velocity")]
+    at = interface(spec).numerical
+    z2 = np.hstack([states.position[:, at], states.velocity[:, at]])
+    return recording.plant, np.hstack(motion), z2[row], forces.effort[row]
+
+
+def _reference(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
+    """A command tells the F_d that it was computed with."""
+    commands = recording.tables.get("actuator/command")
+    forces = recording.tables.get("numerical/force_reference")
+    if commands is None or forces is None:
+        return None
+    row = np.maximum(np.searchsorted(commands.stamp_ns, uses.use_ns, side="right") - 1, 0)
+    return forces, forces.effort, np.empty((len(uses), 0)), commands.effort[row]

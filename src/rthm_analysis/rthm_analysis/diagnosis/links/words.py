@@ -1,0 +1,69 @@
+"""What was found about a link, for a test engineer."""
+
+from __future__ import annotations
+
+from rthm_analysis.diagnosis.result import Value
+
+RECEIVERS = {
+    "tau1": "states of the plant on their way to the controller",
+    "tau2": "states of the plant on their way to the numerical substructure",
+    "tau3": "force references on their way to the controller",
+    "tau4": "commands on their way to the motor",
+}
+
+SENTENCES = {
+    "extra_delay": "The {samples} (link {name}) arrive {value} later than the spec says, every one of them.",
+    "jitter": "The {samples} (link {name}) are late by a random time, as the size of a normal number with a "
+    "standard deviation of {value}; each sample is delayed anew.",
+    "loss": "Of the {samples} (link {name}), {value} never arrive; the receiver keeps the older.",
+    "clock_offset": "The two ends of the link {name} disagree about the time: the {samples} have stamps that "
+    "the receiver sees {value} {way}.",
+}
+
+ELSE = {
+    "extra_delay": "Clocks that differ by the same amount would look the same if the receiver did not show "
+    "the sender's stamps.",
+    "jitter": "A busy machine would make few samples late, and by an exponential tail; that fits worse.",
+    "loss": "Samples that are only late would be used afterwards or missed more often when they have less "
+    "time to spare; that fits worse.",
+    "clock_offset": "A mere delay would not change the stamps.",
+}
+
+MOTOR_AS_WELL = " In motor position and force it is the same as a delay within the motor."
+EARLY = "The samples are used earlier than their delay allows, which no delay explains."
+
+
+def shown(value: Value) -> str:
+    """Return value and standard deviation in readable units."""
+    if value.unit == "1":
+        return f"{100.0 * value.value:.2f} % (+- {100.0 * value.std:.2f} %)"
+    return f"{1e3 * value.value:.4g} ms (+- {1e3 * value.std:.2g} ms)"
+
+
+def sentence(name: str, kind: str, value: Value, share: float, shifted: bool) -> str:
+    """What was found: what, where, how big, how sure, what else it could be.
+
+    Parameters
+    ----------
+    share : float
+        Part of the squared error in the age of the samples, on unseen data, that it removes.
+    shifted : bool
+        Whether the stamps that the receiver tells differ from the sender's.
+    """
+    size = Value(abs(value.value), value.std, value.unit) if kind == "clock_offset" else value
+    way = "ahead" if value.value > 0.0 else "behind"
+    first = SENTENCES[kind].format(samples=RECEIVERS[name], name=name, value=shown(size), way=way)
+    seen = (
+        f"On the last third of the recording it removes {100.0 * max(share, 0.0):.0f} % of the squared error "
+    )
+    seen += "in the age of the sample in use."
+    other = EARLY if kind == "clock_offset" and not shifted else ELSE[kind]
+    return f"{first} {seen} {other}" + (MOTOR_AS_WELL if (name, kind) == ("tau4", "extra_delay") else "")
+
+
+def lateness(name: str, late: float) -> str:
+    """A machine that is a little late."""
+    return (
+        f"link.{name}: samples come {1e6 * late:.0f} us late on average, in the way of a busy machine; "
+        "this is scheduling, not physics."
+    )

@@ -1,0 +1,209 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.links import diagnose_links
+from rthm_analysis.diagnosis.result import Part
+from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_core.spec import Spec, apply, shipped_spec
+
+from .conftest import START
+from .loop import Stamps, stamps
+
+DURATION = 20.0
+SIZES = {"extra_delay": ("delay", 0.0011), "jitter": ("std", 0.0013), "loss": ("fraction", 0.04)}
+
+
+def paper() -> Spec:
+    return shipped_spec("paper")
+
+
+def with_effect(spec: Spec, link: str, kind: str, **parameters: float) -> Spec:
+    return apply(spec, {"effects": ["added"], "added": {"block": f"link.{link}", "kind": kind, **parameters}})
+
+
+def table(times: np.ndarray, names: tuple[str, ...], **columns: np.ndarray) -> Table:
+    none = np.full((times.size, len(names)), np.nan)
+    return Table(
+        START + times,
+        START + times,
+        names,
+        **({"position": none, "velocity": none, "effort": none} | columns),
+    )
+
+
+def uses(spec: Spec, when: Stamps) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    timing = spec.loop().timing
+    td1 = timing.ns("td1")
+    regular = (when.command % timing.ns("td3") == 0) & (when.command_state >= 0)
+    counted = when.tick_state >= 0
+    return {
+        "tau1": (when.command[regular], when.command_state[regular] * td1),
+        "tau2": (when.tick[counted], when.tick_state[counted] * td1),
+        "tau3": (when.reference_use, when.reference_used),
+        "tau4": (when.motor_use, when.motor_command),
+    }
+
+
+def recording(true: Spec, duration: float = DURATION) -> Recording:
+    """A test by the exact schedule: the plant moves at random, the numerical substructure stands still."""
+    when, random = stamps(true, duration), np.random.default_rng(1)
+    x1, v1 = random.normal(size=(2, when.sample.size + 1, 1))
+    x1[-1], v1[-1] = 0.5, 0.0
+    k2, c2 = true.interface.stiffness[0], true.interface.damping[0]
+    force = -k2 * x1[when.tick_state] - c2 * v1[when.tick_state]
+    told = np.where(when.command_reference[:, None] >= 0, force[when.command_reference], 0.0)
+    u_d = x1[when.command_state] + told / true.k_tot[0]
+    still = np.zeros((when.tick.size, 1))
+    motor = np.full_like(x1[:-1], np.nan)
+    tables = {
+        "plant/state": table(
+            when.sample,
+            ("x1", "a1"),
+            position=np.hstack([x1[:-1], motor]),
+            velocity=np.hstack([v1[:-1], motor]),
+        ),
+        "numerical/state": table(when.tick, ("x2",), position=still, velocity=still, effort=still),
+        "numerical/force_reference": table(when.tick, ("a1",), effort=force),
+        "actuator/command": table(when.command, ("a1",), position=u_d, effort=told),
+    }
+    links = {n: LinkTable(START + u, START + s, START + u) for n, (u, s) in uses(true, when).items()}
+    return Recording(Path("bag"), "/rthm", None, "", tables, links, START, ())
+
+
+def told_later(one: Recording, name: str, late: np.ndarray) -> Recording:
+    link = one.links[name]
+    use = np.maximum.accumulate(link.use_ns + late.astype(np.int64))
+    return replace(one, links=one.links | {name: replace(link, use_ns=use)})
+
+
+def found(part: Part) -> list[tuple[str, str]]:
+    return [(one.block, one.kind) for one in part.physics]
+
+
+@pytest.fixture(scope="module")
+def exact() -> Part:
+    return diagnose_links(recording(paper()), paper())
+
+
+def test_an_exact_recording_has_nothing_wrong_with_its_links(exact):
+    assert not exact.physics and not exact.notes
+    assert [one.block for one in exact.blocks] == [f"link.tau{i}" for i in (1, 2, 3, 4)]
+    assert all(one.mismatch == 1.0 and not one.significant for one in exact.blocks)
+
+
+def test_every_link_and_kind_has_a_detection_limit(exact):
+    assert len(exact.detection_limits) == 16
+    assert all(0.0 < limit.value < 0.05 for limit in exact.detection_limits.values())
+
+
+@pytest.mark.parametrize("kind", SIZES)
+@pytest.mark.parametrize("link", ["tau1", "tau2", "tau3", "tau4"])
+def test_what_is_wrong_with_a_link_is_named_with_its_size(link, kind):
+    parameter, size = SIZES[kind]
+    part = diagnose_links(recording(with_effect(paper(), link, kind, **{parameter: size})), paper())
+    assert found(part) == [(f"link.{link}", kind)]
+    value = part.physics[0].parameters[parameter]
+    assert abs(value.value - size) < 4.0 * value.std
+    assert value.std < 0.35 * size
+    fit = part.fits[0].nrmse
+    assert fit["explained"] < 1.3 * fit["noise_floor"] + 1e-6
+    assert fit["explained"] < fit["nominal"]
+
+
+def test_one_phase_between_clocks_leaves_loss_and_jitter_alike():
+    # Td1 divides Td2, so the newest sample always has the same time to spare before a tick of Td2.
+    part = diagnose_links(recording(with_effect(paper(), "tau2", "loss", fraction=0.015), 40.0), paper())
+    jitter = next(one for one in part.alternatives if one.kind == "jitter")
+    assert jitter.block == "link.tau2" and not jitter.distinguishable
+
+
+@pytest.mark.parametrize("link", ["tau1", "tau2", "tau3", "tau4"])
+def test_stamps_of_another_clock_are_a_clock_offset_and_no_delay(link):
+    offset = 1_750_000
+    one = recording(with_effect(paper(), link, "clock_offset", offset=offset * 1e-9))
+    shifted = replace(one.links[link], sample_ns=one.links[link].sample_ns + offset)
+    part = diagnose_links(replace(one, links=one.links | {link: shifted}), paper())
+    assert found(part) == [(f"link.{link}", "clock_offset")]
+    assert part.physics[0].parameters["offset"].value == pytest.approx(offset * 1e-9)
+
+
+def test_a_clock_offset_of_whole_periods_is_told_by_the_values_used():
+    offset = 2 * paper().loop().timing.ns("td2")
+    one = recording(with_effect(paper(), "tau3", "clock_offset", offset=offset * 1e-9))
+    shifted = replace(one.links["tau3"], sample_ns=one.links["tau3"].sample_ns + offset)
+    part = diagnose_links(replace(one, links=one.links | {"tau3": shifted}), paper())
+    assert part.physics[0].parameters["offset"].value == pytest.approx(offset * 1e-9)
+
+
+def test_samples_used_too_early_are_a_clock_offset():
+    one = recording(with_effect(paper(), "tau4", "clock_offset", offset=-0.002))
+    part = diagnose_links(one, paper())
+    assert found(part) == [("link.tau4", "clock_offset")]
+    assert part.physics[0].parameters["offset"].value == pytest.approx(-0.002, abs=1e-6)
+
+
+def test_uses_that_a_busy_machine_tells_late_are_no_physics():
+    one, random = recording(paper()), np.random.default_rng(2)
+    for name in one.links:
+        late = 1e5 * random.lognormal(0.0, 0.7, len(one.links[name]))
+        late[500:504] += 15e6
+        one = told_later(one, name, late) if name != "tau4" else one
+    part = diagnose_links(one, paper())
+    assert not part.physics
+
+
+def test_samples_that_come_exponentially_late_are_no_physics():
+    one, random = recording(paper()), np.random.default_rng(3)
+    for name in ("tau3", "tau4"):
+        one = told_later(one, name, random.exponential(2e5, len(one.links[name])))
+    assert not diagnose_links(one, paper()).physics
+
+
+def test_two_kinds_on_one_link_are_both_found():
+    both = apply(
+        paper(),
+        {
+            "effects": ["late", "lost"],
+            "late": {"block": "link.tau2", "kind": "extra_delay", "delay": 0.002},
+            "lost": {"block": "link.tau2", "kind": "loss", "fraction": 0.08},
+        },
+    )
+    part = diagnose_links(recording(both, 40.0), paper())
+    assert found(part) == [("link.tau2", "extra_delay"), ("link.tau2", "loss")]
+
+
+def test_samples_missing_in_the_recording_are_not_lost_on_the_link():
+    one, random = recording(paper()), np.random.default_rng(4)
+    for topic in ("plant/state", "numerical/force_reference"):
+        rows = np.flatnonzero(random.random(len(one.tables[topic])) > 0.05)
+        one = replace(one, tables=one.tables | {topic: one.tables[topic].rows(np.union1d(0, rows))})
+    for name in ("tau1", "tau2", "tau3"):
+        rows = np.flatnonzero(random.random(len(one.links[name])) > 0.05)
+        one = replace(one, links=one.links | {name: one.links[name].rows(rows)})
+    assert not diagnose_links(one, paper()).physics
+
+
+def test_a_link_that_is_not_recorded_is_said_to_be_unchecked():
+    one = recording(paper())
+    part = diagnose_links(
+        replace(one, links={n: link for n, link in one.links.items() if n != "tau2"}), paper()
+    )
+    assert "links/tau2 is not recorded" in part.notes[0]
+    assert [block.block for block in part.blocks] == ["link.tau1", "link.tau3", "link.tau4"]
+
+
+@pytest.mark.parametrize("kind", SIZES)
+def test_a_spec_with_the_effect_that_was_found_leaves_nothing_to_find(kind):
+    parameter, size = SIZES[kind]
+    true = with_effect(paper(), "tau1", kind, **{parameter: size})
+    assert not diagnose_links(recording(true), true).physics
+
+
+def test_a_plant_alone_has_no_links():
+    alone = apply(paper(), dict.fromkeys(("numerical", "interface", "actuator", "timing", "load")))
+    assert diagnose_links(recording(paper()), alone) == Part()

@@ -28,3 +28,18 @@ def test_stability_prints_the_keys_of_the_contract():
 def test_stability_of_a_plant_alone_is_one_sentence_and_bad_input():
     done = rthm("stability", "decay", status=2)
     assert done.stderr.count("\n") == 1 and "plant alone" in done.stderr
+
+
+def test_response_prints_five_ways_for_every_pair_of_dofs():
+    done = rthm("response", "paper", "--omega", "1", "--omega", "2:3:3", "--json", "-")
+    found = json.loads(done.stdout)["response"]
+    assert len(found) == 4 * 4
+    assert {one["omega"] for one in found} == {1.0, 2.0, 2.5, 3.0}
+    assert found[0]["sampled"]["amplitude"] == pytest.approx(
+        found[0]["delays_and_holds"]["amplitude"], rel=0.01
+    )
+
+
+def test_a_frequency_that_is_no_number_is_one_sentence_and_bad_input():
+    done = rthm("response", "paper", "--omega", "fast", status=2)
+    assert done.stderr.count("\n") == 1 and "fast" in done.stderr

@@ -1,0 +1,1 @@
+"""Many loops: grids and draws of spec values."""

@@ -1,0 +1,43 @@
+"""``rthm response``: from a load on one dof to the motion of another."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from rthm_bringup.cli.options import Json, SpecName
+
+
+def verb(
+    omega: Annotated[
+        list[str],
+        typer.Option("--omega", metavar="W", help="Frequency in rad/s, or a:b:n; can be repeated."),
+    ],
+    spec: SpecName = "paper",
+    json: Json = None,
+) -> int:
+    """Compare the frequency response of the ideal system, of delays, and of the sampled loop."""
+    import numpy as np
+
+    from rthm_analysis.response import response
+    from rthm_analysis.sweep.ranges import numbers
+    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.output import put
+
+    frequencies = np.concatenate([numbers(text)[0] for text in omega])
+    result = response(spec_named(spec), frequencies)
+    put(result.as_dict(), _lines(result), json)
+    return 0
+
+
+def _lines(result) -> list[str]:
+    from rthm_analysis.response import WAYS
+    from rthm_bringup.cli.output import table
+
+    rows = [("load on, motion of", "rad/s", *(way.replace("_", " ") for way in WAYS))]
+    for one in result.as_dict()["response"]:
+        cells = [f"{one[way]['amplitude']:.5g} m/N {one[way]['phase_deg']:+.2f} deg" for way in WAYS]
+        rows.append((f"{one['input']}, {one['output']}", f"{one['omega']:g}", *cells))
+    unstable = [] if result.stable else ["the sampled loop is not stable: it never settles to its column."]
+    return [*result.left_out, *unstable, *table(rows)]

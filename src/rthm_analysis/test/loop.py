@@ -10,6 +10,7 @@ import numpy as np
 from rthm_analysis.energy.model import load_at
 from rthm_core.chance import normal
 from rthm_core.clock import to_ns
+from rthm_core.controller import Controller
 from rthm_core.link import NEVER
 from rthm_core.schedule import Schedule, overtaking
 from rthm_core.spec import Spec
@@ -98,9 +99,7 @@ def recorded(spec: Spec, duration: float) -> list[Message]:
     plant, numerical, force = _motion(spec, when, duration)
     held = _held(spec, plant, when.tick_state)
     reference = _reference(spec, held, numerical)
-    at_use = np.where(when.command_reference[:, None] >= 0, reference[when.command_reference], _first(spec))
-    part = _held(spec, plant, when.command_state)[:, : sides.actuators]
-    u_d = part + at_use / np.array(spec.k_tot)
+    u_d, at_use = _commands(spec, when, _held(spec, plant, when.command_state), reference)
     messages = [text("/rthm/spec", spec.expanded(), START)]
     n1, n2, m = len(loop.plant.dofs), len(loop.numerical.dofs), sides.actuators
     names = (*loop.plant.dofs, *loop.actuator.names)
@@ -157,7 +156,17 @@ def _reference(spec: Spec, held: np.ndarray, numerical: np.ndarray) -> np.ndarra
     return -sides.damping * (held[:, m:] - v2) - sides.stiffness * (held[:, :m] - x2)
 
 
-def _first(spec: Spec) -> np.ndarray:
-    held = _held(spec, np.zeros((1, 2 * len(spec.plant.dofs))), np.array([-1]))
-    start = np.array([[*spec.numerical.initial_position, *spec.numerical.initial_velocity]])
-    return _reference(spec, held, start)[0]
+def _commands(
+    spec: Spec, when: Stamps, held: np.ndarray, reference: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """u_d, and the F_d in it, at every command."""
+    schedule, controller, m = Schedule(spec), Controller(spec), len(spec.k_tot)
+    u_d, force = np.empty((when.command.size, m)), np.empty((when.command.size, m))
+    for row, t in enumerate(when.command):
+        state, number = when.command_state[row], when.command_reference[row]
+        if state >= 0:
+            controller.latch_state(int(state * schedule.td1), held[row, :m], held[row, m:])
+        if number >= 0:
+            controller.latch_force(int(number * schedule.td2), reference[number])
+        u_d[row], force[row] = controller.command(int(t)), controller.force
+    return u_d, force

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -62,6 +65,7 @@ def scale(spec: Spec) -> float:
 VARIANTS = {
     "paper": (),
     "motor": (("actuator.motor_poles", (400.0, 2000.0)),),
+    "prediction": (("actuator.compensator", "polynomial"), ("timing.tau3", 0.0105)),
     "load": (
         ("load.plant.dof", "x1"), ("load.plant.kind", "harmonic"),
         ("load.plant.amplitude", 1.0), ("load.plant.frequency", 2.4),
@@ -216,3 +220,21 @@ def test_names_that_do_not_fit_the_spec_are_refused(tmp_path: Path) -> None:
     found = read_recording(mcap_file(tmp_path / "x.mcap", [text("/rthm/spec", SPEC.expanded()), *states]))
     with pytest.raises(InputError, match="x1"):
         energy_of(found, None)
+
+
+def test_the_books_of_a_plant_with_friction_stay_within_their_arrays() -> None:
+    """Compiled code checks no bounds, so the same code is run as plain Python here."""
+    guide = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.05}
+    rubbing = apply(SPEC, {"effects": ["guide"], "guide": guide})
+    program = (
+        "import sys; from rthm_analysis.energy.rehearsal import rehearse; "
+        "from rthm_core.spec import read_spec; rehearse(read_spec(sys.argv[1]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, rubbing.expanded()],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr

@@ -1,7 +1,7 @@
 """The actuator controller: position cancellation and force feedforward.
 
 ``u_d = x1 [zoh1, tau1, zoh3] + F_d [tau3, zoh4] / k_tot`` (paper, (6) and (11)); a compensator may predict
-both terms.
+both terms (`rthm_core.compensators`).
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compensators import compensated, compensator_code
+from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated, compensation
 from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
 from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-HISTORY = 6
+HISTORY = HIGHEST_ORDER + 1
 """How many latched samples a compensator can look back on."""
 
 
@@ -28,10 +28,8 @@ class ControllerState(NamedTuple):
     ----------
     stiffness : (m,) array
         k_tot that the controller computes with, N/m.
-    compensator : int
-        Code of the compensator.
-    settings : array
-        What the compensator needs to know of the loop (see `compensators`).
+    compensation : Compensation
+        How delays are made up for.
     state_stamp, force_stamp : (HISTORY,) arrays
         Stamps of latched states and references, ns since the start.
     position, velocity, force : (HISTORY, m) arrays
@@ -39,8 +37,7 @@ class ControllerState(NamedTuple):
     """
 
     stiffness: Floats
-    compensator: int
-    settings: Floats
+    compensation: Compensation
     state_stamp: Integers
     position: Floats
     velocity: Floats
@@ -63,12 +60,10 @@ def controller(spec: Spec) -> ControllerState:
         np.array(loop.numerical.initial_position)[sides.numerical],
         np.array(loop.numerical.initial_velocity)[sides.numerical],
     )
-    code, settings = compensator_code(believed)
     past = -np.arange(1, HISTORY + 1, dtype=np.int64)
     return ControllerState(
         np.array(believed.k_tot, dtype=float),
-        code,
-        settings,
+        compensation(believed),
         past * loop.timing.ns("td1"),
         np.tile(x1.astype(float), (HISTORY, 1)),
         np.tile(v1.astype(float), (HISTORY, 1)),
@@ -120,11 +115,10 @@ def _latch_force(controller: ControllerState, stamp: int, force: Floats) -> None
 
 
 @compiled
-def _command(controller: ControllerState, now: int, out: Floats) -> None:
-    force_part = np.empty(out.size)
-    control(controller, now, out, force_part)
+def _command(controller: ControllerState, now: int, out: Floats, force: Floats) -> None:
+    compensated(controller, now, out, force)
     for i in range(out.size):
-        out[i] += force_part[i]
+        out[i] += force[i] / controller.stiffness[i]
 
 
 class Controller:
@@ -140,6 +134,7 @@ class Controller:
 
     def __init__(self, spec: Spec) -> None:
         self.compiled = controller(spec)
+        self._force = self.compiled.force[0].copy()
 
     def latch_state(self, stamp_ns: int, position: Floats, velocity: Floats) -> None:
         """Use the plant's motion (m,) at the interface dofs from now on."""
@@ -157,10 +152,10 @@ class Controller:
     def command(self, now_ns: int) -> Floats:
         """u_d (m,), in m."""
         out = np.empty(self.compiled.stiffness.size)
-        _command(self.compiled, now_ns, out)
+        _command(self.compiled, now_ns, out, self._force)
         return out
 
     @property
     def force(self) -> Floats:
-        """F_d (m,) in use, in N."""
-        return np.asarray(self.compiled.force[0])
+        """F_d (m,) in the last command, in N; with a compensator, as it was predicted."""
+        return np.array(self._force)

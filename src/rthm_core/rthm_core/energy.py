@@ -219,7 +219,7 @@ def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
 
     Rows and columns are the plant dofs, then the numerical dofs; tau' as in (20). Exact in the paper for one
     dof and one actuator a side, and written
-    here for every actuator by itself.
+    here for every actuator by itself. A compensator takes the terms of the plant's rows out.
     """
     loop, sides = spec.loop(), interface(spec)
     timing, n1, n2 = loop.timing, len(loop.plant.dofs), len(loop.numerical.dofs)
@@ -227,6 +227,8 @@ def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
     tau2 = timing.tau2 + 0.5 * (timing.td1 + timing.td2)
     tau3 = timing.tau3 + 0.5 * (timing.td2 + timing.td4)
     tau14, tau234, tau34 = tau1 + timing.tau4, tau2 + timing.tau3 + timing.tau4, tau3 + timing.tau4
+    if loop.actuator.compensator != "none":
+        tau14 = tau234 = tau34 = 0.0
     mass, damping = np.zeros((n1 + n2, n1 + n2)), np.zeros((n1 + n2, n1 + n2))
     for a in range(sides.actuators):
         i, j = int(sides.plant[a]), n1 + int(sides.numerical[a])

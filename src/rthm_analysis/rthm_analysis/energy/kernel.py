@@ -118,7 +118,7 @@ def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
     for j in range(sample.size):
         state.y[j] = sample[j]
     if laws is not None:
-        for row in range(state.pieces.size):
+        for row in range(laws.numbers.shape[0]):
             split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
             x, v = state.y[dof], state.y[n + dof]
             if split == POSITION:

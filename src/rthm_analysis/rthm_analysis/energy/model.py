@@ -8,6 +8,7 @@ import numpy as np
 
 from rthm_analysis.energy.kernel import Books
 from rthm_analysis.energy.series import Series
+from rthm_core.compensators import first_parts as command_parts
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import delay_matrices
 from rthm_core.engine.ledger import Ledger, ledger
@@ -16,7 +17,6 @@ from rthm_core.loads import NO_LOAD, Load, load, together
 from rthm_core.numerical import Numerical, NumericalSide, as_built, numerical
 from rthm_core.physical.advance import physical
 from rthm_core.physical.model import physical_model
-from rthm_core.physical.side import first_command
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def first_parts(spec: Spec) -> tuple[Floats, Floats, Floats, Floats]:
     x1 = np.array(loop.plant.initial_position, dtype=float)[sides.plant]
     v1 = np.array(loop.plant.initial_velocity, dtype=float)[sides.plant]
     z2 = np.array([*loop.numerical.initial_position, *loop.numerical.initial_velocity], dtype=float)
-    return z2, np.concatenate([x1, v1]), x1, first_command(spec) - x1
+    return z2, np.concatenate([x1, v1]), *command_parts(spec)
 
 
 def begins(spec: Spec, start_ns: int, ticks: Series) -> bool:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import to_ns
+from rthm_core.compensators import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.energy import TERMS
@@ -17,7 +18,7 @@ from rthm_core.engine.ledger import ledger
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
-from rthm_core.physical.side import build, first_command
+from rthm_core.physical.side import build
 from rthm_core.schedule import Schedule
 from rthm_core.substructure import as_built, interface
 
@@ -144,8 +145,7 @@ def _loop(spec: Spec, *, energies: bool) -> Loop:
         np.concatenate([x1, v1]).astype(float),
         control.force[0].copy(),
     )
-    command = first_command(spec)
-    book = ledger(spec, physical, number, x1.astype(float), command - x1, on=energies)
+    book = ledger(spec, physical, number, *first_parts(spec), on=energies)
     return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
 
 

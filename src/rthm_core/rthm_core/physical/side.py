@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rthm_core.compensators import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.physical.advance import (
     Physical,
@@ -16,7 +17,6 @@ from rthm_core.physical.advance import (
     physical,
 )
 from rthm_core.physical.model import physical_model
-from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -36,19 +36,11 @@ class PhysicalSample(NamedTuple):
 
 
 def first_command(spec: Spec) -> Floats:
-    """Command (m,) that has been there for ever before the test: position cancellation plus F_d(0) /
-    k_tot.
-    """
-    if spec.actuator is None or spec.plant is None:
+    """Command (m,) that has been there for ever before the test, in m."""
+    if spec.actuator is None:
         return np.empty(0)
-    believed, computed = as_built(spec, "controller"), as_built(spec, "numerical")
-    sides = interface(computed)
-    assert computed.numerical is not None
-    x1 = np.array(spec.plant.initial_position)[sides.plant]
-    v1 = np.array(spec.plant.initial_velocity)[sides.plant]
-    x2 = np.array(computed.numerical.initial_position)[sides.numerical]
-    v2 = np.array(computed.numerical.initial_velocity)[sides.numerical]
-    return np.asarray(x1 + sides.force(x1, v1, x2, v2) / np.array(believed.k_tot), dtype=float)
+    position_part, force_part = first_parts(spec)
+    return position_part + force_part
 
 
 def build(spec: Spec) -> Physical:

@@ -93,6 +93,19 @@ class ActuatorSpec(Section):
     ] = None
     transmission: TransmissionSpec | None = None
     compensator: Annotated[str, Choice(COMPENSATORS, "how the controller makes up for delays")] = "none"
+    compensator_order: Annotated[
+        int, Whole("1", "order of the polynomials of a polynomial compensator", minimum=1, maximum=4)
+    ] = 2
+    compensator_horizon: Annotated[
+        float | None,
+        Number(
+            "s",
+            "time from a command to its effect at the wire, as the compensator believes in it; "
+            "absent: tau4 + 1/kv + 1/ka",
+            minimum=0.0,
+            maximum=LONGEST_TIME,
+        ),
+    ] = None
 
     @property
     def k_tot(self) -> tuple[float, ...]:

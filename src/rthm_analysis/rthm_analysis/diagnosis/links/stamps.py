@@ -53,14 +53,14 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
 
 
 def _shifts(source: Integers, used: Integers, reach: int) -> Integers:
-    """Shifts within `reach` with which nearly all `used` stamps are stamps of the source."""
+    """Shifts within `reach` with which most `used` stamps are stamps of the source, as far as any."""
     first = np.searchsorted(source, used - reach)
     counts = np.searchsorted(source, used + reach, side="right") - first
     rows = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
     shifts, votes = np.unique(np.repeat(used, counts) - source[rows], return_counts=True)
     inside = (used - reach >= source[0]) & (used + reach <= source[-1])
-    enough = 0.9 * max(int(np.count_nonzero(inside)), used.size // 2)
-    return shifts[votes >= max(enough, 0.95 * votes.max(initial=0))]
+    enough = 0.5 * max(int(np.count_nonzero(inside)), used.size // 2)
+    return shifts[votes >= max(enough, 0.9 * votes.max(initial=0))]
 
 
 def _told_by_values(

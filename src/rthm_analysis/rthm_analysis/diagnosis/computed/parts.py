@@ -1,0 +1,330 @@
+"""The diagnosis of the blocks that compute."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.computed import words
+from rthm_analysis.diagnosis.computed.controller import (
+    MOST,
+    RIGHT,
+    Commands,
+    affine,
+    believed_stiffness,
+    commands_of,
+    energy,
+    fitted_compliance,
+)
+from rthm_analysis.diagnosis.computed.latched import delayed, latched
+from rthm_analysis.diagnosis.computed.numerical import (
+    Search,
+    Ticks,
+    errors,
+    load_doubt,
+    replay,
+    scales,
+    search,
+    size_of,
+    ticks_of,
+)
+from rthm_analysis.diagnosis.computed.structure import Structure, structure
+from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
+from rthm_analysis.recording import Recording
+from rthm_core.clock import NS, to_ns
+from rthm_core.schedule import Schedule
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+FLOOR = 1e-3
+"""Noise floor of a block that computes, over the rms of its output (contract, section 7)."""
+
+ROUNDING = 3e-6
+"""Error of one step, over the size of the step, that needs no explanation."""
+
+FEWEST = 30
+"""Ticks or commands below which nothing is said."""
+
+
+def diagnose_computed(recording: Recording, spec: Spec) -> Part:
+    """Find parameters that the controller or the numerical substructure has wrong.
+
+    Parameters
+    ----------
+    recording : Recording
+    spec : Spec
+        What the test was to be; of a plant alone nothing is said.
+
+    Returns
+    -------
+    Part
+        Blocks ``numerical`` and ``controller``.
+    """
+    if not spec.is_loop:
+        return Part()
+    schedule = Schedule(spec)
+    parts = [_numerical(recording, spec, schedule), _controller(recording, spec, schedule)]
+    return Part(
+        blocks=tuple(one for part in parts for one in part.blocks),
+        physics=tuple(one for part in parts for one in part.physics),
+        alternatives=tuple(one for part in parts for one in part.alternatives),
+        fits=tuple(one for part in parts for one in part.fits),
+        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
+        effects=tuple(one for part in parts for one in part.effects),
+        unexplained=tuple(one for part in parts for one in part.unexplained),
+        notes=tuple(one for part in parts for one in part.notes),
+    )
+
+
+def _unchecked(block: str, reason: str) -> Part:
+    return Part(notes=(f"{block}: {reason}, so what it computes with was not checked.",))
+
+
+# The numerical substructure
+
+
+def _numerical(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
+    if "numerical/state" not in recording.tables:
+        return _unchecked("numerical", "numerical/state is not recorded")
+    held = latched(recording, spec, schedule, "tau2")
+    if held is None:
+        return _unchecked("numerical", "links/tau2 is not recorded and cannot be derived")
+    ticks = ticks_of(recording, spec, held)
+    end = to_ns(recording.duration) + 1
+    train, judge, unseen = (ticks.part(end * i // 3, end * (i + 1) // 3) for i in range(3))
+    if min(train.steps.size, judge.steps.size, unseen.steps.size) < FEWEST:
+        return _unchecked("numerical", "too few of its ticks are recorded with what it used")
+    nominal = structure(spec)
+    enough = _enough(train, nominal)
+    found = search(train, judge, nominal, enough)
+    notes = _numerical_notes(recording, held.told)
+    return _numerical_part(recording, spec, ticks, unseen, nominal, found, enough, notes)
+
+
+def _numerical_notes(recording: Recording, told: bool) -> tuple[str, ...]:
+    notes = []
+    if not told:
+        notes.append(
+            "numerical: links/tau2 is not recorded: the samples it used are taken from the exact schedule."
+        )
+    if "numerical/force_reference" not in recording.tables:
+        notes.append("numerical: numerical/force_reference is not recorded: only its motion was checked.")
+    return tuple(notes)
+
+
+def _enough(train: Ticks, nominal: Structure) -> float:
+    """Error of a step that the unknown load between two ticks makes, over the size of the step."""
+    dt, n = train.period / NS, nominal.mass.shape[0]
+    kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_doubt(train) * dt
+    return ROUNDING + 3.0 * kick / float(scales(train).change[n:].min())
+
+
+def _numerical_part(
+    recording: Recording,
+    spec: Spec,
+    ticks: Ticks,
+    unseen: Ticks,
+    nominal: Structure,
+    found: Search,
+    enough: float,
+    notes: tuple[str, ...],
+) -> Part:
+    by_spec = replay(ticks, nominal)
+    known = np.isfinite(ticks.force) & np.isfinite(by_spec)
+    off = np.where(known, ticks.force - by_spec, 0.0)
+    size = max(float(np.sqrt(np.mean(ticks.force[known] ** 2))) if known.any() else 0.0, 1e-12)
+    mismatch = float(np.sqrt(np.mean(off[known] ** 2))) / (FLOOR * size) if known.any() else 0.0
+    limits = _numerical_limits(unseen, nominal, enough)
+    blocks = (Mismatch("numerical", mismatch, bool(found.names) or found.left > 10.0 * enough),)
+    if not found.names:
+        left = (
+            (words.not_one("numerical", FLOOR * mismatch, FLOOR * mismatch),) if blocks[0].significant else ()
+        )
+        return Part(blocks=blocks, detection_limits=limits, unexplained=left, notes=notes)
+    fit = _numerical_fit(unseen, nominal, found, recording.duration)
+    share = 1.0 - (fit.nrmse["explained"] / max(fit.nrmse["nominal"], 1e-15)) ** 2
+    work = _term_energy(recording, spec, ticks, found, nominal)
+    physics = tuple(
+        _wrong(nominal, found, i, share, work / len(found.names)) for i in range(len(found.names))
+    )
+    others = tuple(
+        Alternative("numerical", "wrong_parameter", fit.nrmse["nominal"] * error / found.nominal, True)
+        for name, error in sorted(found.tried.items(), key=lambda item: item[1])[1:3]
+    )
+    still = found.left > max(10.0 * enough, 0.05 * found.nominal)
+    left = (words.not_one("numerical", FLOOR * mismatch, FLOOR * mismatch * found.left / found.nominal),)
+    return Part(
+        blocks=blocks,
+        physics=physics,
+        alternatives=others,
+        fits=(fit,),
+        detection_limits=limits,
+        effects=tuple(_effect("numerical", one) for one in physics),
+        unexplained=left if still else (),
+        notes=notes,
+    )
+
+
+def _wrong(nominal: Structure, found: Search, i: int, share: float, work: float) -> Physics:
+    name = found.names[i]
+    value = Value(found.structure.value(name), float(found.std[i]), nominal.unit(name))
+    others = sorted((error, other) for other, error in found.tried.items() if other not in found.names)
+    after = ""
+    if others and len(found.names) == 1:
+        after = words.second_best(nominal.spec_name(others[0][1]), others[0][0] / max(found.left, 1e-15))
+    label = nominal.spec_name(name)
+    text = words.wrong("numerical", label, nominal.value(name), value, share, after)
+    return Physics("numerical", "wrong_parameter", None, {"name": label, "value": value}, text, work, share)
+
+
+def _effect(block: str, one: Physics) -> dict[str, object]:
+    value = one.parameters["value"]
+    number = value.value if isinstance(value, Value) else value
+    parameters = {"name": one.parameters["name"], "value": number}
+    return {"block": block, "kind": "wrong_parameter", "parameters": parameters}
+
+
+def _numerical_fit(unseen: Ticks, nominal: Structure, found: Search, duration: float) -> Fit:
+    """F_d on the last third, in a free run from the recorded state at its beginning."""
+    by_spec, by_found = replay(unseen, nominal), replay(unseen, found.structure)
+    known = (np.isfinite(unseen.force) & np.isfinite(by_spec)).all(axis=1)
+    recorded = unseen.force[known, 0]
+    scale = max(float(np.std(recorded)) if recorded.size else 0.0, 1e-12)
+    floor = FLOOR * float(np.sqrt(np.mean(recorded**2))) / scale if recorded.size else FLOOR
+    off = [size_of(recorded - one[known, 0]) / scale for one in (by_spec, by_found)]
+    nrmse = {"nominal": off[0], "retuned": off[0], "explained": off[1], "noise_floor": floor}
+    spans = (0.0, 2.0 * duration / 3.0), (2.0 * duration / 3.0, duration)
+    pictures = (recorded, by_spec[known, 0], by_spec[known, 0], by_found[known, 0])
+    return Fit("numerical", "F_d", None, *spans, nrmse, unseen.time[known] / NS, *pictures)
+
+
+def _numerical_limits(unseen: Ticks, nominal: Structure, enough: float) -> dict[str, Limit]:
+    """Smallest error of every parameter that would have been seen."""
+    sizes = scales(unseen)
+    error = errors(unseen, nominal, sizes)
+    limits = {}
+    for name in nominal.names:
+        reach = 1e-4 * max(abs(nominal.value(name)), 1e-3)
+        moved = errors(unseen, nominal.changed(name, nominal.value(name) + reach), sizes)
+        change = size_of(moved - error) / reach
+        label = f"numerical.wrong_parameter.{nominal.spec_name(name)}"
+        limits[label] = Limit(enough / max(change, 1e-15), nominal.unit(name))
+    return limits
+
+
+def _term_energy(recording: Recording, spec: Spec, ticks: Ticks, found: Search, nominal: Structure) -> float:
+    """Work, J, of the forces that the wrong values make with the recorded motion; + introduced.
+
+    Of a substructure's own parameter on its masses; of the interface's on both substructures, on the plant
+    when the force reference is at the motor.
+    """
+    wrong, timing, plant = found.structure, spec.loop().timing, recording.plant
+    n = nominal.mass.shape[0]
+    x2, v2 = ticks.z2[:, :n], ticks.z2[:, n:]
+    a2 = np.gradient(v2, ticks.time / NS, axis=0)
+    terms = ((wrong.mass - nominal.mass, a2), (wrong.damping - nominal.damping, v2))
+    terms = (*terms, (wrong.stiffness - nominal.stiffness, x2))
+    own = -sum(np.einsum("ij,nj,ni->n", change, motion, v2) for change, motion in terms)
+    more = wrong.force(ticks.held, ticks.z2) - nominal.force(ticks.held, ticks.z2)
+    own = own - np.sum(more * v2[:, nominal.dof], axis=1)
+    at = plant.stamp_ns - recording.start_ns
+    force = delayed(ticks.time, np.nan_to_num(more), timing.ns("tau3") + timing.ns("tau4"), at)
+    v1 = plant.columns("velocity", spec.loop().interface.plant_dof)
+    work = np.nansum(own[:-1] * np.diff(ticks.time)) + np.sum(np.sum(force * v1, axis=1)[:-1] * np.diff(at))
+    return float(work) / NS
+
+
+# The controller
+
+
+def _controller(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
+    if "actuator/command" not in recording.tables:
+        return _unchecked("controller", "actuator/command is not recorded")
+    compensator = spec.loop().actuator.compensator
+    if compensator != "none":
+        return _unchecked("controller", f"its commands go through the compensator {compensator}")
+    held = latched(recording, spec, schedule, "tau1")
+    if held is None:
+        return _unchecked("controller", "links/tau1 is not recorded and cannot be derived")
+    notes: tuple[str, ...] = ()
+    if not held.told:
+        notes = (
+            "controller: links/tau1 is not recorded: the samples it used are taken from the exact schedule.",
+        )
+    parts, names = [], spec.loop().actuator.names
+    for actuator in range(len(names)):
+        commands = commands_of(recording, spec, held, actuator)
+        if commands.time.size < FEWEST:
+            return _unchecked("controller", "too few commands are recorded with what they were made from")
+        parts.append(_one_actuator(recording, spec, commands, actuator))
+    worst = max((part.blocks[0] for part in parts), key=lambda block: (block.significant, block.mismatch))
+    return Part(
+        blocks=(worst,),
+        physics=tuple(one for part in parts for one in part.physics),
+        fits=tuple(one for part in parts for one in part.fits),
+        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
+        effects=tuple(one for part in parts for one in part.effects),
+        unexplained=tuple(one for part in parts for one in part.unexplained),
+        notes=notes,
+    )
+
+
+def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator: int) -> Part:
+    """Law of one actuator's commands."""
+    k_tot = believed_stiffness(spec)
+    compliance, name = 1.0 / k_tot[actuator], spec.loop().actuator.names[actuator]
+    off = commands.error(compliance)
+    label = "actuator.stiffness" if k_tot.size == 1 else f"actuator.stiffness[{actuator}]"
+    weight = max(size_of(commands.force), 1e-12) * compliance / k_tot[actuator]
+    limits = {f"controller.wrong_parameter.{label}": Limit(RIGHT * commands.size / weight, "N/m")}
+    mismatch = size_of(off) / (FLOOR * commands.size)
+    if commands.right(off) >= MOST:
+        limited = commands.right(off) < 1.0 - 1e-3
+        left = (words.unlike(name, 1.0 - commands.right(off), size_of(off)),) if limited else ()
+        told, unexplained = (left, ()) if spec.limits is not None else ((), left)
+        block = Mismatch("controller", mismatch, bool(unexplained))
+        return Part(blocks=(block,), detection_limits=limits, unexplained=unexplained, notes=told)
+    block = Mismatch("controller", mismatch, True)
+    train_end = to_ns(recording.duration) * 2 // 3
+    train, unseen = commands.rows(commands.time < train_end), commands.rows(commands.time >= train_end)
+    value, std = fitted_compliance(train)
+    if not np.isfinite(value) or value <= 0.0 or unseen.right(unseen.error(value)) < MOST:
+        text = _other(train, unseen, name, compliance, off)
+        return Part(blocks=(block,), detection_limits=limits, unexplained=(text,))
+    fit = _command_fit(unseen, compliance, value, recording.duration)
+    share = 1.0 - (fit.nrmse["explained"] / max(fit.nrmse["nominal"], 1e-15)) ** 2
+    stiffness = Value(1.0 / value, std / value**2, "N/m")
+    text = words.wrong("controller", label, float(k_tot[actuator]), stiffness, share, "")
+    work = energy(recording, spec, commands, off, actuator)
+    parameters: dict[str, Value | str] = {"name": label, "value": stiffness}
+    one = Physics("controller", "wrong_parameter", None, parameters, text, work, share)
+    return Part(
+        blocks=(block,),
+        physics=(one,),
+        fits=(fit,),
+        detection_limits=limits,
+        effects=(_effect("controller", one),),
+    )
+
+
+def _other(train: Commands, unseen: Commands, name: str, compliance: float, off: Floats) -> str:
+    """Another law of x1 and F_d, if there is one; else how far off the commands are."""
+    gains, left = affine(train)
+    basis = np.column_stack([unseen.x1, unseen.force, np.ones(unseen.u_d.size)])
+    if left < 0.1 * size_of(off) and size_of(unseen.u_d - basis @ gains) < 0.1 * size_of(off):
+        return words.other_law(name, (float(gains[0]), float(gains[1]), float(gains[2])), compliance)
+    return words.unlike(name, float(np.mean(np.abs(off) > RIGHT * train.size)), size_of(off))
+
+
+def _command_fit(unseen: Commands, nominal: float, found: float, duration: float) -> Fit:
+    scale = max(float(np.std(unseen.u_d)), 1e-12)
+    by_spec, by_found = (unseen.u_d - unseen.error(one) for one in (nominal, found))
+    off = [size_of(unseen.u_d - one) / scale for one in (by_spec, by_found)]
+    floor = FLOOR * size_of(unseen.u_d) / scale
+    nrmse = {"nominal": off[0], "retuned": off[0], "explained": off[1], "noise_floor": floor}
+    spans = (0.0, 2.0 * duration / 3.0), (2.0 * duration / 3.0, duration)
+    pictures = (unseen.u_d, by_spec, by_spec, by_found)
+    return Fit("controller", "u_d", None, *spans, nrmse, unseen.time / NS, *pictures)

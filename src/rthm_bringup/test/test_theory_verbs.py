@@ -43,3 +43,18 @@ def test_response_prints_five_ways_for_every_pair_of_dofs():
 def test_a_frequency_that_is_no_number_is_one_sentence_and_bad_input():
     done = rthm("response", "paper", "--omega", "fast", status=2)
     assert done.stderr.count("\n") == 1 and "fast" in done.stderr
+
+
+def test_sweep_writes_a_table_and_a_picture_and_goes_on_where_it_was(tmp_path):
+    order = ["sweep", "paper", "--set", "timing.tau1=0.001:0.004:4", "--duration", "0", "--workers", "1"]
+    first = json.loads(rthm(*order, "-o", tmp_path / "found", "--json", "-").stdout)
+    assert first["loops"] == 4 and first["found_before"] == 0
+    assert all(row["stable"] for row in first["rows"])
+    assert (tmp_path / "found/sweep.parquet").is_file() and (tmp_path / "found/sweep.png").is_file()
+    again = json.loads(rthm(*order, "-o", tmp_path / "found", "--json", "-").stdout)
+    assert again["found_before"] == 4 and again["rows"] == first["rows"]
+
+
+def test_a_key_that_the_spec_does_not_know_is_one_sentence_and_bad_input(tmp_path):
+    done = rthm("sweep", "--set", "timing.tau9=1:2:3", "-o", tmp_path / "none", status=2)
+    assert done.stderr.count("\n") == 1 and "tau9" in done.stderr

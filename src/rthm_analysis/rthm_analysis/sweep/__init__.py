@@ -1,1 +1,1 @@
-"""Many loops: grids and draws of spec values."""
+"""Many loops: grids and random draws of spec values, on this machine or a Dask cluster."""

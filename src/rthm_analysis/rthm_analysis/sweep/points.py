@@ -1,0 +1,70 @@
+"""Which loops a sweep runs: all combinations of some values, or random draws between their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.sweep.ranges import Range
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+SCALE = "timing.scale"
+"""Key beside those of the spec: a factor on all periods and delays."""
+
+MOST_LOOPS = 10_000_000
+
+
+def grid(ranges: Sequence[Range]) -> Floats:
+    """All combinations (N, K) of the values, the last key changing fastest."""
+    count = float(np.prod([float(one.values.size) for one in ranges]))
+    if count > MOST_LOOPS:
+        raise InputError(
+            f"the grid has {count:.3g} loops, but at most {MOST_LOOPS} are allowed; make it coarser."
+        )
+    axes = np.meshgrid(*(one.values for one in ranges), indexing="ij")
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
+def draws(ranges: Sequence[Range], count: int, seed: int) -> Floats:
+    """Random values (N, K), even between the ends of each range (in the logarithm for ``log``)."""
+    if not 1 <= count <= MOST_LOOPS:
+        raise InputError(f"draw is {count}, but must be from 1 to {MOST_LOOPS} loops; correct it.")
+    even = np.random.default_rng(seed).uniform(size=(count, len(ranges)))
+    columns = [
+        one.begin * (one.end / one.begin) ** even[:, k]
+        if one.log
+        else one.begin + (one.end - one.begin) * even[:, k]
+        for k, one in enumerate(ranges)
+    ]
+    return np.stack(columns, axis=1)
+
+
+def changed(spec: Spec, keys: Sequence[str], values: Sequence[float]) -> Spec:
+    """The spec with the values of one loop.
+
+    Raises
+    ------
+    InputError
+        If a key is not known or a value not allowed.
+    """
+    changes = dict(zip(keys, (float(value) for value in values), strict=True))
+    factor = changes.pop(SCALE, None)
+    spec = apply(spec, changes) if changes else spec
+    return spec if factor is None else spec.scaled_timing(factor)
+
+
+def check_ends(spec: Spec, ranges: Sequence[Range]) -> None:
+    """Refuse a sweep whose ranges have ends that the spec does not allow, before it starts."""
+    keys = [one.key for one in ranges]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"{key} is given {keys.count(key)} times, but must be given once; remove one.")
+    for ends in ("begin", "end"):
+        changed(spec, keys, [getattr(one, ends) for one in ranges])

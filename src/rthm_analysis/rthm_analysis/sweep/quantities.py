@@ -1,0 +1,75 @@
+"""What a sweep finds out about one loop."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.stability import stability
+from rthm_core.compiled import Floats
+from rthm_core.energy import TERMS
+from rthm_core.engine import Trajectory, simulate
+from rthm_core.substructure import interface
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+STABILITY = ("spectral_radius", "growth_rate", "frequency", "damping_ratio")
+"""Of the linear part; frequency and damping ratio are those of the mode that fades most slowly."""
+
+ENERGIES = (*TERMS, "E_err", "E_total", "balance_error")
+MOTION = ("equivalent_damping", "max_error", "rms_error")
+"""Damper between plant and ground that drains what E_err does, N s/m; distance of the plant from the ideal
+system, m."""
+
+QUANTITIES = (*STABILITY, *ENERGIES, *MOTION)
+
+ROWS = 2000
+"""Rows of a simulation, at least; the energies do not depend on them."""
+
+LONGEST_STEP = 0.01
+
+
+def measure(spec: Spec, duration: float) -> dict[str, float]:
+    """Quantities of one loop; those that need a simulation are nan when `duration` (s) is zero."""
+    found = dict.fromkeys(QUANTITIES, np.nan)
+    found |= _stability(spec)
+    if duration > 0.0:
+        sample = min(duration / ROWS, LONGEST_STEP)
+        hybrid = simulate(spec, duration, sample)
+        found |= _energies(hybrid)
+        found |= _motion(spec, hybrid, simulate(spec, duration, sample, "ideal", energies=False))
+    return {name: float(value) for name, value in found.items()}
+
+
+def _stability(spec: Spec) -> dict[str, float]:
+    result = stability(spec, limits=False)
+    slowest = result.modes[0]
+    return {
+        "spectral_radius": result.spectral_radius,
+        "growth_rate": float(np.log(result.spectral_radius) / result.hyperperiod),
+        "frequency": slowest.frequency,
+        "damping_ratio": slowest.damping_ratio,
+    }
+
+
+def _energies(hybrid: Trajectory) -> dict[str, float]:
+    last = {name: float(values[-1]) for name, values in hybrid.energies.items()}
+    last["E_err"] = last["E_num"] + last["E_ff"] + last["E_fx"]
+    return last | {"balance_error": float(np.abs(hybrid.balance_error).max())}
+
+
+def _motion(spec: Spec, hybrid: Trajectory, ideal: Trajectory) -> dict[str, float]:
+    error = hybrid.plant_position - ideal.plant_position
+    passed = _integral(hybrid.t, np.sum(hybrid.plant_velocity[:, interface(spec).plant] ** 2, axis=1))
+    drained = -sum(float(hybrid.energies[name][-1]) for name in ("E_num", "E_ff", "E_fx"))
+    return {
+        "equivalent_damping": drained / passed if passed > 0.0 else np.nan,
+        "max_error": float(np.abs(error).max()),
+        "rms_error": float(np.sqrt(np.mean(error**2))),
+    }
+
+
+def _integral(t: Floats, values: Floats) -> float:
+    return float(np.sum(0.5 * np.diff(t) * (values[1:] + values[:-1])))

@@ -1,0 +1,91 @@
+"""``rthm sweep``: many loops, on this machine or a Dask cluster."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rthm_bringup.cli.options import Json, SpecName
+from rthm_core.errors import InputError
+
+
+def verb(
+    given: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="KEY=A:B:N",
+            help="Values of a spec entry: a:b:n, a:b:n:log or v,v,...; timing.scale is a factor on all "
+            "periods and delays. Can be repeated: all combinations.",
+        ),
+    ],
+    spec: SpecName = "paper",
+    draw: Annotated[
+        int | None, typer.Option(metavar="N", help="Random draws between a and b instead of a grid.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Number from which the draws follow.")] = 0,
+    duration: Annotated[
+        float, typer.Option(metavar="S", help="Length of every simulation in s; 0: stability alone.")
+    ] = 20.0,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the results.")] = Path(
+        "sweep"
+    ),
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", help="Processes; by default one for each processor.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786.")
+    ] = None,
+    json: Json = None,
+) -> int:
+    """Run many loops; interrupted, the same command goes on where it stopped."""
+    from rthm_analysis.sweep.batch import Order
+    from rthm_analysis.sweep.picture import draw as draw_picture
+    from rthm_analysis.sweep.points import check_ends, draws, grid
+    from rthm_analysis.sweep.ranges import given_range
+    from rthm_analysis.sweep.sweep import sweep
+    from rthm_analysis.sweep.workers import cluster_workers, cores, local_workers
+    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.output import progress_bar, put
+
+    if not 0.0 <= duration < 1e6 or (workers is not None and workers < 1):
+        raise InputError(
+            f"duration {duration!r} s and workers {workers!r} are given, but a duration must be from 0 to "
+            f"1e6 s and there must be at least one worker; correct them."
+        )
+    test, ranges = spec_named(spec), [given_range(text) for text in given]
+    check_ends(test, ranges)
+    values = grid(ranges) if draw is None else draws(ranges, draw, seed)
+    order = Order(test.expanded(), tuple(one.key for one in ranges), duration)
+    if out.exists() and not out.is_dir():
+        raise InputError(f"{out} is a file, but must be a folder or not be there yet; give another name.")
+    crew = local_workers(workers or cores()) if scheduler is None else cluster_workers(scheduler)
+    with crew as found, progress_bar("loops", values.shape[0]) as report:
+        done = sweep(order, values, out, found, report)
+    picture = out / "sweep.png"
+    draw_picture(done.table, ranges, picture, drawn=draw is not None)
+    put(_result(done, out, picture), _lines(done, out, picture), json)
+    return 0
+
+
+def _result(done, out: Path, picture: Path) -> dict:
+    return {
+        "table": str(out / "sweep.parquet"),
+        "picture": str(picture),
+        "loops": done.loops,
+        "found_before": done.found_before,
+        "batches": done.batches,
+        "rows": done.table.to_pylist(),
+    }
+
+
+def _lines(done, out: Path, picture: Path) -> list[str]:
+    stable = sum(one is True for one in done.table["stable"].to_pylist())
+    refused = [sentence for sentence in done.table["refused"].to_pylist() if sentence]
+    lines = [
+        f"{done.loops} loops, {stable} of them stable; {done.found_before} were there before",
+        f"{out / 'sweep.parquet'}, {picture}",
+    ]
+    return [*lines, *([f"{len(refused)} were refused, the first: {refused[0]}"] if refused else [])]

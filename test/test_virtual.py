@@ -11,14 +11,16 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from mcap.reader import make_reader
 
-from rthm_analysis.recording import Recording, read_recording
-from rthm_core.engine import simulate
+from rthm_analysis.recording import read_recording
 from rthm_core.schedule import Schedule
-from rthm_core.spec import Spec, parameters, read_spec, shipped_spec, spec_from_parameters, write_spec
+from rthm_core.spec import parameters, read_spec, shipped_spec, spec_from_parameters, write_spec
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from benchmarks.realtime.compare import payloads, worst_difference  # noqa: E402
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
@@ -57,35 +59,11 @@ def run(environment: dict[str, str], file: Path, out: Path) -> Path:
     return Path(json.loads(done.stdout)["bag"])
 
 
-def worst_difference(recording: Recording, spec: Spec) -> float:
-    """Largest difference of any position between a recording and the exact engine, m."""
-    schedule, worst = Schedule(spec), 0.0
-    for topic, period, what in (
-        ("plant/state", schedule.td1, "plant_position"),
-        ("numerical/state", schedule.td2, "numerical_position"),
-    ):
-        table, exact = recording.tables[topic], simulate(spec, DURATION, period / 1e9, energies=False)
-        row = (table.stamp_ns - recording.start_ns) // period
-        columns = getattr(exact, what).shape[1]
-        worst = max(worst, float(np.abs(table.position[:, :columns] - getattr(exact, what)[row]).max()))
-    return worst
-
-
-def payloads(bag: Path) -> dict[str, list[bytes]]:
-    """Bytes of every message of the loop, by topic, in order."""
-    found: dict[str, list[bytes]] = {}
-    for file in sorted(bag.glob("*.mcap")):
-        with file.open("rb") as stream:
-            for _, channel, message in make_reader(stream).iter_messages():
-                found.setdefault(channel.topic, []).append(message.data)
-    return {topic: data for topic, data in found.items() if topic not in ("/diagnostics", "/rthm/energy")}
-
-
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path: Path, name: str) -> None:
     file = spec(CHANGES[name], tmp_path)
     recording = read_recording(run(environment, file, tmp_path / "out"))
-    assert worst_difference(recording, read_spec(file)) < 1e-9
+    assert worst_difference(recording, read_spec(file), DURATION) < 1e-9
     schedule = Schedule(read_spec(file))
     end = round(DURATION * 1e9)
     assert len(recording.plant) == end // schedule.td1 + 1
@@ -111,4 +89,4 @@ def test_repeated_it_gives_the_same_bytes_from_separate_processes(
     assert len(one["/rthm/plant/state"]) == 1251
     assert set(one) == set(two)
     assert all(one[topic] == two[topic] for topic in one)
-    assert worst_difference(read_recording(again), read_spec(file)) < 1e-9
+    assert worst_difference(read_recording(again), read_spec(file), DURATION) < 1e-9

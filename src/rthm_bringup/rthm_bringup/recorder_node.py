@@ -30,8 +30,8 @@ from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPAC
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros import system
+from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions
-from rthm_core.ros.virtual import Observer
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}

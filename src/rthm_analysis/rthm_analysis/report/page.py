@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.bag_analysis import to_json
-from rthm_analysis.report import figures, tables
+from rthm_analysis.report import tables
 from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
 from rthm_analysis.report.verdict import verdict
@@ -87,6 +87,8 @@ def page(gathered: Gathered) -> str:
 
 
 def _sections(gathered: Gathered) -> list[Section]:
+    from rthm_analysis.report import figures  # a second of bokeh, which who only asks for the verdict saves
+
     span, spec, timing = figures.time_axis(gathered), gathered.spec, gathered.timing
     loop = [draw_loop(spec, timing)] if spec and spec.is_loop else []
     single = [[plot] for plot in figures.motion(gathered, span)]

@@ -27,8 +27,8 @@ from rthm_core.ros.agenda import Position
 from rthm_core.ros.grants import NOTHING, PARTS, SOURCES, Counts, Done, Grant
 from rthm_core.spec import Spec
 
-HELD = 50
-"""Messages of one topic that an observer may be behind: half of what the topic keeps for it."""
+HELD = 400
+"""Messages of one topic that an observer may be behind: less than half of what the topic keeps for it."""
 WINDOW = 25
 """Ticks of the fastest clock in the longest window, so that nobody is flooded."""
 START = Position(0, 0)

@@ -19,12 +19,15 @@ from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
+from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
 
 HEAD_START = NS
 """From the agreement on the begin to the begin: time for every node to be activated, ns."""
+COMPILING = 300.0
+"""How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
 """After the last sample, for what is said about its use, ns."""
 LATEST = 10.0
@@ -71,10 +74,12 @@ class Session:
         own += roles.COORDINATOR if self._plan.virtual else []
         for role in own:
             self._start(role)
+        rehearsal = Rehearsal(self._plan.spec)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
         self._view.phase("configuring the nodes")
-        conductor.step("configure", self._managed, 300.0)
+        conductor.step("configure", self._managed, COMPILING)
+        conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
 
     def _wait_ready(self, conductor: Conductor) -> None:

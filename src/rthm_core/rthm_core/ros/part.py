@@ -18,11 +18,12 @@ from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.diagnostics import Diagnostics
+from rthm_core.ros.granted import Grants
 from rthm_core.ros.managed import ManagedNode
 from rthm_core.ros.ports import Ports
 from rthm_core.ros.qos import samples
 from rthm_core.ros.realtime import RealTime
-from rthm_core.ros.virtual import Grants, Virtual
+from rthm_core.ros.virtual import Virtual
 from rthm_core.spec import Spec
 
 REHEARSED = 5

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.xdist_group("colcon")  # one build serves all
-
 ROOT = Path(__file__).parent.parent
 PACKAGES = ["rthm_actuator", "rthm_analysis", "rthm_bringup", "rthm_core", "rthm_numerical", "rthm_plant_sim"]
 

@@ -9,6 +9,7 @@ import pytest
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.result import Part
 from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_core.schedule import newest_arrived
 from rthm_core.spec import Spec, apply, shipped_spec
 
 from .conftest import START
@@ -207,3 +208,37 @@ def test_a_spec_with_the_effect_that_was_found_leaves_nothing_to_find(kind):
 def test_a_plant_alone_has_no_links():
     alone = apply(paper(), dict.fromkeys(("numerical", "interface", "actuator", "timing", "load")))
     assert diagnose_links(recording(paper()), alone) == Part()
+
+
+def stalled(one: Recording, spec: Spec, seed: int) -> Recording:
+    """The same test on a machine that stands still 20 times; what is sent meanwhile arrives afterwards."""
+    random, timing = np.random.default_rng(seed), spec.loop().timing
+    begins = random.integers(0, int(DURATION * 1e9), 20)
+    ends = begins + random.integers(3_000_000, 40_000_000, 20)
+
+    def arrivals(sent: np.ndarray, tau: int) -> np.ndarray:
+        arrival = sent + random.integers(100_000, 300_000, sent.size)
+        for begin, end in zip(begins, ends, strict=True):
+            held = (arrival >= begin) & (arrival < end)
+            arrival = np.where(held, end + random.integers(0, 200_000, sent.size), arrival)
+        return np.maximum(arrival, sent + tau)
+
+    links = {}
+    sent = one.plant.stamp_ns - START
+    for name, clock in (("tau1", "td3"), ("tau2", "td2")):
+        ticks = np.arange(0, int(DURATION * 1e9), timing.ns(clock))
+        number = newest_arrived(np.arange(sent.size), arrivals(sent, timing.ns(name)), ticks)
+        use, sample = START + ticks[number >= 0], START + sent[number[number >= 0]]
+        links[name] = LinkTable(use, sample, use)
+    for name in ("tau3", "tau4"):
+        sample = one.links[name].sample_ns
+        use = START + arrivals(sample - START, timing.ns(name))
+        order = np.lexsort((sample, use))
+        kept = order[sample[order] == np.maximum.accumulate(sample[order])]
+        links[name] = LinkTable(use[kept], sample[kept], use[kept])
+    return replace(one, links=links)
+
+
+def test_stalls_of_a_machine_are_neither_loss_nor_jitter():
+    for seed in (5, 6):
+        assert not diagnose_links(stalled(recording(paper()), paper(), seed), paper()).physics

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
 from rthm_analysis.recording import LinkTable, Recording
 from rthm_analysis.timing.links import SOURCES, clock_of, ticks_of
@@ -107,6 +108,8 @@ def link_evidence(recording: Recording, spec: Spec, schedule: Schedule, name: st
     known = link.offset_ns if offset else 0
     due = link.due_all(stamp) - known
     low, high = _intervals(due, at, row, exact=not receiver)
+    stalled = stalled_at_ticks(due, at, row) if receiver else overtaken_after_stalls(high, row)
+    low[stalled], high[stalled] = -np.inf, np.inf
     if not link.constant:
         low = np.where(due >= NEVER - abs(known), -np.inf, low)
         if not _as_drawn(due, low, high):

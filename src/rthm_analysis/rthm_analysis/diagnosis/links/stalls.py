@@ -1,0 +1,66 @@
+"""Samples whose fate a standing machine decided: they tell nothing about the link.
+
+While a process or a network stands still, several samples in a row fail to arrive, and come all at once
+afterwards, in any order. Losses and jitter, drawn anew for every sample, do that as rarely as chance has it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+
+IN_A_ROW = 3
+"""Samples that are missing at one tick in a stall."""
+
+UNLIKELY = 3.0
+"""So many times more ticks without as many samples as chance has them are stalls."""
+
+RARE = 0.06
+"""Largest share of the uses that may be stalls; what is more frequent is how the link is."""
+
+LATE = 1e-3
+"""A sample that overtook others and was itself this late, s, came after a stall."""
+
+
+def stalled_at_ticks(due: Integers, at: Integers, row: Integers) -> Integers:
+    """Samples that were passed over in stalls, where the receiver is on a clock.
+
+    Parameters
+    ----------
+    due : (n,) array
+        When the samples are nominally due, ns.
+    at, row : (u,) arrays
+        Ticks, ns, and the sample used at each.
+    """
+    newest = np.searchsorted(due, at, side="right") - 1
+    missing = np.maximum(newest - row, 0)
+    several, any_at_all = np.mean(missing >= IN_A_ROW), np.mean(missing >= 1)
+    if several <= UNLIKELY * any_at_all**IN_A_ROW or several > RARE:
+        return np.empty(0, dtype=np.int64)
+    episode = np.cumsum(np.diff(missing > 0, prepend=False) != 0)
+    deepest = np.zeros(int(episode[-1]) + 1, dtype=np.int64)
+    np.maximum.at(deepest, episode, missing)
+    stalled = np.flatnonzero((deepest[episode] >= IN_A_ROW) & (missing > 0))
+    passed = [np.arange(row[k] + 1, newest[k] + 1) for k in stalled]
+    return np.unique(np.concatenate(passed)) if passed else np.empty(0, dtype=np.int64)
+
+
+def overtaken_after_stalls(high: Floats, row: Integers) -> Integers:
+    """Samples that were overtaken when a stall ended, where the receiver uses samples as they come.
+
+    Parameters
+    ----------
+    high : (n,) array
+        Extra delay of the samples that were used, s; infinite for others.
+    row : (u,) array
+        Samples used, in the order of their uses.
+    """
+    unused = np.flatnonzero(np.isinf(high))
+    newer = np.searchsorted(row, unused)
+    unused, newer = unused[newer < row.size], newer[newer < row.size]
+    overtaken = unused[high[row[newer]] > LATE]
+    return overtaken if overtaken.size <= RARE * high.size else np.empty(0, dtype=np.int64)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,7 +30,9 @@ class Channel:
     @property
     def signal(self) -> str:
         """Name for the eye: x1, v1, F and u where there is one of each."""
-        number = self.place[1:] if self.place[:1] in ("x", "a") and self.place[1:].isdigit() else f"_{self.place}"
+        number = (
+            self.place[1:] if self.place[:1] in ("x", "a") and self.place[1:].isdigit() else f"_{self.place}"
+        )
         if self.family == "position":
             return self.place
         if self.family == "velocity":
@@ -74,6 +76,21 @@ class Evidence:
         """Of the samples, s."""
         return self.stamps_ns / NS
 
+    def first(self, samples: int) -> Evidence:
+        """The first part of it."""
+        return replace(
+            self,
+            stamps_ns=self.stamps_ns[:samples],
+            load=self.load[:samples],
+            measured=self.measured[:samples],
+        )
+
+    def only(self, *families: str) -> Evidence:
+        """What channels of some families say."""
+        kept = [i for i, channel in enumerate(self.channels) if channel.family in families]
+        channels = tuple(self.channels[i] for i in kept)
+        return replace(self, channels=channels, measured=self.measured[:, kept])
+
 
 def gather(recording: Recording, spec: Spec) -> Evidence:
     """Collect what drives the physical side and what was measured of it."""
@@ -86,7 +103,9 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
     names = spec.actuator.names if spec.actuator else ()
     due, commands = _commands(recording, names)
     if names and not due.size:
-        notes.append("No commands are recorded: motor and wire cannot be checked; the measured force drives the plant.")
+        notes.append(
+            "No commands are recorded: motor and wire cannot be checked; the measured force drives the plant."
+        )
         names = ()
         others = [name for name in plant.names if name not in dofs]
         load = _with_forces(plant, others, load, spec)
@@ -121,7 +140,11 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
 def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats:  # type: ignore[no-untyped-def]
     """Add the forces of the names beyond the dofs: on the dof of their actuator, or on the only one."""
     total = load.copy()
-    places = dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False)) if spec.actuator and spec.interface else {}
+    places = (
+        dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False))
+        if spec.actuator and spec.interface
+        else {}
+    )
     for name, column in zip(others, np.nan_to_num(plant.columns("effort", others)).T, strict=True):
         dof = spec.plant.dofs.index(places[name]) if name in places else 0  # type: ignore[union-attr]
         total[:, dof] += column

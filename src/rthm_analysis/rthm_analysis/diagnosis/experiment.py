@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.grid import Grid, grid
-from rthm_analysis.diagnosis.kernel import Mechanics, replay_mechanics
+from rthm_analysis.diagnosis.kernel import replay_mechanics
 from rthm_analysis.diagnosis.mechanics import fastest, mechanics
 from rthm_analysis.diagnosis.motor import motor_delay, motor_motion
 from rthm_analysis.diagnosis.sensing import sensed
-from rthm_core.clock import NS
+from rthm_analysis.diagnosis.windows import Windows
 from rthm_core.effects import effect
-from rthm_core.physical.side import first_command
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 
 LONGEST_PHASE = 0.35
 """Longest step of a replay, in radians of the fastest motion of the mechanics."""
+
+MOST_SUBSTEPS = 50
+
+KEPT = 3
+"""Motions that are kept."""
 
 SENSORS = ("sensor.position", "sensor.velocity", "sensor.force")
 
@@ -54,26 +59,36 @@ class Experiment:
     Parameters
     ----------
     evidence : Evidence
+    first : (m,) array
+        Command that had been there for ever before the test.
     held : bool
         Whether a load that is known by its samples is held between them; else it is smooth.
     """
 
     evidence: Evidence
+    first: Floats
     held: bool = False
     _motors: dict[str, tuple[Grid, Floats, Floats]] = field(default_factory=dict)
+    _motions: dict[str, Motion] = field(default_factory=dict)
+    _lock: Lock = field(default_factory=Lock)
 
-    def motion(self, spec: Spec) -> Motion:
-        """Motion of the physical side of `spec` under the recorded inputs."""
+    def motion(self, spec: Spec, windows: Windows) -> Motion:
+        """Motion of the physical side of `spec` under the recorded inputs; kept for the last few models."""
         bare = _without_sensors(spec)
-        points, motor, load = self._inputs(bare)
-        arrays = mechanics(bare, motor[0, 0])
-        longest = float(np.diff(points.time).max(initial=0.0))
-        substeps = max(1, math.ceil(longest * fastest(arrays, bare) / LONGEST_PHASE))
-        return self._replay(arrays, points, motor, load, min(substeps, 50))
+        key = repr(bare) + str(hash(windows.state.tobytes()))
+        with self._lock:
+            kept = self._motions.get(key)
+        if kept is None:
+            kept = self._moved(bare, windows)
+            with self._lock:
+                while len(self._motions) > KEPT:
+                    self._motions.pop(next(iter(self._motions)))
+                self._motions[key] = kept
+        return kept
 
-    def predicted(self, spec: Spec, motion: Motion | None = None) -> Floats:
+    def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
-        motion = motion or self.motion(spec)
+        motion = self.motion(spec, windows)
         assert spec.plant is not None
         columns = []
         for channel in self.evidence.channels:
@@ -82,15 +97,37 @@ class Experiment:
             columns.append(sensed(self.evidence.time, true, _effects_on(spec, channel)))
         return np.stack(columns, axis=1)
 
+    def _moved(self, spec: Spec, windows: Windows) -> Motion:
+        points, motor, load = self._inputs(spec)
+        if all(channel.family == "motor" for channel in self.evidence.channels):
+            nothing = np.empty((points.sample.size, 0))
+            return Motion(nothing, nothing, nothing, nothing, motor[points.sample, 0])
+        arrays = mechanics(spec, motor[0, 0])
+        longest = float(np.diff(points.time).max(initial=0.0))
+        substeps = min(max(1, math.ceil(longest * fastest(arrays, spec) / LONGEST_PHASE)), MOST_SUBSTEPS)
+        n, m = load.shape[2], motor.shape[2]
+        out = np.zeros((points.sample.size, 3 * n + m))
+        starts = points.sample[windows.start]
+        replay_mechanics(
+            arrays, points.time, substeps, motor, load, starts, windows.state, points.sample, out
+        )
+        x, v, force, a = np.split(out, [n, 2 * n, 2 * n + m], axis=1)
+        return Motion(x, v, a, force, motor[points.sample, 0])
+
     def _inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
         """Grid, motor positions and known loads on it; kept for models that do not differ in them."""
-        key = repr([e for e in spec.effects if _drives(e)]) + repr(spec.actuator and spec.actuator.motor_poles)
-        key += repr(first_command(spec)) if self.evidence.driven_by == "command" else ""
-        if key not in self._motors:
-            if len(self._motors) > 6:
-                self._motors.pop(next(iter(self._motors)))
-            self._motors[key] = self._new_inputs(spec)
-        return self._motors[key]
+        key = repr([e for e in spec.effects if _drives(e)]) + repr(
+            spec.actuator and spec.actuator.motor_poles
+        )
+        with self._lock:
+            kept = self._motors.get(key)
+        if kept is None:
+            kept = self._new_inputs(spec)
+            with self._lock:
+                while len(self._motors) > KEPT:
+                    self._motors.pop(next(iter(self._motors)))
+                self._motors[key] = kept
+        return kept
 
     def _new_inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
         e = self.evidence
@@ -99,7 +136,7 @@ class Experiment:
         m = e.commands.shape[1] if e.driven_by == "command" else 0
         motor = np.zeros((points.time_ns.size, 3, m))
         if m:
-            motor = motor_motion(spec, points.time_ns, due, e.commands, first_command(spec))
+            motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
         return points, motor, self._load(points) + _hidden_loads(spec, points)
 
     def _load(self, points: Grid) -> Floats:
@@ -113,13 +150,6 @@ class Experiment:
         from scipy.interpolate import CubicSpline
 
         return np.asarray(CubicSpline(time, load)(np.minimum(points.points, time[-1])))
-
-    def _replay(self, arrays: Mechanics, points: Grid, motor: Floats, load: Floats, substeps: int) -> Motion:
-        n, m = load.shape[2], motor.shape[2]
-        out = np.zeros((points.sample.size, 3 * n + m))
-        replay_mechanics(arrays, points.time, substeps, motor, load, np.array([0]), arrays.initial[None, :2*n], points.sample, out)
-        x, v, force, a = np.split(out, [n, 2 * n, 2 * n + m], axis=1)
-        return Motion(x, v, a, force, motor[points.sample, 0])
 
 
 def _drives(one) -> bool:  # type: ignore[no-untyped-def]
@@ -151,6 +181,3 @@ def _hidden_loads(spec: Spec, points: Grid) -> Floats:
                 frequency * points.points + phase
             )
     return loads
-
-
-__all__ = ["NS", "Experiment", "Motion"]

@@ -36,7 +36,7 @@ POSITION, FRICTION = 1, 3
 MOST_SWITCHES = 20
 """Switches within one interval that are followed; further ones wait for the next."""
 
-_inline = numba.njit(inline="never", error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_inline = numba.njit(inline="always", error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 class Mechanics(NamedTuple):
@@ -84,9 +84,7 @@ def _product(row, y, u):  # type: ignore[no-untyped-def]
 
 
 @_inline
-def _curved_wire(
-    actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, dy, commit
-):  # type: ignore[no-untyped-def]
+def _curved_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, dy, commit):  # type: ignore[no-untyped-def]
     """Force of a nonlinear wire; `z` is scratch, and gets into `y` the settled states when `commit`."""
     k, dof = stiffness[actuator, 0], wires[actuator, DOF]
     x, v = y[dof], y[n + dof]
@@ -344,7 +342,18 @@ def replay_mechanics(
             for actuator in range(m):
                 if wires[actuator, NONLINEAR]:
                     out[s, 2 * n + actuator] = _curved_wire(
-                        actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch, False
+                        actuator,
+                        n,
+                        wires,
+                        stiffness,
+                        drive,
+                        wire_laws,
+                        wire_parameters,
+                        y,
+                        u,
+                        z,
+                        scratch,
+                        False,
                     )
                 else:
                     out[s, 2 * n + actuator] = _product(wire_force[actuator], y, u)

@@ -41,7 +41,11 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     modes, vectors = _modes(motors)
     accepted = _accepted(np.vstack([first[None], commands]), motors)
     nq = modes.size
-    entry = np.linalg.solve(vectors, motors.system.b.astype(complex)) if nq else np.zeros((0, first.size), complex)
+    entry = (
+        np.linalg.solve(vectors, motors.system.b.astype(complex))
+        if nq
+        else np.zeros((0, first.size), complex)
+    )
     result = np.zeros((time_ns.size, 3, first.size))
     _run(
         time_ns,

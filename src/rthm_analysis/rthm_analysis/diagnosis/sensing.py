@@ -40,5 +40,7 @@ def _lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
         decay = np.exp(-h / time_constant)
         slope = (signal[i] - signal[i - 1]) / h
         # The lag follows a ramp at a distance of slope times time constant.
-        out[i] = signal[i] - slope * time_constant + (out[i - 1] - signal[i - 1] + slope * time_constant) * decay
+        out[i] = (
+            signal[i] - slope * time_constant + (out[i - 1] - signal[i - 1] + slope * time_constant) * decay
+        )
     return out

@@ -1,0 +1,195 @@
+"""Add effects to a model, one at a time, as long as data that a fit has not seen are predicted better."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rthm_analysis.diagnosis.candidates import candidates
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.screening import Screened, best_of_each, screen
+from rthm_analysis.diagnosis.starts import Start
+from rthm_analysis.diagnosis.tones import harmonic_starts
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+
+ENOUGH = 16.0
+"""Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
+some hundred candidates."""
+
+PER_PARAMETER = 4.0
+"""Further gain that every further parameter has to bring."""
+
+CLEAR = 6.0
+"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
+
+CLOSE = 1.2
+"""Doubt below which a model is near the noise, so that what is still missing is small."""
+
+REFINED, MOST_EFFECTS = 6, 3
+NEAR = 0.3
+"""Part of the best candidate's gain that another must promise to be refined."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate that was refined."""
+
+    start: Start
+    fitted: Fitted
+    error: float
+
+    @property
+    def label(self) -> tuple[str, str, str]:
+        """Block, kind and place."""
+        return self.start.added.block, self.start.added.kind, self.start.added.place
+
+
+@dataclass
+class Choice:
+    """What was chosen, and what it was chosen from.
+
+    Attributes
+    ----------
+    base, best : Fitted
+        Retuned model, and the one with all effects that were added.
+    rounds : list of list of Tried
+        Refined candidates of each round, best first; the first of a round was added if there is a next.
+    limits : dict
+        By block, kind and parameter: smallest amplitude that would have been seen.
+    """
+
+    base: Fitted
+    best: Fitted
+    rounds: list[list[Tried]] = field(default_factory=list)
+    limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
+
+
+def choose(fitting: Fitting, base: Fitted) -> Choice:
+    """Explain what is left of the residual by effects."""
+    choice = Choice(base, base)
+    known = _known(fitting, base)
+    screened: list[Screened] = []
+    while len(choice.rounds) < MOST_EFFECTS:
+        said = "looking for physics that was left out" if not choice.rounds else "looking for more"
+        fitting.progress(said)
+        if not choice.rounds or fitting.doubt > CLOSE:
+            screened = _screened(fitting, choice.best, known)
+        else:
+            screened = screen(fitting, choice.best, known, _others(screened, choice))
+        if not choice.rounds:
+            choice.limits = _limits(screened)
+        promising = _promising(screened)
+        if not promising:
+            break
+        fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in promising))}")
+        tried = _refined(fitting, choice.best, known, promising)
+        if not tried or not better(tried[0], choice.best):
+            break
+        choice.rounds.append(tried)
+        choice.best = tried[0].fitted
+        fitting.doubt = doubt(fitting, choice.best)
+        known = _known(fitting, choice.best)
+    return choice
+
+
+def _others(screened: list[Screened], choice: Choice) -> list[Start]:
+    """Best start of every kind and place that is not in the model yet."""
+    present = {tried[0].label for tried in choice.rounds}
+    firsts = best_of_each(screened, 1)
+    return [
+        s.start
+        for s in firsts
+        if (s.start.added.block, s.start.added.kind, s.start.added.place) not in present
+    ]
+
+
+def doubt(fitting: Fitting, fitted: Fitted) -> float:
+    """Squared error per sample of a model, in units of the noise; at least 1."""
+    count = int(np.count_nonzero(fitting.weight))
+    return max(1.0, float(fitted.sums.squares.sum()) / max(count, 1))
+
+
+def _known(fitting: Fitting, fitted: Fitted) -> Floats:
+    columns = fitting.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+    return fitting.projected(columns)
+
+
+def _screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]:
+    experiment, spec = fitting.experiment, fitted.model.spec
+    motion = experiment.motion(spec, fitting.windows)
+    starts = list(candidates(spec, experiment.evidence, motion, fitting.sigma))
+    residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+    starts += list(harmonic_starts(spec, experiment, residual, fitting.sigma))
+    first = screen(fitting, fitted, known, starts)
+    # A size far from the trial's was an extrapolation: look again from there.
+    again = [s.start for s in best_of_each(first, 1)[:12] if s.gain > ENOUGH and s.start.amplitude]
+    second = screen(fitting, fitted, known, again)
+    return sorted([*first, *second], key=lambda s: -s.gain)
+
+
+def _limits(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Smallest amplitudes that would have been seen, from the standard deviations of the amplitudes."""
+    limits: dict[tuple[str, str, str], dict[str, float]] = {}
+    for one in screened:
+        added = one.start.added
+        key = (added.block, added.kind, added.place)
+        if one.start.amplitude and np.isfinite(one.std):
+            name = one.start.amplitude[0]
+            seen = np.sqrt(ENOUGH) * one.std * one.start.scales[name]
+            limits.setdefault(key, {name: seen})
+    return limits
+
+
+def _promising(screened: list[Screened]) -> list[Screened]:
+    """Candidates worth a fit: those near the best in gain, each kind once, the best kinds twice."""
+    best = screened[0].gain if screened else 0.0
+    if best < 0.7 * ENOUGH:
+        return []
+    near = [s for s in screened if s.gain > max(0.6 * ENOUGH, NEAR * best)]
+    firsts = best_of_each(near, 1)[:REFINED]
+    kinds = {(s.start.added.block, s.start.added.kind) for s in firsts[:4]}
+    seconds = [
+        s
+        for s in best_of_each(near, 2)
+        if s not in firsts and (s.start.added.block, s.start.added.kind) in kinds
+    ]
+    return firsts + seconds[:2]
+
+
+def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
+    """Fit the promising candidates; best first by what data left out of the fit say."""
+    tried: dict[tuple[str, str, str], Tried] = {}
+    target = np.inf
+    for one in promising:
+        try:
+            model = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
+            result = fitting.fit(model, known, target)
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        target = min(target, result.squares)
+        new = Tried(one.start, result, float(result.left_out.sum()))
+        if new.label not in tried or new.error < tried[new.label].error:
+            tried[new.label] = new
+    return in_order(list(tried.values()))
+
+
+def in_order(tried: list[Tried]) -> list[Tried]:
+    """Smallest error first, where every parameter has to earn its place."""
+    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
+
+
+def better(new: Tried, old: Fitted) -> bool:
+    """Whether an effect predicts unseen data better than chance and the scatter between parts would."""
+    gains = old.left_out - new.fitted.left_out
+    more = len(new.fitted.model.parameters) - len(old.model.parameters)
+    scatter = float(np.sqrt(gains.size) * gains.std())
+    return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * (more - 1), scatter)
+
+
+def distinguishable(best: Tried, other: Tried) -> bool:
+    """Whether the recording tells two refined candidates apart."""
+    differences = other.fitted.left_out - best.fitted.left_out
+    scatter = float(np.sqrt(differences.size) * differences.std())
+    return float(differences.sum()) > max(CLEAR, scatter)

@@ -1,0 +1,114 @@
+"""The whole diagnosis of a recording: links, computing blocks, physical side, in the loop's order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rthm_analysis.diagnosis.computed import diagnose_computed
+from rthm_analysis.diagnosis.evidence import gather
+from rthm_analysis.diagnosis.experiments import next_experiment
+from rthm_analysis.diagnosis.findings import physical_part
+from rthm_analysis.diagnosis.links import diagnose_links
+from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
+from rthm_analysis.diagnosis.words import verdict_words
+from rthm_analysis.recording import Recording
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec, apply, write_spec
+
+FEWEST_SAMPLES = 200
+SHORTEST = 0.5
+"""Seconds; a shorter recording says nothing."""
+
+
+def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] | None = None) -> Diagnosis:
+    """Find out where simulation and recording differ, which physics was left out, and how sure that is.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of a hybrid test, or of a plant under known forces.
+    spec : Spec
+        The nominal model.
+    progress : callable, optional
+        Told what is being done, in words.
+
+    Raises
+    ------
+    InputError
+        When the spec has no plant, or the recording is too short to say anything.
+    """
+    say = progress or (lambda said: None)
+    _check(recording, spec)
+    parts = []
+    if spec.timing is not None:
+        say("checking the links")
+        parts.append(diagnose_links(recording, spec))
+        say("checking the computing blocks")
+        parts.append(diagnose_computed(recording, spec))
+    parts.append(physical_part(diagnose_physical(gather(recording, spec), spec, say)))
+    say("putting it into words")
+    return _joined(parts, spec)
+
+
+def _check(recording: Recording, spec: Spec) -> None:
+    if spec.plant is None:
+        raise InputError(
+            "plant is missing in the spec: nothing can be diagnosed without it; add a plant section."
+        )
+    samples = len(recording.plant)
+    if samples < FEWEST_SAMPLES or recording.duration < SHORTEST:
+        raise InputError(
+            f"{recording.path} has {samples} samples over {recording.duration:.3g} s of plant/state, "
+            f"but a diagnosis needs at least {FEWEST_SAMPLES} over {SHORTEST} s; record longer."
+        )
+    missing = [dof for dof in spec.plant.dofs if dof not in recording.plant.names]
+    if missing:
+        raise InputError(
+            f"the recording has {', '.join(recording.plant.names)}, but not {', '.join(missing)} of the spec; "
+            f"use the spec of this test."
+        )
+
+
+def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
+    physics = tuple(one for part in parts for one in part.physics)
+    unexplained = tuple(said for part in parts for said in part.unexplained)
+    retuned = {name: one for part in parts for name, one in part.retuned.items()}
+    blocks = tuple(one for part in parts for one in part.blocks)
+    named = [one.block for one in physics]
+    located = tuple(dict.fromkeys([*named, *(b.block for b in blocks if b.significant)]))
+    verdict: Verdict = (
+        "unexplained" if unexplained else "explained" if physics else "retuned" if retuned else "match"
+    )
+    alternatives = tuple(one for part in parts for one in part.alternatives)
+    unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]
+    return Diagnosis(
+        verdict=verdict,
+        blocks=blocks,
+        located=located,
+        physics=physics,
+        retuned=retuned,
+        alternatives=alternatives,
+        fits=tuple(one for part in parts for one in part.fits),
+        detection_limits={name: one for part in parts for name, one in part.detection_limits.items()},
+        next_experiment=next_experiment(verdict, [(p.block, p.kind) for p in physics], unclear),
+        words=verdict_words(verdict, located, physics, retuned),
+        curves=tuple(one for part in parts for one in part.curves),
+        unexplained=unexplained,
+        notes=tuple(note for part in parts for note in part.notes),
+        patched=_patched(parts, spec),
+    )
+
+
+def _patched(parts: list[Part], spec: Spec) -> str:
+    """Spec, as text, whose simulation behaves as recorded."""
+    changes: dict[str, object] = {name: value for part in parts for name, value in part.changes.items()}
+    sections = [section for part in parts for section in part.effects]
+    if sections:
+        taken = {e.name for e in spec.effects}
+        names = [
+            name for name in (f"found{i + 1}" for i in range(len(sections) + len(taken))) if name not in taken
+        ]
+        changes["effects"] = [*(e.name for e in spec.effects), *names[: len(sections)]]
+        changes |= dict(zip(names, sections, strict=False))
+    return write_spec(apply(spec, changes) if changes else spec)

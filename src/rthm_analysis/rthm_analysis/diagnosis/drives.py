@@ -1,0 +1,89 @@
+"""Diagnose the motors: their position is measured, and depends on the commands alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, Tried, in_order
+from rthm_analysis.diagnosis.drive_starts import drive_starts
+from rthm_analysis.diagnosis.evidence import Evidence
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.model import Model
+from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.screening import best_of_each, screen
+from rthm_analysis.diagnosis.windows import Windows
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec
+
+MOST_EFFECTS = 2
+PREFIX = "drive"
+
+
+def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> tuple[list[list[Tried]], Spec]:
+    """Effects of the motors, best first in each round, and the spec with those that were chosen.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Motor positions of the training part.
+    spec : Spec
+    first : (m,) array
+        Command before the test.
+    """
+    assert spec.plant is not None
+    experiment = Experiment(evidence, first)
+    n = len(spec.plant.dofs)
+    runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
+    rounds: list[list[Tried]] = []
+    model = Model(spec, prefix=PREFIX)
+    for _ in range(MOST_EFFECTS):
+        fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
+        here = fitting.fit(model)
+        tried = _tried(fitting, model, here, runs)
+        if not tried or not _better(tried[0], here):
+            break
+        rounds.append(tried)
+        model = tried[0].fitted.model
+    return rounds, model.spec
+
+
+def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:
+    """Noise of the motor sensors; steps of a mismatch look like noise, so what the spec says is an upper bound."""
+    measured = experiment.evidence.measured
+    residual = measured - experiment.predicted(model.spec, runs)
+    found = np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])
+    stated = spec.noise.motor
+    return np.where((stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * measured.std(0)), found)
+
+
+def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[Tried]:
+    present = {(one.kind, one.place) for one in model.added}
+    starts = [
+        s
+        for s in drive_starts(model.spec, fitting.experiment, runs)
+        if (s.added.kind, s.added.place) not in present
+    ]
+    nothing = np.empty((0, here.residual.size))
+    promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in best_of_each(promising, 2):
+        target = min((t.fitted.squares for t in best.values()), default=np.inf)
+        try:
+            fitted = fitting.fit(
+                model.plus(one.start.added, one.start.free, one.start.scales), None, target, 12
+            )
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        new = Tried(one.start, fitted, float(fitted.left_out.sum()))
+        if new.label not in best or new.error < best[new.label].error:
+            best[new.label] = new
+    return in_order(list(best.values()))
+
+
+def _better(new: Tried, old: Fitted) -> bool:
+    gains = old.left_out - new.fitted.left_out
+    more = max(len(new.start.added.parameters), 1)
+    scatter = float(np.sqrt(gains.size) * gains.std())
+    return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * more, scatter)

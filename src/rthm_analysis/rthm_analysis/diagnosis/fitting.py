@@ -1,0 +1,292 @@
+"""Fit models to a recording: weighted residuals, sensitivities, Levenberg-Marquardt, and cross-validation.
+
+Unknown initial states of the free runs are taken out of everything by projection, so that no fit spends its
+effort on them. All sums of squares are in units of the noise.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.model import Model
+from rthm_analysis.diagnosis.windows import Windows
+from rthm_core.compiled import Floats
+
+BLOCKS = 20
+"""Parts of the data that take turns at being left out."""
+
+STEP = 1e-3
+"""Step of finite differences, in the scale of a parameter."""
+
+WRONG = 3.0
+"""Doubt above which sensitivities are computed anew at every step of a fit."""
+
+GIVE_UP = 0.15
+"""Part of the way to its target that a step of a fit must make."""
+
+Bases = list[tuple[slice, Floats]]
+"""Orthonormal bases of what initial states can explain, in the training part of each free run."""
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Normal equations of a model, by block of the training data.
+
+    Attributes
+    ----------
+    hessian : (b, p, p), gradient : (b, p), squares : (b,) arrays
+        J'J, J'r and r'r of each block.
+    precision : (p,) array
+        Of the priors.
+    pull : (p,) array
+        Gradient of the priors.
+    """
+
+    hessian: Floats
+    gradient: Floats
+    squares: Floats
+    precision: Floats
+    pull: Floats
+
+    def covariance(self) -> Floats:
+        """Covariance of the parameters, honest when the residual is not white: from the scatter of blocks."""
+        whole = self.hessian.sum(0) + np.diag(self.precision)
+        inverse = np.linalg.pinv(whole, hermitian=True)
+        scatter = self.gradient.T @ self.gradient
+        seen = inverse @ (scatter + np.diag(self.precision)) @ inverse
+        return _larger(inverse, seen)
+
+    def left_out(self) -> Floats:
+        """Squared error (b,) of each block under the fit to all others, by one Newton step."""
+        whole = self.hessian.sum(0) + np.diag(self.precision)
+        errors = np.empty(self.squares.size)
+        for b in range(self.squares.size):
+            step = np.linalg.lstsq(whole - self.hessian[b], -self.gradient[b], rcond=1e-12)[0]
+            change = -2.0 * step @ self.gradient[b] + step @ self.hessian[b] @ step
+            errors[b] = self.squares[b] + max(change, 0.0)
+        return errors
+
+
+def _larger(inverse: Floats, seen: Floats) -> Floats:
+    """Covariance with the larger of two variances for each parameter."""
+    ratio = np.sqrt(np.maximum(np.diag(seen) / np.maximum(np.diag(inverse), 1e-300), 1.0))
+    return np.asarray(inverse * np.outer(ratio, ratio))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A model at its best.
+
+    Attributes
+    ----------
+    model : Model
+    squares : float
+        Squared error on the training data, in units of the noise, priors included.
+    sums : Sums
+    residual : (s k,) array
+        In units of the noise; initial states not yet fitted.
+    """
+
+    model: Model
+    squares: float
+    sums: Sums
+    residual: Floats
+
+    @property
+    def left_out(self) -> Floats:
+        """Cross-validated squared error by block."""
+        return self.sums.left_out()
+
+
+@dataclass
+class Fitting:
+    """Fits of the training part of one recording: the experiment holds nothing else.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    windows : Windows
+    sigma : (k,) array
+        Noise of the channels; inf leaves a channel out.
+    base : Model
+        Where the sensitivities to the initial states are taken.
+    doubt : float
+        Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
+        model is wrong, data count less against what the spec states.
+    """
+
+    experiment: Experiment
+    windows: Windows
+    sigma: Floats
+    base: Model
+    progress: Callable[[str], None] = lambda said: None
+    doubt: float = 1.0
+    _states: Floats = field(default_factory=lambda: np.empty((0, 0)))
+    _bases: Bases = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        measured = self.experiment.evidence.measured
+        self.channels = measured.shape[1]
+        self.weight = np.where(np.isfinite(measured), 1.0 / self.sigma, 0.0)
+        self.measured = np.nan_to_num(measured)
+        self.pool = ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, 8)))
+        edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
+        self.blocks = [
+            slice(int(a) * self.channels, int(b) * self.channels)
+            for a, b in zip(edges, edges[1:], strict=False)
+        ]
+        self._prepare_states()
+
+    def each(self, work: Callable[[A], B], items: Iterable[A]) -> list[B]:
+        """Do some work for all items, on all cores."""
+        return list(self.pool.map(work, items))
+
+    def residual(self, model: Model, windows: Windows | None = None) -> Floats:
+        """Measured minus predicted, over the noise: (s k,)."""
+        predicted = self.experiment.predicted(model.spec, windows or self.windows)
+        return np.asarray(((self.measured - predicted) * self.weight).ravel())
+
+    def _prepare_states(self) -> None:
+        self._states = self.states(self.base, self.residual(self.base))
+        self._bases = self.bases(self._states)
+
+    def states(self, model: Model, here: Floats) -> Floats:
+        """Change of the prediction with the initial states (2 n, s k), over the noise."""
+        size = 1e-3 * (float(np.nanstd(self.experiment.evidence.measured[:, 0])) or 1.0)
+
+        def one(i: int) -> Floats:
+            return (here - self.residual(model, self.windows.moved(i, size))) / size
+
+        return np.stack(self.each(one, range(self.windows.state.shape[1])))
+
+    def bases(self, states: Floats) -> Bases:
+        """Orthonormal bases of the changes with the initial states."""
+        found = []
+        ends = np.append(self.windows.start[1:], self.measured.shape[0])
+        for begin, end in zip(self.windows.start, ends, strict=True):
+            part = slice(int(begin) * self.channels, int(end) * self.channels)
+            found.append((part, _basis(states[:, part].T)))
+        return found
+
+    def projected(self, columns: Floats, bases: Bases | None = None) -> Floats:
+        """Some columns (..., s k) without what initial states can explain."""
+        kept = np.array(columns)
+        for part, basis in bases or self._bases:
+            kept[..., part] -= (kept[..., part] @ basis) @ basis.T
+        return kept
+
+    def state_correction(self, fitted: Fitted) -> Floats:
+        """Change (2 n,) of the initial state of a run over everything that fits best; zero in windows."""
+        states = self.states(fitted.model, fitted.residual)
+        if self.windows.length is not None:
+            return np.zeros(states.shape[0])
+        return np.asarray(np.linalg.lstsq(states.T, fitted.residual, rcond=1e-10)[0])
+
+    def columns(self, model: Model, residual: Floats, which: Iterable[int]) -> Floats:
+        """Change of the prediction with some parameters (p, s k), over the noise."""
+
+        def one(i: int) -> Floats:
+            parameter = model.parameters[i]
+            step = STEP * parameter.scale
+            if parameter.value + step > parameter.high:
+                step = -step
+            values = model.values
+            values[i] += step
+            return (residual - self.residual(model.at(values))) / step
+
+        found = self.each(one, which)
+        return np.stack(found) if found else np.empty((0, residual.size))
+
+    def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
+        """Normal equations of a model whose residual and columns are known and projected."""
+        priors = [p.prior for p in model.parameters]
+        precision = self.doubt * np.array([0.0 if p is None else p[1] ** -2 for p in priors])
+        pull = self.doubt * np.array(
+            [0.0 if p is None else (p[0] - v) / p[1] ** 2 for p, v in zip(priors, model.values, strict=True)]
+        )
+        hessian = np.stack([columns[:, b] @ columns[:, b].T for b in self.blocks])
+        gradient = np.stack([columns[:, b] @ residual[b] for b in self.blocks])
+        squares = np.array([float(residual[b] @ residual[b]) for b in self.blocks])
+        return Sums(hessian, gradient, squares, precision, pull)
+
+    def fit(self, model: Model, known: Floats | None = None, target: float = np.inf, most: int = 8) -> Fitted:
+        """Levenberg-Marquardt from the model's present values.
+
+        Parameters
+        ----------
+        model : Model
+        known : (q, s k) array, optional
+            Columns of the first q parameters, which then are not computed anew.
+        target : float
+            A fit that will not come near this squared error is given up.
+        most : int
+            Largest number of steps.
+        """
+        anew = known is None or self.doubt > WRONG
+        kept = 0 if anew or known is None else known.shape[0]
+        residual = self.residual(model)
+        bases = self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
+        best, damping = self._cost(model, residual, bases), 1e-4
+        columns = np.empty((0, residual.size))
+        for step in range(most):
+            columns = self.projected(self.columns(model, residual, range(kept, len(model.parameters))), bases)
+            columns = np.vstack([known, columns]) if kept and known is not None else columns
+            sums = self.sums(model, self.projected(residual, bases), columns)
+            if not len(model.parameters):
+                break
+            before = best
+            for _ in range(6):
+                trial = model.at(model.values + self._step(model, sums, damping))
+                trial_residual = self.residual(trial)
+                cost = self._cost(trial, trial_residual, bases)
+                if cost < best:
+                    model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
+                    break
+                damping = max(damping * 10.0, 1e-3)
+            if before - best < max(0.1, 3e-4 * best, GIVE_UP * (best - target) if step else 0.0):
+                break
+            if self.doubt > WRONG:
+                bases = self.bases(self.states(model, residual))
+                best = self._cost(model, residual, bases)
+        return Fitted(model, best, self.sums(model, self.projected(residual, bases), columns), residual)
+
+    def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
+        priors = [(p.value - p.prior[0]) / p.prior[1] for p in model.parameters if p.prior]
+        kept = self.projected(residual, bases)
+        cost = float(kept @ kept) + self.doubt * float(np.square(priors).sum())
+        return cost if np.isfinite(cost) else np.inf
+
+    @staticmethod
+    def _step(model: Model, sums: Sums, damping: float) -> Floats:
+        """Damped step; parameters at a bound that want to leave it stay."""
+        scale = np.array([p.scale for p in model.parameters])
+        whole = (sums.hessian.sum(0) + np.diag(sums.precision)) * np.outer(scale, scale)
+        gradient = (sums.gradient.sum(0) + sums.pull) * scale
+        values = model.values
+        stuck = np.array(
+            [
+                (v <= p.low and g < 0.0) or (v >= p.high and g > 0.0)
+                for p, v, g in zip(model.parameters, values, gradient, strict=True)
+            ]
+        )
+        diagonal = np.diag(whole).copy()
+        whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
+        whole[stuck], whole[:, stuck] = 0.0, 0.0
+        whole[stuck, stuck] = 1.0
+        return np.asarray(np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0] * scale)
+
+
+def _basis(columns: Floats) -> Floats:
+    """Orthonormal basis of the columns (rows, c)."""
+    left, size, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)])

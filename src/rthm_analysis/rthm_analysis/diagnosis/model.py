@@ -1,0 +1,159 @@
+"""A model of the physical side: the nominal spec, retuned parameters, added effects; and what may move in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rthm_core.effects import effect
+from rthm_core.quantity import Text
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+PROPERTIES = {
+    "plant.mass": "kg",
+    "plant.damping": "N s/m",
+    "plant.stiffness": "N/m",
+    "actuator.stiffness": "N/m",
+}
+"""Properties that a spec can call uncertain, and their units."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the model that may move.
+
+    Attributes
+    ----------
+    key : str
+        ``plant.mass`` (a factor on the nominal value) or ``<effect>.<parameter>``.
+    value, scale : float
+        Present value, and its typical size.
+    low, high : float
+        Bounds.
+    prior : (float, float) or None
+        Mean and standard deviation that the spec states.
+    """
+
+    key: str
+    value: float
+    scale: float
+    low: float = -np.inf
+    high: float = np.inf
+    prior: tuple[float, float] | None = None
+
+    def at(self, value: float) -> Parameter:
+        """The same parameter with another value, kept within its bounds."""
+        return replace(self, value=float(min(max(value, self.low), self.high)))
+
+
+@dataclass(frozen=True)
+class Added:
+    """An effect that the nominal spec does not have."""
+
+    block: str
+    kind: str
+    place: str
+    parameters: dict[str, float | str]
+
+    @property
+    def label(self) -> tuple[str, str]:
+        """Block and kind."""
+        return self.block, self.kind
+
+    def section(self, parameters: dict[str, float | str]) -> dict[str, Any]:
+        """Section of a spec."""
+        key = "actuator" if self.block in ("wire", "motor", "sensor.force") else "dof"
+        return {"block": self.block, "kind": self.kind, key: self.place, **parameters}
+
+
+@dataclass(frozen=True)
+class Model:
+    """Nominal spec, factors on uncertain properties, added effects."""
+
+    nominal: Spec
+    parameters: tuple[Parameter, ...] = ()
+    added: tuple[Added, ...] = ()
+    prefix: str = "found"
+
+    @property
+    def values(self) -> Floats:
+        """Values of the parameters."""
+        return np.array([p.value for p in self.parameters])
+
+    def at(self, values: Floats) -> Model:
+        """The model with other values of its parameters."""
+        moved = tuple(p.at(float(v)) for p, v in zip(self.parameters, values, strict=True))
+        return replace(self, parameters=moved)
+
+    def plus(self, one: Added, free: tuple[str, ...], scales: dict[str, float]) -> Model:
+        """The model with one more effect, of whose parameters those in `free` may move."""
+        name = self.name(len(self.added))
+        law = effect(one.kind, one.block)
+        new = []
+        for key in free:
+            quantity = law.parameters[key]
+            assert not isinstance(quantity, Text)
+            low = -np.inf if quantity.minimum is None else quantity.minimum
+            low = low if quantity.above is None else quantity.above + 1e-12
+            high = np.inf if quantity.maximum is None else quantity.maximum
+            value = float(one.parameters[key])
+            new.append(Parameter(f"{name}.{key}", value, scales.get(key, abs(value) or 1.0), low, high))
+        return replace(self, parameters=(*self.parameters, *new), added=(*self.added, one))
+
+    def name(self, index: int) -> str:
+        """Name of the section of an added effect."""
+        return f"{self.prefix}{index + 1}"
+
+    def effect_values(self, index: int) -> dict[str, float | str]:
+        """Parameters of an added effect with their present values."""
+        values = dict(self.added[index].parameters)
+        for p in self.parameters:
+            name, _, key = p.key.partition(".")
+            if name == self.name(index):
+                values[key] = p.value
+        return values
+
+    @property
+    def spec(self) -> Spec:
+        """Spec of this model."""
+        changes: dict[str, Any] = {}
+        for p in self.parameters:
+            if p.key in PROPERTIES and p.value != 1.0:
+                changes |= _scaled(self.nominal, p.key, p.value)
+        if self.added:
+            names = [self.name(i) for i in range(len(self.added))]
+            changes["effects"] = [*(e.name for e in self.nominal.effects), *names]
+            for i, (name, one) in enumerate(zip(names, self.added, strict=True)):
+                changes[name] = one.section(self.effect_values(i))
+        return apply(self.nominal, changes) if changes else self.nominal
+
+
+def _scaled(spec: Spec, key: str, factor: float) -> dict[str, Any]:
+    section, _, name = key.partition(".")
+    nominal = spec.k_tot if key == "actuator.stiffness" else getattr(getattr(spec, section), name)
+    return {key: [factor * float(value) for value in nominal]}
+
+
+def nominal_values(spec: Spec, key: str) -> list[float]:
+    """Values of an uncertain property in the spec."""
+    section, _, name = key.partition(".")
+    values = spec.k_tot if key == "actuator.stiffness" else getattr(getattr(spec, section), name)
+    return [float(value) for value in values]
+
+
+def uncertain(spec: Spec) -> tuple[Parameter, ...]:
+    """Factors on what the spec calls uncertain."""
+    found = []
+    for key in PROPERTIES:
+        section, _, name = key.partition(".")
+        relative = getattr(getattr(spec.uncertainty, section, None), name, 0.0) if spec.uncertainty else 0.0
+        present = getattr(spec, section) is not None and any(nominal_values(spec, key))
+        if relative and present:
+            found.append(Parameter(key, 1.0, float(relative), low=1e-3, prior=(1.0, float(relative))))
+    return tuple(found)

@@ -1,0 +1,98 @@
+"""Diagnose the physical side: first the motors on their own, then wires, plant and sensors jointly.
+
+Every block could be looked at alone, but one wrong block shows in several. So all measured channels are
+simulated from the commands, and the smallest addition that explains them all at once is looked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.diagnosis.choosing import Choice, Tried, choose, doubt
+from rthm_analysis.diagnosis.drives import choose_drives
+from rthm_analysis.diagnosis.evidence import Evidence
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.model import Model, uncertain
+from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.windows import Windows, windows
+from rthm_core.compiled import Floats
+from rthm_core.physical.side import first_command
+from rthm_core.spec import Spec
+
+TRAIN = 2.0 / 3.0
+"""Part of a recording from its start that fits and choices may see."""
+
+
+@dataclass(frozen=True)
+class Physical:
+    """What was found in the physical side, before it is put into words.
+
+    Attributes
+    ----------
+    spec : Spec
+        Nominal.
+    evidence : Evidence
+        All of it; `train` is the number of samples that fits have seen.
+    experiment : Experiment
+        Over the whole recording.
+    windows : Windows
+    sigma : (k,) array
+        Noise of the channels.
+    drives : list of Tried
+        Effects found in the motors, with the other kinds that were tried behind each.
+    settled : Spec
+        With the motors' effects.
+    nominal : Fitted
+        The settled spec as it stands.
+    choice : Choice
+        Retuned model, and what was added to it.
+    """
+
+    spec: Spec
+    evidence: Evidence
+    train: int
+    experiment: Experiment
+    windows: Windows
+    sigma: Floats
+    drives: list[list[Tried]]
+    settled: Spec
+    fitting: Fitting
+    nominal: Fitted
+    choice: Choice
+
+
+def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], None]) -> Physical:
+    """Find what the spec leaves out of motors, wires, plant and sensors."""
+    train = int(TRAIN * evidence.stamps_ns.size)
+    first = first_command(spec) if evidence.driven_by == "command" else np.empty(0)
+    drives: list[list[Tried]] = []
+    settled = spec
+    if evidence.only("motor").channels:
+        progress("checking the motors")
+        drives, settled = choose_drives(evidence.first(train).only("motor"), spec, first)
+    seen = evidence.only("position", "velocity", "force")
+    runs = windows(seen, settled, known_start=evidence.driven_by == "command")
+    experiment = Experiment(seen, first)
+    part = Experiment(seen.first(train), first)
+    sigma = _noise(part, settled, runs.first(train))
+    progress("retuning what is uncertain")
+    base = Model(settled, uncertain(settled))
+    fitting = Fitting(part, runs.first(train), sigma, Model(settled), progress)
+    nominal = fitting.fit(Model(settled))
+    fitting.doubt = doubt(fitting, nominal)
+    retuned = fitting.fit(base)
+    if fitting.doubt > 1.5:
+        fitting.doubt = doubt(fitting, retuned)
+        retuned = fitting.fit(retuned.model)
+    choice = choose(fitting, retuned)
+    return Physical(spec, seen, train, experiment, runs, sigma, drives, settled, fitting, nominal, choice)
+
+
+def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
+    measured = experiment.evidence.measured
+    residual = measured - experiment.predicted(spec, runs)
+    return np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])

@@ -1,0 +1,99 @@
+"""Score every candidate from one replay each: how much of the squared error could it remove?
+
+A candidate's replay gives the direction in which it moves the prediction. What the directions of the
+parameters in play already explain is taken out; the rest, against the residual, gives size and gain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.starts import Start
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+
+LARGEST_FACTOR = 50.0
+"""A size that is further away from the trial's is tried again from nearer by."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A start with its estimated size.
+
+    Attributes
+    ----------
+    start : Start
+        With the estimated amplitude.
+    gain : float
+        Part of the squared error that it would remove, in units of the noise.
+    std : float
+        Standard deviation of the amplitude's factor on the trial's; inf where it has none.
+    """
+
+    start: Start
+    gain: float
+    std: float
+
+
+def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Start]) -> list[Screened]:
+    """Screen candidates that would be added to a fitted model, best first.
+
+    Parameters
+    ----------
+    fitting : Fitting
+    fitted : Fitted
+        The model without them.
+    known : (p, t k) array
+        Its projected columns.
+    starts : iterable of Start
+    """
+    precision = fitted.sums.precision
+    inverse = (
+        np.linalg.pinv(known @ known.T + np.diag(precision), hermitian=True)
+        if known.size
+        else np.zeros((0, 0))
+    )
+    here = fitting.projected(fitted.residual)
+    cleared = here - (inverse @ (known @ here)) @ known if known.size else here
+
+    def one(start: Start) -> Screened | None:
+        try:
+            model = fitted.model.plus(start.added, start.free, start.scales)
+            there = fitting.projected(fitting.residual(model))
+        except (InputError, np.linalg.LinAlgError):
+            return None
+        change = here - there
+        if not np.isfinite(change).all():
+            return None
+        if not start.amplitude:
+            left = there - (inverse @ (known @ there)) @ known if known.size else there
+            return Screened(start, float(cleared @ cleared - left @ left), np.inf)
+        rest = change - (inverse @ (known @ change)) @ known if known.size else change
+        size = float(rest @ rest)
+        if size <= 1e-12 * float(change @ change) or size <= 0.0:
+            return None
+        factor = float(rest @ cleared) / size
+        if factor < 0.0 and not start.signed:
+            return Screened(start, 0.0, size**-0.5)
+        limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR)
+        return Screened(start.sized(limited or 1e-3), factor * factor * size, size**-0.5)
+
+    found = [one for one in fitting.each(one, starts) if one is not None]
+    return sorted(found, key=lambda s: -s.gain)
+
+
+def best_of_each(screened: list[Screened], most: int) -> list[Screened]:
+    """Best `most` starts of each kind at each place, in order."""
+    count: dict[tuple[str, str, str], int] = {}
+    kept = []
+    for one in screened:
+        added = one.start.added
+        key = (added.block, added.kind, added.place)
+        count[key] = count.get(key, 0) + 1
+        if count[key] <= most:
+            kept.append(one)
+    return kept

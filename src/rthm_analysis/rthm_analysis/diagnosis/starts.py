@@ -1,0 +1,255 @@
+"""Where the search for each kind of effect begins: its starting-value finder.
+
+A start names the parameters that a fit may move, and the one, `amplitude`, in which the effect is nearly
+linear: its size is then estimated from one replay. Kinds that only act beyond a threshold have none: their
+starts are tried as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.model import Added
+from rthm_analysis.diagnosis.scene import Scene, rms
+
+SMALL = 0.02
+"""Force of an effect in its trial replay, as a part of the force that drives the dof."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """A first guess of an effect."""
+
+    added: Added
+    free: tuple[str, ...]
+    amplitude: tuple[str, ...]
+    scales: dict[str, float] = field(default_factory=dict)
+    signed: bool = False
+    neutral: float = 0.0
+
+    def sized(self, factor: float) -> Start:
+        """The same start with its amplitude times a factor."""
+        values = dict(self.added.parameters)
+        for key in self.amplitude:
+            values[key] = self.neutral + factor * (float(values[key]) - self.neutral)
+        scales = {key: abs(float(values[key]) - self.neutral) or self.scales[key] for key in self.amplitude}
+        return replace(self, added=replace(self.added, parameters=values), scales=self.scales | scales)
+
+
+Finder = Callable[[Scene], Iterator[Start]]
+
+
+def _start(
+    s: Scene, block: str, kind: str, amplitude: tuple[str, ...], signed: bool = False, **p: float
+) -> Start:
+    scales = {key: abs(value) for key, value in p.items() if value}
+    free = tuple(key for key in p if key != "A")
+    return Start(Added(block, kind, s.place, dict(p)), free, amplitude, scales, signed)
+
+
+def coulomb_friction(s: Scene) -> Iterator[Start]:
+    yield _start(s, "plant", "coulomb_friction", ("force",), force=SMALL * s.size)
+
+
+def stribeck_friction(s: Scene) -> Iterator[Start]:
+    f = SMALL * s.size
+    for velocity in (0.05, 0.2):
+        yield _start(
+            s,
+            "plant",
+            "stribeck_friction",
+            ("coulomb_force", "static_force"),
+            coulomb_force=f,
+            static_force=1.6 * f,
+            stribeck_velocity=velocity * rms(s.v),
+        )
+
+
+def quadratic_drag(s: Scene) -> Iterator[Start]:
+    yield _start(s, "plant", "quadratic_drag", ("coefficient",), coefficient=SMALL * s.size / rms(s.v**2))
+
+
+def cubic_stiffness(s: Scene) -> Iterator[Start]:
+    yield _start(
+        s, "plant", "cubic_stiffness", ("coefficient",), True, coefficient=SMALL * s.size / rms(s.x**3)
+    )
+
+
+def quadratic_stiffness(s: Scene) -> Iterator[Start]:
+    c = SMALL * s.size / rms(s.x**2)
+    yield _start(s, "plant", "quadratic_stiffness", ("coefficient",), True, coefficient=c)
+
+
+def end_stop(s: Scene) -> Iterator[Start]:
+    for side in (1.0, -1.0):
+        for share in (0.02, 0.06, 0.15, 0.3):
+            position = float(np.quantile(side * s.x, 1.0 - share))
+            if position <= 0.0:
+                continue
+            depth = rms(np.maximum(side * s.x - position, 0.0))
+            if depth <= 0.0:
+                continue
+            k = SMALL * s.size / depth
+            yield _start(
+                s,
+                "plant",
+                "end_stop",
+                ("stiffness", "damping"),
+                position=side * position,
+                stiffness=k,
+                damping=1e-3 * k,
+            )
+
+
+def clearance(s: Scene) -> Iterator[Start]:
+    for share in (0.1, 0.25, 0.45, 0.7):
+        gap = s.level(s.x, share)
+        depth = rms(np.maximum(np.abs(s.x) - gap, 0.0))
+        if depth > 0.0:
+            yield _start(
+                s, "plant", "clearance", ("stiffness",), True, gap=gap, stiffness=SMALL * s.size / depth
+            )
+
+
+def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[Start]:
+    """Loops that yield early or late, that bulge (gamma > 0) or pinch and stiffen (gamma < 0)."""
+    for share, n, beta, gamma in (
+        (0.12, 1.0, 0.65, 0.35),
+        (0.3, 1.0, 0.65, 0.35),
+        (0.3, 2.0, 0.65, 0.35),
+        (0.8, 1.0, 0.65, 0.35),
+        (0.8, 1.0, 0.5, -0.5),
+        (2.0, 1.0, 0.5, -0.7),
+    ):
+        z = share * reach
+        alpha, total = SMALL * s.size / min(z, reach), z**-n
+        yield _start(
+            s, block, "bouc_wen", ("alpha",), alpha=alpha, A=1.0, beta=beta * total, gamma=gamma * total, n=n
+        )
+
+
+def bouc_wen(s: Scene) -> Iterator[Start]:
+    yield from _bouc_wen(s, "plant", rms(s.x - s.x.mean()))
+
+
+def maxwell_branch(s: Scene) -> Iterator[Start]:
+    for ratio in (0.3, 1.0, 3.0):
+        k = SMALL * s.size / rms(s.x - s.x.mean())
+        yield _start(
+            s,
+            "plant",
+            "maxwell_branch",
+            ("stiffness", "damping"),
+            stiffness=k,
+            damping=k / (ratio * s.frequency),
+        )
+
+
+def hidden_mode(s: Scene) -> Iterator[Start]:
+    for ratio in np.geomspace(0.45, 4.0, 14):
+        yield _start(
+            s,
+            "plant",
+            "hidden_mode",
+            ("mass",),
+            mass=0.01 * s.mass,
+            frequency=float(ratio) * s.frequency,
+            damping_ratio=0.05,
+        )
+
+
+def fluid_memory(s: Scene) -> Iterator[Start]:
+    for ratio in (0.5, 0.8, 1.2, 1.8, 2.7):
+        yield _start(
+            s,
+            "plant",
+            "fluid_memory",
+            ("gain",),
+            gain=SMALL * s.size / rms(s.v) * s.frequency,
+            frequency=ratio * s.frequency,
+            damping_ratio=0.3,
+        )
+
+
+def constant_load(s: Scene) -> Iterator[Start]:
+    yield _start(s, "plant", "constant_load", ("force",), True, force=SMALL * s.size)
+
+
+def backlash(s: Scene) -> Iterator[Start]:
+    yield _start(s, "wire", "backlash", ("gap",), gap=SMALL * rms(s.elongation))
+
+
+def slack(s: Scene) -> Iterator[Start]:
+    push = -s.force
+    for share in (0.005, 0.02, 0.06, 0.15, 0.3):
+        level = float(np.quantile(push, 1.0 - share))
+        if level > 0.0:
+            start = _start(s, "wire", "slack", (), pretension=level)
+            start.scales["pretension"] = 0.2 * s.size
+            yield start
+
+
+def hardening(s: Scene) -> Iterator[Start]:
+    c = SMALL * s.size / rms(s.elongation**3)
+    yield _start(s, "wire", "hardening", ("coefficient",), True, coefficient=c)
+
+
+def pulley_inertia(s: Scene) -> Iterator[Start]:
+    yield _start(
+        s,
+        "wire",
+        "pulley_inertia",
+        ("mass", "damping"),
+        mass=5e-3 * s.mass,
+        damping=0.05 * np.sqrt(s.stiffness * s.mass) * 0.1,
+    )
+
+
+def pulley_friction(s: Scene) -> Iterator[Start]:
+    yield _start(s, "wire", "pulley_friction", ("force",), force=2.0 * SMALL * s.size)
+
+
+def wire_bouc_wen(s: Scene) -> Iterator[Start]:
+    yield from _bouc_wen(s, "wire", rms(s.elongation))
+
+
+def wire_maxwell_branch(s: Scene) -> Iterator[Start]:
+    for ratio in (0.3, 1.0, 3.0):
+        k = SMALL * s.size / rms(s.elongation)
+        yield _start(
+            s,
+            "wire",
+            "maxwell_branch",
+            ("stiffness", "damping"),
+            stiffness=k,
+            damping=k / (ratio * s.frequency),
+        )
+
+
+PLANT: dict[str, Finder] = {
+    "coulomb_friction": coulomb_friction,
+    "stribeck_friction": stribeck_friction,
+    "quadratic_drag": quadratic_drag,
+    "cubic_stiffness": cubic_stiffness,
+    "quadratic_stiffness": quadratic_stiffness,
+    "end_stop": end_stop,
+    "clearance": clearance,
+    "bouc_wen": bouc_wen,
+    "maxwell_branch": maxwell_branch,
+    "hidden_mode": hidden_mode,
+    "fluid_memory": fluid_memory,
+    "constant_load": constant_load,
+}
+
+WIRE: dict[str, Finder] = {
+    "backlash": backlash,
+    "slack": slack,
+    "hardening": hardening,
+    "pulley_inertia": pulley_inertia,
+    "pulley_friction": pulley_friction,
+    "bouc_wen": wire_bouc_wen,
+    "maxwell_branch": wire_maxwell_branch,
+}

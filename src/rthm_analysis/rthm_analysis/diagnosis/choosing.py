@@ -27,6 +27,9 @@ CLEAR = 6.0
 CLOSE = 1.2
 """Doubt below which a model is near the noise, so that what is still missing is small."""
 
+RELEVANT = 0.03
+"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
+
 REFINED, MOST_EFFECTS = 6, 3
 NEAR = 0.3
 """Part of the best candidate's gain that another must promise to be refined."""
@@ -85,7 +88,7 @@ def choose(fitting: Fitting, base: Fitted) -> Choice:
             break
         fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in promising))}")
         tried = _refined(fitting, choice.best, known, promising)
-        if not tried or not better(tried[0], choice.best):
+        if not tried or not better(tried[0], choice.best) or not _relevant(fitting, tried[0], choice):
             break
         choice.rounds.append(tried)
         choice.best = tried[0].fitted
@@ -137,8 +140,7 @@ def _limits(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, fl
         key = (added.block, added.kind, added.place)
         if one.start.amplitude and np.isfinite(one.std):
             name = one.start.amplitude[0]
-            seen = np.sqrt(ENOUGH) * one.std * one.start.scales[name]
-            limits.setdefault(key, {name: seen})
+            limits.setdefault(key, {name: float(np.sqrt(ENOUGH) * one.std)})
     return limits
 
 
@@ -186,6 +188,15 @@ def better(new: Tried, old: Fitted) -> bool:
     more = len(new.fitted.model.parameters) - len(old.model.parameters)
     scatter = float(np.sqrt(gains.size) * gains.std())
     return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * (more - 1), scatter)
+
+
+def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
+    """Whether an effect matters where no model reaches the noise: small terms there only imitate what is left."""
+    noise = float(np.count_nonzero(fitting.weight))
+    before, after = float(choice.best.left_out.sum()), new.error
+    gain = before - after
+    start = float(choice.base.left_out.sum()) - noise
+    return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
 
 
 def distinguishable(best: Tried, other: Tried) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.evidence import gather
 from rthm_analysis.diagnosis.experiments import next_experiment
 from rthm_analysis.diagnosis.findings import physical_part
@@ -45,6 +44,8 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         say("checking the links")
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
+        from rthm_analysis.diagnosis.computed import diagnose_computed
+
         parts.append(diagnose_computed(recording, spec))
     parts.append(physical_part(diagnose_physical(gather(recording, spec), spec, say)))
     say("putting it into words")

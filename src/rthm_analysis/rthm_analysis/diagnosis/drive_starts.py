@@ -77,7 +77,8 @@ def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str)
     if best == 0.0 and error(2e-4) >= error(0.0):
         return 0.0
     width = max(0.001, 0.3 * best)
-    for _ in range(4):
+    # Commands come in steps, so that a delay that is off by a microsecond already shows.
+    for _ in range(10):
         row = best + width * np.linspace(-1.0, 1.0, 9)
         best = float(row[int(np.argmin([error(d) for d in row]))])
         width *= 0.25

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, Tried, distinguishable
+from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, distinguishable
 from rthm_analysis.diagnosis.curves import force_curve
 from rthm_analysis.diagnosis.evidence import Channel
 from rthm_analysis.diagnosis.fitting import Fitted
@@ -12,10 +12,12 @@ from rthm_analysis.diagnosis.judged import Simulated, coloured, held_out_squares
 from rthm_analysis.diagnosis.model import PROPERTIES, Model, nominal_values
 from rthm_analysis.diagnosis.physical import Physical
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Retuned, Value
+from rthm_analysis.diagnosis.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.words import physics_words
-from rthm_analysis.diagnosis.work import effect_work
+from rthm_analysis.diagnosis.work import law_work, wire_work
 from rthm_core.compiled import Floats
 from rthm_core.effects import effect
+from rthm_core.spec import apply
 
 SLOW = 1.35
 """Power of the slow residual, over that of noise, above which something is left."""
@@ -41,7 +43,8 @@ def physical_part(physical: Physical) -> Part:
         "retuned": simulate_all(physical, choice.base),
         "explained": simulate_all(physical, choice.best),
     }
-    physics = (*_drive_physics(physical), *_chosen_physics(physical, runs))
+    rounded = rounded_sensors(physical, runs["explained"].predicted)
+    physics = (*_drive_physics(physical), *_chosen_physics(physical, runs), *rounded)
     retuned = _retuned(physical)
     left = _left_over(physical, runs)
     located = {one.block for one in physics} | ({"plant"} if left else set())
@@ -54,7 +57,7 @@ def physical_part(physical: Physical) -> Part:
         detection_limits=_limits(physical),
         curves=tuple(force_curve(physical, runs["retuned"].predicted, physics)),
         changes=_changes(physical, retuned),
-        effects=_effects(physical),
+        effects=(*_effects(physical), *(rounded_section(one) for one in rounded)),
         unexplained=left,
         notes=physical.evidence.notes,
     )
@@ -91,13 +94,7 @@ def _chosen_physics(physical: Physical, runs: dict[str, Simulated]) -> list[Phys
         after_fit = tried[0].fitted if i + 1 < len(choice.rounds) else choice.best
         after = held_out_squares(physical, simulate_all(physical, after_fit).predicted)
         one = choice.best.model.added[i]
-        energy = effect_work(
-            physical.experiment,
-            physical.windows,
-            choice.best.model.spec,
-            _without(choice.best.model, i),
-            one.block,
-        )
+        energy = _energy(physical, choice.best.model, i)
         values = _values(choice.best, i)
         share = (before - after) / whole
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
@@ -106,11 +103,16 @@ def _chosen_physics(physical: Physical, runs: dict[str, Simulated]) -> list[Phys
     return found
 
 
-def _without(model: Model, index: int):  # type: ignore[no-untyped-def]
-    from rthm_core.spec import apply
-
-    spec = model.spec
-    return apply(spec, {"effects": [e.name for e in spec.effects if e.name != model.name(index)]})
+def _energy(physical: Physical, model: Model, index: int) -> float:
+    """Work of an added effect over the recording; a sensor does none itself."""
+    spec, name = model.spec, model.name(index)
+    one = next(e for e in spec.effects if e.name == name)
+    if one.block.startswith("sensor"):
+        return 0.0
+    if one.block == "plant":
+        return law_work(physical.experiment, physical.windows, spec, one)
+    without = apply(spec, {"effects": [e.name for e in spec.effects if e.name != name]})
+    return wire_work(physical.experiment, physical.windows, spec, without)
 
 
 def _drive_physics(physical: Physical) -> list[Physics]:
@@ -121,7 +123,7 @@ def _drive_physics(physical: Physical) -> list[Physics]:
         values = _values(fitted, i)
         before = tried[-1].fitted.squares if len(tried) > 1 else float("nan")
         share = float(1.0 - tried[0].fitted.squares / before) if before > 0.0 else float("nan")
-        energy = effect_work(physical.experiment, physical.windows, physical.settled, physical.spec, "motor")
+        energy = wire_work(physical.experiment, physical.windows, physical.settled, physical.spec)
         words = physics_words(one.block, one.kind, one.place, values, float("nan"), energy)
         found.append(Physics(one.block, one.kind, one.place, values, words, energy, max(share, 0.0)))
     return found
@@ -278,5 +280,3 @@ def _effects(physical: Physical) -> tuple[dict[str, object], ...]:
         sections += [one.section(model.effect_values(i)) for i, one in enumerate(model.added)]
     return tuple(sections)
 
-
-__all__ = ["Tried", "physical_part"]

@@ -26,6 +26,9 @@ from rthm_core.spec import Spec
 TRAIN = 2.0 / 3.0
 """Part of a recording from its start that fits and choices may see."""
 
+NEAR = 10.0
+"""Squared error per sample, in units of the noise, from which longer windows would only drift further."""
+
 
 @dataclass(frozen=True)
 class Physical:
@@ -75,14 +78,10 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
         progress("checking the motors")
         drives, settled = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only("position", "velocity", "force")
-    runs = windows(seen, settled, known_start=evidence.driven_by == "command")
-    experiment = Experiment(seen, first)
-    part = Experiment(seen.first(train), first)
-    sigma = _noise(part, settled, runs.first(train))
+    experiment, part = Experiment(seen, first), Experiment(seen.first(train), first)
+    runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
     progress("retuning what is uncertain")
     base = Model(settled, uncertain(settled))
-    fitting = Fitting(part, runs.first(train), sigma, Model(settled), progress)
-    nominal = fitting.fit(Model(settled))
     fitting.doubt = doubt(fitting, nominal)
     retuned = fitting.fit(base)
     if fitting.doubt > 1.5:
@@ -90,6 +89,22 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
         retuned = fitting.fit(retuned.model)
     choice = choose(fitting, retuned)
     return Physical(spec, seen, train, experiment, runs, sigma, drives, settled, fitting, nominal, choice)
+
+
+def _started(
+    seen: Evidence, spec: Spec, train: int, part: Experiment, progress: Callable[[str], None]
+) -> tuple[Windows, Floats, Fitting, Fitted]:
+    """Free runs as long as the nominal model stays near the recording, and what it leaves there."""
+    longer = 1.0
+    while True:
+        runs = windows(seen, spec, seen.driven_by == "command", longer)
+        sigma = _noise(part, spec, runs.first(train))
+        fitting = Fitting(part, runs.first(train), sigma, Model(spec), progress)
+        nominal = fitting.fit(Model(spec))
+        enough = runs.length is None or runs.length > 0.08 * float(seen.time[-1])
+        if enough or doubt(fitting, nominal) > NEAR:
+            return runs, sigma, fitting, nominal
+        longer *= 2.0
 
 
 def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:

@@ -31,7 +31,7 @@ class Screened:
     gain : float
         Part of the squared error that it would remove, in units of the noise.
     std : float
-        Standard deviation of the amplitude's factor on the trial's; inf where it has none.
+        Standard deviation of the first amplitude, in its unit; inf where there is none.
     """
 
     start: Start
@@ -78,9 +78,9 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
             return None
         factor = float(rest @ cleared) / size
         if factor < 0.0 and not start.signed:
-            return Screened(start, 0.0, size**-0.5)
+            return Screened(start, 0.0, start.trial * size**-0.5)
         limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR)
-        return Screened(start.sized(limited or 1e-3), factor * factor * size, size**-0.5)
+        return Screened(start.sized(limited or 1e-3), factor * factor * size, start.trial * size**-0.5)
 
     found = [one for one in fitting.each(one, starts) if one is not None]
     return sorted(found, key=lambda s: -s.gain)

@@ -30,6 +30,11 @@ class Start:
     signed: bool = False
     neutral: float = 0.0
 
+    @property
+    def trial(self) -> float:
+        """Size of the first amplitude in the trial replay."""
+        return abs(float(self.added.parameters[self.amplitude[0]]) - self.neutral)
+
     def sized(self, factor: float) -> Start:
         """The same start with its amplitude times a factor."""
         values = dict(self.added.parameters)

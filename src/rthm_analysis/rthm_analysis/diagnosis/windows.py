@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-PERIODS = 0.05
-"""Length of a window, in periods of the recorded motion: short enough for a wrong model to stay near."""
+PERIODS = 0.015
+"""Length of the shortest windows, in periods of the recorded motion: a wrong model stays near for so long."""
 
 FEWEST_SAMPLES = 60
 
@@ -62,7 +62,7 @@ class Windows:
         return Windows(self.start, state, self.length)
 
 
-def windows(evidence: Evidence, spec: Spec, known_start: bool) -> Windows:
+def windows(evidence: Evidence, spec: Spec, known_start: bool, longer: float = 1.0) -> Windows:
     """Free runs for a spec: windows where it drifts or is unstable.
 
     Parameters
@@ -71,11 +71,13 @@ def windows(evidence: Evidence, spec: Spec, known_start: bool) -> Windows:
     spec : Spec
     known_start : bool
         Whether the test began at rest in the spec's initial state; else the state is estimated.
+    longer : float
+        Length of windows over the shortest.
     """
     assert spec.plant is not None
     duration = float(evidence.time[-1])
     drifts = _drifts(spec, duration)
-    length = _length(evidence, duration) if drifts else None
+    length = min(longer * _shortest(evidence, duration), duration) if drifts else None
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)
     start = np.searchsorted(evidence.time, instants)
     state = np.array([_state(evidence, spec, int(s)) for s in start])
@@ -97,7 +99,7 @@ def _drifts(spec: Spec, duration: float) -> bool:
     return bool(np.any(np.abs(modes) * duration < DRIFT) or np.any(modes.real * duration > DRIFT))
 
 
-def _length(evidence: Evidence, duration: float) -> float:
+def _shortest(evidence: Evidence, duration: float) -> float:
     position = np.nan_to_num(evidence.measured[:, 0])
     rate = np.gradient(position, evidence.time)
     period = 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)

@@ -2,51 +2,64 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rthm_analysis.diagnosis.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.windows import Windows
+from rthm_core.effects import effect
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
 
 
-def effect_work(experiment: Experiment, runs: Windows, spec: Spec, without: Spec, block: str) -> float:
-    """Work over the recording, in J, + introduced, of what `spec` has beyond `without`.
-
-    Parameters
-    ----------
-    experiment : Experiment
-    runs : Windows
-    spec, without : Spec
-        They differ in one effect.
-    block : str
-        Where it is. A sensor does no work itself.
-    """
-    if block.startswith("sensor"):
-        return 0.0
-    motion = experiment.motion(spec, runs)
-    if block == "plant":
-        force = plant_force(spec, experiment, motion)
-    else:
-        bare = experiment.motion(without, runs)
-        force = _on_dofs(spec, motion.force - _linear(without, bare.motor, motion))
-    power = np.sum(force * motion.velocity, axis=1)
-    return float(np.trapezoid(power, experiment.evidence.time))
+def wire_work(experiment: Experiment, runs: Windows, spec: Spec, without: Spec) -> float:
+    """Work over the recording, in J, + introduced, of what wires or motors of `spec` do beyond `without`."""
+    motion, bare = experiment.motion(spec, runs), experiment.motion(without, runs)
+    force = _on_dofs(spec, motion.force - _linear(without, bare.motor, motion))
+    return _work(experiment, force, motion.velocity)
 
 
-def plant_force(spec: Spec, experiment: Experiment, motion: Motion) -> Floats:
-    """Force on the dofs that mass, damping, stiffness, wires and known loads leave over: (s, n)."""
+def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec) -> float:
+    """Work over the recording, in J, + introduced, of one effect on the plant along the model's motion."""
     assert spec.plant is not None
-    n = len(spec.plant.dofs)
-    mass, damping, stiffness = (
-        np.reshape(getattr(spec.plant, name), (n, n)) for name in ("mass", "damping", "stiffness")
-    )
-    inertia = motion.acceleration @ mass.T + motion.velocity @ damping.T + motion.position @ stiffness.T
-    return np.asarray(inertia - _on_dofs(spec, motion.force) - experiment.evidence.load)
+    motion = experiment.motion(spec, runs)
+    i = spec.plant.dofs.index(str(one.dof))
+    force = law_force(one, experiment.evidence.time, motion.position[:, i], motion.velocity[:, i])
+    return _work(experiment, force, motion.velocity[:, i])
+
+
+def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
+    """Force (s,) of a law of the plant along a given motion; its own states by Heun's method."""
+    law: Any = effect(one.kind, one.block)
+    p = tuple(float(one.parameters[name]) for name in law.parameters)
+    shape = law.excitation(p)
+    if shape is not None:
+        return np.asarray(shape[0] + shape[1] * np.sin(shape[2] * time + shape[3]))
+    z = [*law.initial(float(x[0]), p)]
+    first, second, force = [0.0] * law.states, [0.0] * law.states, np.empty(time.size)
+    limits = law.thresholds(p)
+    rows = zip(time.tolist(), x.tolist(), v.tolist(), strict=True)
+    before: tuple[float, float, float, int] | None = None
+    for k, (t, here, speed) in enumerate(rows):
+        piece = sum(here > limit for limit in limits) if law.split == "position" else (speed > 0.0) - (speed < 0.0)
+        if before is not None and z:
+            t0, x0, v0, piece0 = before
+            law.rate(x0, v0, z, t0, p, piece0, first)
+            guess = [a + (t - t0) * b for a, b in zip(z, first, strict=True)]
+            law.rate(here, speed, guess, t, p, piece, second)
+            z = [a + 0.5 * (t - t0) * (b + c) for a, b, c in zip(z, first, second, strict=True)]
+        force[k] = law.force(here, speed, z, t, p, piece)
+        before = (t, here, speed, piece)
+    return force
+
+
+def _work(experiment: Experiment, force: Floats, velocity: Floats) -> float:
+    power = force * velocity
+    return float(np.trapezoid(power if power.ndim == 1 else power.sum(1), experiment.evidence.time))
 
 
 def _on_dofs(spec: Spec, force: Floats) -> Floats:

@@ -191,7 +191,7 @@ def better(new: Tried, old: Fitted) -> bool:
 
 
 def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
-    """Whether an effect matters where no model reaches the noise: small terms there only imitate what is left."""
+    """Whether an effect matters; where no model reaches the noise, small terms only imitate what is left."""
     noise = float(np.count_nonzero(fitting.weight))
     before, after = float(choice.best.left_out.sum()), new.error
     gain = before - after

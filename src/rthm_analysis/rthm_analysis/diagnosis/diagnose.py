@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.evidence import gather
 from rthm_analysis.diagnosis.experiments import next_experiment
 from rthm_analysis.diagnosis.findings import physical_part
@@ -44,8 +45,6 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         say("checking the links")
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
-        from rthm_analysis.diagnosis.computed import diagnose_computed
-
         parts.append(diagnose_computed(recording, spec))
     parts.append(physical_part(diagnose_physical(gather(recording, spec), spec, say)))
     say("putting it into words")
@@ -66,8 +65,8 @@ def _check(recording: Recording, spec: Spec) -> None:
     missing = [dof for dof in spec.plant.dofs if dof not in recording.plant.names]
     if missing:
         raise InputError(
-            f"the recording has {', '.join(recording.plant.names)}, but not {', '.join(missing)} of the spec; "
-            f"use the spec of this test."
+            f"the recording has {', '.join(recording.plant.names)}, but not {', '.join(missing)} of the "
+            f"spec; use the spec of this test."
         )
 
 

@@ -50,7 +50,7 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> tuple[list[l
 
 
 def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:
-    """Noise of the motor sensors; steps of a mismatch look like noise, so what the spec says is an upper bound."""
+    """Noise of the motor sensors: steps of a mismatch look like it, so what is stated is an upper bound."""
     measured = experiment.evidence.measured
     residual = measured - experiment.predicted(model.spec, runs)
     found = np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])

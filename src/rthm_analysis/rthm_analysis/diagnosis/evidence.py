@@ -140,11 +140,9 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
 def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats:  # type: ignore[no-untyped-def]
     """Add the forces of the names beyond the dofs: on the dof of their actuator, or on the only one."""
     total = load.copy()
-    places = (
-        dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False))
-        if spec.actuator and spec.interface
-        else {}
-    )
+    places: dict[str, str] = {}
+    if spec.actuator and spec.interface:
+        places = dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False))
     for name, column in zip(others, np.nan_to_num(plant.columns("effort", others)).T, strict=True):
         dof = spec.plant.dofs.index(places[name]) if name in places else 0  # type: ignore[union-attr]
         total[:, dof] += column

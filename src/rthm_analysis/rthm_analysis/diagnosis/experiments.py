@@ -38,7 +38,7 @@ LOOKS_AT = {
 
 
 def next_experiment(verdict: str, physics: list[tuple[str, str]], alternatives: list[tuple[str, str]]) -> str:
-    """A sentence; `physics` and `alternatives` are (block, kind), the latter those that cannot be told apart."""
+    """A sentence; all are (block, kind), `alternatives` those that cannot be told apart from what was named."""
     if alternatives and physics:
         kind, other = physics[0][1], alternatives[0][1]
         return (
@@ -47,9 +47,9 @@ def next_experiment(verdict: str, physics: list[tuple[str, str]], alternatives: 
         )
     if verdict == "unexplained":
         return (
-            "Repeat the test at half and at twice the amplitude: what grows faster than the motion is stiffness, "
-            "drag or contact, what does not grow is friction or noise."
+            "Repeat the test at half and at twice the amplitude: what grows faster than the motion is "
+            "stiffness, drag or contact, what does not grow is friction or noise."
         )
     if physics:
         return f"To confirm it: {LOOKS_AT.get(physics[0][1], 'the same test at another amplitude')}."
-    return "A longer recording, or one with larger motion, would show smaller effects (see the detection limits)."
+    return "A longer recording, or one with larger motion, would show smaller effects (see detection limits)."

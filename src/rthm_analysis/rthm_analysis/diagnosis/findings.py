@@ -156,8 +156,9 @@ def _left_over(physical: Physical, runs: dict[str, Simulated]) -> tuple[str, ...
         left, before = coloured(residual), coloured(first)
         remains = (left - 1.0) / max(before - 1.0, 1e-9)
         if left > SLOW and (remains > REMAINS or not physical.choice.rounds):
+            size = np.sqrt(np.nanmean(np.square(residual)))
             said.append(
-                f"{channel.signal}: the error is {np.sqrt(np.nanmean(np.square(residual))):.3g} times the noise "
+                f"{channel.signal}: the error is {size:.3g} times the noise "
                 f"and not random; {100.0 * min(remains, 1.0):.3g} % of the mismatch is left."
             )
     return tuple(said)
@@ -279,4 +280,3 @@ def _effects(physical: Physical) -> tuple[dict[str, object], ...]:
     for model in [*models, physical.choice.best.model]:
         sections += [one.section(model.effect_values(i)) for i, one in enumerate(model.added)]
     return tuple(sections)
-

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -141,10 +142,7 @@ class Fitting:
         self.measured = np.nan_to_num(measured)
         self.pool = ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, 8)))
         edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
-        self.blocks = [
-            slice(int(a) * self.channels, int(b) * self.channels)
-            for a, b in zip(edges, edges[1:], strict=False)
-        ]
+        self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self._prepare_states()
 
     def each(self, work: Callable[[A], B], items: Iterable[A]) -> list[B]:

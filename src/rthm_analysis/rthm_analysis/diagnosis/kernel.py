@@ -195,9 +195,34 @@ def _rate(
 
 @_inline
 def _step(
-    n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws, parameters, thresholds,
-    y, motor, load, g, begin, whole, t, h, u, w, pieces, stages, point, hold, z,
-):  # type: ignore[no-untyped-def]  # fmt: skip
+    n,
+    a,
+    b,
+    inverse_mass,
+    wires,
+    stiffness,
+    drive,
+    wire_laws,
+    wire_parameters,
+    laws,
+    parameters,
+    thresholds,
+    y,
+    motor,
+    load,
+    g,
+    begin,
+    whole,
+    t,
+    h,
+    u,
+    w,
+    pieces,
+    stages,
+    point,
+    hold,
+    z,
+):  # type: ignore[no-untyped-def]
     """Runge-Kutta step of length `h` from `y`, whose rate is in ``stages[0]``; its end is left in `point`."""
     ny = y.size
     for stage in range(1, 4):
@@ -206,8 +231,28 @@ def _step(
             point[i] = y[i] + reach * stages[stage - 1, i]
         if stage != 2:
             _at(motor, load, g, (begin + reach) / whole, u, w)
-        _rate(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws, parameters,
-              thresholds, point, u, w, t + reach, pieces, stages[stage], hold, z)  # fmt: skip
+        _rate(
+            n,
+            a,
+            b,
+            inverse_mass,
+            wires,
+            stiffness,
+            drive,
+            wire_laws,
+            wire_parameters,
+            laws,
+            parameters,
+            thresholds,
+            point,
+            u,
+            w,
+            t + reach,
+            pieces,
+            stages[stage],
+            hold,
+            z,
+        )
     for i in range(ny):
         slope = stages[0, i] + 2.0 * stages[1, i] + 2.0 * stages[2, i] + stages[3, i]
         point[i] = y[i] + h * slope / 6.0
@@ -319,8 +364,22 @@ def replay_mechanics(
     out : (s, 3 n + m) array
         Gets positions, velocities, wire forces, accelerations.
     """
-    (a, b, inverse_mass, wires, stiffness, drive, wire_force, wire_laws, wire_parameters, laws, parameters,
-     thresholds, breakaway, initial) = mechanics  # fmt: skip
+    (
+        a,
+        b,
+        inverse_mass,
+        wires,
+        stiffness,
+        drive,
+        wire_force,
+        wire_laws,
+        wire_parameters,
+        laws,
+        parameters,
+        thresholds,
+        breakaway,
+        initial,
+    ) = mechanics
     n, m, ny, rows = inverse_mass.shape[0], motor.shape[2], initial.size, laws.shape[0]
     y, point, z, scratch, stages = initial.copy(), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros((4, ny))
     hold, pieces = np.zeros(rows), np.zeros(rows, dtype=np.int64)
@@ -334,8 +393,28 @@ def replay_mechanics(
             _first_pieces(n, laws, thresholds, y, pieces)
             r += 1
         _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
-        _rate(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws, parameters,
-              thresholds, y, u, w, time[g], pieces, stages[0], hold, z)  # fmt: skip
+        _rate(
+            n,
+            a,
+            b,
+            inverse_mass,
+            wires,
+            stiffness,
+            drive,
+            wire_laws,
+            wire_parameters,
+            laws,
+            parameters,
+            thresholds,
+            y,
+            u,
+            w,
+            time[g],
+            pieces,
+            stages[0],
+            hold,
+            z,
+        )
         if sample[s] == g:
             for i in range(n):
                 out[s, i], out[s, n + i], out[s, 2 * n + m + i] = y[i], y[n + i], stages[0, n + i]
@@ -366,22 +445,114 @@ def replay_mechanics(
             h = min(length, whole - done)
             if not fresh:
                 _at(motor, load, g, done / whole, u, w)
-                _rate(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws,
-                      parameters, thresholds, y, u, w, time[g] + done, pieces, stages[0], hold, z)  # fmt: skip
+                _rate(
+                    n,
+                    a,
+                    b,
+                    inverse_mass,
+                    wires,
+                    stiffness,
+                    drive,
+                    wire_laws,
+                    wire_parameters,
+                    laws,
+                    parameters,
+                    thresholds,
+                    y,
+                    u,
+                    w,
+                    time[g] + done,
+                    pieces,
+                    stages[0],
+                    hold,
+                    z,
+                )
             if rows and _loosen(laws, breakaway, pieces, hold):
-                _rate(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws,
-                      parameters, thresholds, y, u, w, time[g] + done, pieces, stages[0], hold, z)  # fmt: skip
-            _step(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws, parameters,
-                  thresholds, y, motor, load, g, done, whole, time[g] + done, h, u, w, pieces, stages, point,
-                  hold, z)  # fmt: skip
+                _rate(
+                    n,
+                    a,
+                    b,
+                    inverse_mass,
+                    wires,
+                    stiffness,
+                    drive,
+                    wire_laws,
+                    wire_parameters,
+                    laws,
+                    parameters,
+                    thresholds,
+                    y,
+                    u,
+                    w,
+                    time[g] + done,
+                    pieces,
+                    stages[0],
+                    hold,
+                    z,
+                )
+            _step(
+                n,
+                a,
+                b,
+                inverse_mass,
+                wires,
+                stiffness,
+                drive,
+                wire_laws,
+                wire_parameters,
+                laws,
+                parameters,
+                thresholds,
+                y,
+                motor,
+                load,
+                g,
+                done,
+                whole,
+                time[g] + done,
+                h,
+                u,
+                w,
+                pieces,
+                stages,
+                point,
+                hold,
+                z,
+            )
             law = -1
             if rows and still < MOST_SWITCHES:
                 share, law = _first_switch(n, laws, thresholds, pieces, y, point)
                 if law >= 0:
                     h *= share
-                    _step(n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters, laws,
-                          parameters, thresholds, y, motor, load, g, done, whole, time[g] + done, h, u, w, pieces,
-                          stages, point, hold, z)  # fmt: skip
+                    _step(
+                        n,
+                        a,
+                        b,
+                        inverse_mass,
+                        wires,
+                        stiffness,
+                        drive,
+                        wire_laws,
+                        wire_parameters,
+                        laws,
+                        parameters,
+                        thresholds,
+                        y,
+                        motor,
+                        load,
+                        g,
+                        done,
+                        whole,
+                        time[g] + done,
+                        h,
+                        u,
+                        w,
+                        pieces,
+                        stages,
+                        point,
+                        hold,
+                        z,
+                    )
             for i in range(ny):
                 y[i] = point[i]
             if law >= 0:

@@ -76,7 +76,7 @@ def _rest(model: PhysicalModel, resting: list, y: Floats, u: Floats) -> None:  #
 
 
 def fastest(mechanics: Mechanics, spec: Spec) -> float:
-    """Largest rate (rad/s) of the mechanics with contacts closed and wires taut; sets the step of a replay."""
+    """Largest rate (rad/s) of the mechanics with contacts closed and wires taut."""
     a = mechanics.a.copy()
     n, m = mechanics.inverse_mass.shape[0], mechanics.stiffness.shape[0]
     for actuator in range(m):

@@ -1,4 +1,4 @@
-"""A model of the physical side: the nominal spec, retuned parameters, added effects; and what may move in it."""
+"""A model of the physical side: the nominal spec, retuned parameters, added effects."""
 
 from __future__ import annotations
 

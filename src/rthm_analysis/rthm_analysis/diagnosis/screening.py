@@ -1,4 +1,4 @@
-"""Score every candidate from one replay each: how much of the squared error could it remove?
+"""Score every candidate from one replay each: how much of the squared error it could remove.
 
 A candidate's replay gives the direction in which it moves the prediction. What the directions of the
 parameters in play already explain is taken out; the rest, against the residual, gives size and gain.

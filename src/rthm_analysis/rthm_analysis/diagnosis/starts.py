@@ -56,10 +56,12 @@ def _start(
 
 
 def coulomb_friction(s: Scene) -> Iterator[Start]:
+    """Seen at once in its amplitude."""
     yield _start(s, "plant", "coulomb_friction", ("force",), force=SMALL * s.size)
 
 
 def stribeck_friction(s: Scene) -> Iterator[Start]:
+    """Two widths of the fall from static to sliding friction."""
     f = SMALL * s.size
     for velocity in (0.05, 0.2):
         yield _start(
@@ -74,21 +76,25 @@ def stribeck_friction(s: Scene) -> Iterator[Start]:
 
 
 def quadratic_drag(s: Scene) -> Iterator[Start]:
+    """Linear in its coefficient."""
     yield _start(s, "plant", "quadratic_drag", ("coefficient",), coefficient=SMALL * s.size / rms(s.v**2))
 
 
 def cubic_stiffness(s: Scene) -> Iterator[Start]:
+    """Linear in its coefficient, of either sign."""
     yield _start(
         s, "plant", "cubic_stiffness", ("coefficient",), True, coefficient=SMALL * s.size / rms(s.x**3)
     )
 
 
 def quadratic_stiffness(s: Scene) -> Iterator[Start]:
+    """Linear in its coefficient, of either sign."""
     c = SMALL * s.size / rms(s.x**2)
     yield _start(s, "plant", "quadratic_stiffness", ("coefficient",), True, coefficient=c)
 
 
 def end_stop(s: Scene) -> Iterator[Start]:
+    """A stop on either side, reached for 2 to 30 % of the time."""
     for side in (1.0, -1.0):
         for share in (0.02, 0.06, 0.15, 0.3):
             position = float(np.quantile(side * s.x, 1.0 - share))
@@ -110,6 +116,7 @@ def end_stop(s: Scene) -> Iterator[Start]:
 
 
 def clearance(s: Scene) -> Iterator[Start]:
+    """A gap left for 10 to 70 % of the time."""
     for share in (0.1, 0.25, 0.45, 0.7):
         gap = s.level(s.x, share)
         depth = rms(np.maximum(np.abs(s.x) - gap, 0.0))
@@ -137,10 +144,12 @@ def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[Start]:
 
 
 def bouc_wen(s: Scene) -> Iterator[Start]:
+    """Loops of a hysteretic spring."""
     yield from _bouc_wen(s, "plant", rms(s.x - s.x.mean()))
 
 
 def maxwell_branch(s: Scene) -> Iterator[Start]:
+    """Relaxation slower than, as fast as and faster than the motion."""
     for ratio in (0.3, 1.0, 3.0):
         k = SMALL * s.size / rms(s.x - s.x.mean())
         yield _start(
@@ -154,6 +163,7 @@ def maxwell_branch(s: Scene) -> Iterator[Start]:
 
 
 def hidden_mode(s: Scene) -> Iterator[Start]:
+    """Resonators below, at and above the main frequency."""
     for ratio in np.geomspace(0.45, 4.0, 14):
         yield _start(
             s,
@@ -167,6 +177,7 @@ def hidden_mode(s: Scene) -> Iterator[Start]:
 
 
 def fluid_memory(s: Scene) -> Iterator[Start]:
+    """Memory that peaks below, at and above the main frequency."""
     for ratio in (0.5, 0.8, 1.2, 1.8, 2.7):
         yield _start(
             s,
@@ -180,14 +191,17 @@ def fluid_memory(s: Scene) -> Iterator[Start]:
 
 
 def constant_load(s: Scene) -> Iterator[Start]:
+    """Linear in its force."""
     yield _start(s, "plant", "constant_load", ("force",), True, force=SMALL * s.size)
 
 
 def backlash(s: Scene) -> Iterator[Start]:
+    """Nearly linear in a small gap."""
     yield _start(s, "wire", "backlash", ("gap",), gap=SMALL * rms(s.elongation))
 
 
 def slack(s: Scene) -> Iterator[Start]:
+    """Tensions that are lost for 0.5 to 30 % of the time."""
     push = -s.force
     for share in (0.005, 0.02, 0.06, 0.15, 0.3):
         level = float(np.quantile(push, 1.0 - share))
@@ -198,11 +212,13 @@ def slack(s: Scene) -> Iterator[Start]:
 
 
 def hardening(s: Scene) -> Iterator[Start]:
+    """Linear in its coefficient, of either sign."""
     c = SMALL * s.size / rms(s.elongation**3)
     yield _start(s, "wire", "hardening", ("coefficient",), True, coefficient=c)
 
 
 def pulley_inertia(s: Scene) -> Iterator[Start]:
+    """A pulley of half a per cent of the dof's mass."""
     yield _start(
         s,
         "wire",
@@ -214,14 +230,17 @@ def pulley_inertia(s: Scene) -> Iterator[Start]:
 
 
 def pulley_friction(s: Scene) -> Iterator[Start]:
+    """Nearly linear in a small force."""
     yield _start(s, "wire", "pulley_friction", ("force",), force=2.0 * SMALL * s.size)
 
 
 def wire_bouc_wen(s: Scene) -> Iterator[Start]:
+    """Loops of a hysteretic wire."""
     yield from _bouc_wen(s, "wire", rms(s.elongation))
 
 
 def wire_maxwell_branch(s: Scene) -> Iterator[Start]:
+    """Relaxation slower than, as fast as and faster than the motion."""
     for ratio in (0.3, 1.0, 3.0):
         k = SMALL * s.size / rms(s.elongation)
         yield _start(

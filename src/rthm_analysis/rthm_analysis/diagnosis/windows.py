@@ -1,4 +1,4 @@
-"""Where free runs begin: once at the start of the test, or again and again where a free run would drift away."""
+"""Where free runs begin: once at the start of the test, or again and again where they would drift away."""
 
 from __future__ import annotations
 

@@ -80,9 +80,15 @@ def verdict_words(
     """The answer in one or two sentences."""
     where = " and ".join(block_words(block) for block in located)
     if verdict == "match":
-        return "Simulation and recording agree to within the noise: nothing is missing that this recording could show."
+        return (
+            "Simulation and recording agree to within the noise: "
+            "nothing is missing that this recording could show."
+        )
     if verdict == "retuned":
-        return f"No physics is missing; uncertain parameters have other values than assumed: {retuned_words(retuned)}."
+        return (
+            "No physics is missing; uncertain parameters have other values than assumed: "
+            f"{retuned_words(retuned)}."
+        )
     named = " ".join(one.words for one in physics)
     if verdict == "explained":
         tuned = f" Besides, {retuned_words(retuned)}." if retuned else ""

@@ -45,7 +45,11 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
     rows = zip(time.tolist(), x.tolist(), v.tolist(), strict=True)
     before: tuple[float, float, float, int] | None = None
     for k, (t, here, speed) in enumerate(rows):
-        piece = sum(here > limit for limit in limits) if law.split == "position" else (speed > 0.0) - (speed < 0.0)
+        piece = (
+            sum(here > limit for limit in limits)
+            if law.split == "position"
+            else (speed > 0.0) - (speed < 0.0)
+        )
         if before is not None and z:
             t0, x0, v0, piece0 = before
             law.rate(x0, v0, z, t0, p, piece0, first)

@@ -38,7 +38,7 @@ LOOKS_AT = {
 
 
 def next_experiment(verdict: str, physics: list[tuple[str, str]], alternatives: list[tuple[str, str]]) -> str:
-    """A sentence; all are (block, kind), `alternatives` those that cannot be told apart from what was named."""
+    """A sentence; all are (block, kind), `alternatives` those that cannot be told apart."""
     if alternatives and physics:
         kind, other = physics[0][1], alternatives[0][1]
         return (

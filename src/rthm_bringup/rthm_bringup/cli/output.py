@@ -53,6 +53,18 @@ def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
         yield lambda done: bar.update(task, completed=done)
 
 
+@contextmanager
+def status(words: str) -> Iterator[Callable[[str], None]]:
+    """What is being done, on standard error, if that is a terminal; what it gives hears what comes next."""
+    if not sys.stderr.isatty():
+        yield lambda said: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(words) as line:
+        yield lambda said: line.update(said)
+
+
 def table(rows: Iterable[tuple[str, ...]]) -> list[str]:
     """Lines with the columns of the rows under each other; the first column is left, the others right."""
     kept = list(rows)

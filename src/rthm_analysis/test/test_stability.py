@@ -4,12 +4,17 @@ import numpy as np
 import pytest
 
 from rthm_analysis.lifted.commensurate import period_of
+from rthm_analysis.lifted.eigen import write_moduli
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import linear_loop
+from rthm_analysis.lifted.radii import spectral_radii, stacked
 from rthm_analysis.stability import spectral_radius, stability
 from rthm_analysis.stability.limits import delay_limit, k_tot_limit, scale_limit
+from rthm_analysis.stability.map import stability_map
+from rthm_analysis.stability.picture import draw
 from rthm_analysis.stability.rates import growth_rates
 from rthm_analysis.stability.search import scan
+from rthm_analysis.sweep.ranges import given_range
 from rthm_core.engine import simulate
 from rthm_core.spec import apply, shipped_spec
 
@@ -178,3 +183,42 @@ def test_a_delay_of_zero_has_a_critical_value_but_no_critical_scale():
     limit = delay_limit(spec, loop, "tau4")
     assert limit.critical_scale is None
     assert limit.critical_value > 0.1
+
+
+def test_many_loops_at_once_have_the_radii_that_each_has_alone():
+    spec, loop, cycle = parts(shipped_spec("three_mass"))
+    softer = linear_loop(apply(spec, {"actuator.stiffness": [11.0, 19.0]}))
+    factors = np.array([0.5, 1.0, 20.0, 90.0])
+    for one in (loop, softer):
+        found = spectral_radii(stacked([one] * 4), cycle, cycle.unit * factors)
+        alone = [growth_rates(one, cycle.scaled(f))[0] * cycle.hyperperiod * f for f in factors]
+        np.testing.assert_allclose(np.log(found), alone, atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 7, 20])
+def test_moduli_are_those_of_lapack(size):
+    random = np.random.default_rng(size)
+    for _ in range(100):
+        matrix = random.normal(size=(size, size))
+        found = np.empty(size)
+        write_moduli(matrix.copy(), found)
+        expected = np.abs(np.linalg.eigvals(matrix))
+        np.testing.assert_allclose(np.sort(found), np.sort(expected), rtol=1e-8)
+
+
+def test_a_map_has_the_growth_rate_of_every_loop_alone():
+    ranges = given_range("timing.tau4=0.002:0.3:3"), given_range("actuator.stiffness=10:400:2:log")
+    found = stability_map(shipped_spec("paper"), ranges).growth_rate
+    for i, tau4 in enumerate(ranges[0].values):
+        for j, k in enumerate(ranges[1].values):
+            changes = {"timing.tau4": tau4, "actuator.stiffness": k}
+            _, loop, cycle = parts(apply(shipped_spec("paper"), changes))
+            assert found[i, j] == pytest.approx(growth_rates(loop, cycle)[0], rel=1e-9)
+
+
+def test_a_map_is_a_picture_with_its_edge(tmp_path):
+    ranges = given_range("timing.scale=1:30:12"), given_range("actuator.stiffness=2:400:12:log")
+    found = stability_map(shipped_spec("paper"), ranges)
+    assert found.growth_rate.max() > 0.0 > found.growth_rate.min()
+    draw(found, (1.0, 40.0), tmp_path / "map.svg")
+    assert (tmp_path / "map.svg").read_text().count("<path") > 20

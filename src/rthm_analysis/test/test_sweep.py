@@ -65,7 +65,7 @@ def test_one_millisecond_of_position_cancellation_is_a_damper_of_k_tot_tau1():
     still = {f"timing.{name}": 0.0 for name in ("tau2", "tau3", "tau4")}
     quick = {f"timing.{name}": 1e-4 for name in ("td1", "td2", "td3")}
     bare = {f"{side}.damping": [0.0] for side in ("plant", "numerical", "interface")}
-    found = measure(apply(PAPER, still | quick | bare | {"timing.tau1": 0.001}), 3.0)
+    found, _ = measure(apply(PAPER, still | quick | bare | {"timing.tau1": 0.001}), 3.0)
     assert found["equivalent_damping"] == pytest.approx(40.0 * (0.001 + 0.5e-4), rel=0.03)
     assert found["balance_error"] < 1e-9
 
@@ -75,7 +75,7 @@ def test_a_table_has_what_each_loop_has_alone(tmp_path):
     with local_workers(1) as workers:
         done = sweep(order("timing.scale", "actuator.stiffness", duration=1.0), values, tmp_path, workers)
     for row, (scale, stiffness) in zip(done.table.to_pylist(), values, strict=True):
-        alone = measure(apply(PAPER, {"actuator.stiffness": stiffness}).scaled_timing(scale), 1.0)
+        alone, _ = measure(apply(PAPER, {"actuator.stiffness": stiffness}).scaled_timing(scale), 1.0)
         assert row["timing.scale"] == scale and row["actuator.stiffness"] == stiffness
         assert {name: row[name] for name in QUANTITIES} == pytest.approx(alone, nan_ok=True)
         assert row["stable"] and not row["refused"]

@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.lifted.compiled import compiled, inlined
 from rthm_analysis.lifted.cycle import NOWHERE, Cycle
 from rthm_analysis.lifted.matrices import LinearLoop
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers
 from rthm_core.schedule import COMMAND, REFERENCE, SAMPLE
 
 

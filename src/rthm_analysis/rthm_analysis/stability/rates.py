@@ -12,6 +12,7 @@ from rthm_analysis.lifted.commensurate import commensurate
 from rthm_analysis.lifted.cycle import Cycle
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.matrices import LinearLoop
+from rthm_analysis.lifted.radii import moduli, stacked
 from rthm_analysis.stability.search import Rates
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
@@ -24,14 +25,25 @@ EVENTS_IN_A_SEARCH = 3000
 """A search follows cycles up to this length exactly; its loops are many."""
 
 
+SLOWEST = -1e6
+"""Rate of what is forgotten at once, 1/s."""
+
+
 def growth_rates(loop: LinearLoop, cycle: Cycle) -> Floats:
-    """The largest growth rates (LARGEST,), 1/s, descending; -inf where there are no more."""
+    """The largest growth rates (LARGEST,), 1/s, descending."""
     size = np.abs(np.linalg.eigvals(Lifted(loop, cycle).monodromy()))
-    largest = np.sort(size)[::-1][:LARGEST]
-    rates = np.full(LARGEST, -np.inf)
+    return _largest(size[None], np.array([cycle.hyperperiod]))[0]
+
+
+def _largest(moduli: Floats, hyperperiods: Floats) -> Floats:
+    """Largest growth rates (N, LARGEST) of moduli (N, rows)."""
+    if not np.isfinite(moduli).all():
+        moduli = np.where(np.isfinite(moduli), moduli, np.inf)  # beyond all numbers: it grows
+    rates = np.full((moduli.shape[0], LARGEST), SLOWEST)
+    largest = np.sort(moduli, axis=1)[:, ::-1][:, :LARGEST]
     with np.errstate(divide="ignore"):
-        rates[: largest.size] = np.log(largest) / cycle.hyperperiod
-    return np.maximum(rates, -1e6)
+        rates[:, : largest.shape[1]] = np.log(largest) / hyperperiods[:, None]
+    return np.clip(rates, SLOWEST, -SLOWEST)
 
 
 def _at_each(one: Callable[[float], Floats]) -> Rates:
@@ -41,10 +53,11 @@ def _at_each(one: Callable[[float], Floats]) -> Rates:
 def of_scale(loop: LinearLoop, cycle: Cycle) -> Rates:
     """Rates over a factor on all periods and delays, in units of the scaled time."""
 
-    def one(factor: float) -> Floats:
-        return growth_rates(loop, cycle.scaled(factor))
+    def rates(factors: Floats) -> Floats:
+        found = moduli(stacked([loop] * factors.size), cycle, cycle.unit * factors)
+        return _largest(found, cycle.hyperperiod * factors)
 
-    return _at_each(one)
+    return rates
 
 
 def of_delay(loop: LinearLoop, schedule: Schedule, name: str) -> Rates:
@@ -74,7 +87,8 @@ def of_period(loop: LinearLoop, schedule: Schedule, name: str, lattice_ns: int) 
 def of_k_tot(loops: Callable[[float], LinearLoop], cycle: Cycle) -> Rates:
     """Rates over the logarithm of a factor on k_tot."""
 
-    def one(logarithm: float) -> Floats:
-        return growth_rates(loops(float(np.exp(logarithm))), cycle)
+    def rates(logarithms: Floats) -> Floats:
+        found = moduli(stacked([loops(float(np.exp(one))) for one in logarithms]), cycle)
+        return _largest(found, np.full(logarithms.size, cycle.hyperperiod))
 
-    return _at_each(one)
+    return rates

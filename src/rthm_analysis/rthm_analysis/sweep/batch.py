@@ -55,8 +55,9 @@ def _run(order: Order, values: tuple[float, ...]) -> dict[str, Any]:
     try:
         # A loop that grows without bound ends as inf or nan, and that is what the table says.
         with np.errstate(all="ignore"):
-            found = measure(changed(_spec(order.spec), order.keys, values), order.duration)
-        return {"stable": found["spectral_radius"] < 1.0, **found, "refused": ""}
+            found, refused = measure(changed(_spec(order.spec), order.keys, values), order.duration)
+        radius = found["spectral_radius"]
+        return {"stable": None if np.isnan(radius) else radius < 1.0, **found, "refused": refused}
     except InputError as error:
         return {"stable": None, **dict.fromkeys(QUANTITIES, np.nan), "refused": str(error)}
 

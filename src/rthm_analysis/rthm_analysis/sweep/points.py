@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.sweep.ranges import Range
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-from rthm_core.spec import apply
+from rthm_core.spec import apply, parameters
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -58,6 +58,18 @@ def changed(spec: Spec, keys: Sequence[str], values: Sequence[float]) -> Spec:
     factor = changes.pop(SCALE, None)
     spec = apply(spec, changes) if changes else spec
     return spec if factor is None else spec.scaled_timing(factor)
+
+
+def value_of(spec: Spec, key: str) -> float | None:
+    """Value that the spec itself has; None for what is no single number."""
+    if key == SCALE:
+        return 1.0
+    values = {one.name: one.value for one in parameters(spec)}
+    name, _, index = key.removesuffix("]").partition("[")
+    value = values.get(name)
+    if isinstance(value, list | tuple) and (index or len(value) == 1):
+        value = value[int(index or 0)]
+    return float(value) if isinstance(value, int | float) else None
 
 
 def check_ends(spec: Spec, ranges: Sequence[Range]) -> None:

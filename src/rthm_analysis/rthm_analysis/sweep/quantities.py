@@ -10,6 +10,7 @@ from rthm_analysis.stability import stability
 from rthm_core.compiled import Floats
 from rthm_core.energy import TERMS
 from rthm_core.engine import Trajectory, simulate
+from rthm_core.errors import InputError
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
@@ -31,16 +32,22 @@ ROWS = 2000
 LONGEST_STEP = 0.01
 
 
-def measure(spec: Spec, duration: float) -> dict[str, float]:
-    """Quantities of one loop; those that need a simulation are nan when `duration` (s) is zero."""
-    found = dict.fromkeys(QUANTITIES, np.nan)
-    found |= _stability(spec)
+def measure(spec: Spec, duration: float) -> tuple[dict[str, float], str]:
+    """Quantities of one loop, and a sentence if its stability cannot be told.
+
+    What cannot be told is nan; so is all that needs a simulation when `duration` (s) is zero.
+    """
+    found, refused = dict.fromkeys(QUANTITIES, np.nan), ""
+    try:
+        found |= _stability(spec)
+    except InputError as error:
+        refused = str(error)
     if duration > 0.0:
         sample = min(duration / ROWS, LONGEST_STEP)
         hybrid = simulate(spec, duration, sample)
         found |= _energies(hybrid)
         found |= _motion(spec, hybrid, simulate(spec, duration, sample, "ideal", energies=False))
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in found.items()}, refused
 
 
 def _stability(spec: Spec) -> dict[str, float]:

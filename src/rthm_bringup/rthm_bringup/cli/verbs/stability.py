@@ -2,10 +2,30 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
 from rthm_bringup.cli.options import Json, SpecName
 
 
-def verb(spec: SpecName = "paper", json: Json = None) -> int:
+def verb(
+    spec: SpecName = "paper",
+    over: Annotated[
+        tuple[str, str] | None,
+        typer.Option(
+            "--map",
+            metavar="KEY=A:B:N KEY=A:B:N",
+            help="Also draw the growth rate over two entries of the spec; timing.scale is a factor on all "
+            "periods and delays.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="FILE", help="Picture of the map: .png, .svg or .pdf.")
+    ] = Path("stability.png"),
+    json: Json = None,
+) -> int:
     """Tell whether a loop is stable, its modes, and how far every delay is from the edge."""
     from rthm_analysis.stability import stability
     from rthm_analysis.stability.analysis import SEARCHES
@@ -13,10 +33,27 @@ def verb(spec: SpecName = "paper", json: Json = None) -> int:
     from rthm_bringup.cli.output import progress_bar, put
 
     test = spec_named(spec)
+    drawn = _map(test, over, out) if over else {}
     with progress_bar("looking for every crossing", SEARCHES) as report:
         result = stability(test, progress=report)
-    put(result.as_dict(), _lines(result), json)
+    put(result.as_dict() | drawn, [*_lines(result), *(["", str(out)] if drawn else [])], json)
     return 0
+
+
+def _map(test, over: tuple[str, str], out: Path) -> dict:
+    from rthm_analysis.stability.map import stability_map
+    from rthm_analysis.stability.picture import check_name, draw
+    from rthm_analysis.sweep.points import check_ends, value_of
+    from rthm_analysis.sweep.ranges import given_range
+    from rthm_bringup.cli.output import progress_bar
+
+    check_name(out)
+    first, second = (given_range(text) for text in over)
+    check_ends(test, [first, second])
+    with progress_bar("map", first.values.size) as report:
+        found = stability_map(test, (first, second), report)
+    draw(found, (value_of(test, first.key), value_of(test, second.key)), out)
+    return {"map": found.as_dict() | {"picture": str(out)}}
 
 
 def _lines(result) -> list[str]:

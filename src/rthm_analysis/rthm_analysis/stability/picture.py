@@ -1,0 +1,53 @@
+"""A stability map as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_analysis.stability.map import StabilityMap
+
+KINDS = (".png", ".svg", ".pdf")
+
+
+def check_name(path: Path) -> None:
+    """Refuse a name that no picture can have."""
+    if path.suffix.lower() not in KINDS or not path.parent.is_dir():
+        raise InputError(
+            f"{path} is no name for a picture, which must end in {', '.join(KINDS)} and lie in a folder that "
+            f"is there; correct it."
+        )
+
+
+def draw(over: StabilityMap, nominal: tuple[float | None, float | None], path: Path) -> None:
+    """Write the map to a PNG, SVG or PDF file; `nominal`: where the spec itself is."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.colors import SymLogNorm
+    from matplotlib.figure import Figure
+
+    first, second = over.ranges
+    rate = over.growth_rate.T
+    figure = Figure(figsize=(7.0, 5.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axis = figure.subplots()
+    limit = float(np.nanquantile(np.abs(rate), 0.99)) or 1.0
+    norm = SymLogNorm(limit / 50.0, vmin=-limit, vmax=limit)
+    mesh = axis.pcolormesh(
+        first.values, second.values, rate, shading="nearest", cmap="RdBu_r", norm=norm, rasterized=True
+    )
+    figure.colorbar(mesh, ax=axis, label="growth rate, 1/s (below zero: stable)")
+    if min(rate.shape) > 1 and rate.min() < 0.0 < rate.max():
+        bent = np.arcsinh(rate / (limit / 50.0))  # steep on one side and flat on the other would be jagged
+        axis.contour(first.values, second.values, bent, levels=[0.0], colors="black", linewidths=1.5)
+    if None not in nominal:
+        axis.plot(*nominal, marker="+", color="black", markersize=11, markeredgewidth=1.8, clip_on=False)
+    axis.set(xlabel=first.key, ylabel=second.key, title="black line: edge of stability; +: the spec")
+    for one, scale in ((first, axis.set_xscale), (second, axis.set_yscale)):
+        if one.log:
+            scale("log")
+    figure.savefig(path, dpi=160)

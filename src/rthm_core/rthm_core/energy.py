@@ -240,3 +240,27 @@ def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
         damping[i, j] += k * tau34
         damping[j, i] += k * tau2
     return mass, damping
+
+
+@compiled
+def probe_powers(bodies: Bodies, signals: Floats, at: Moment, flat: Floats, out: Floats) -> None:
+    """Powers, and last the energy, as quadratic forms of a state: ``out[k]`` (d, d), symmetric.
+
+    Column i of `signals` (., d) is what a unit of state i is in the signals of a moment, one after the other;
+    `flat` is the memory of the fields of `at`.
+    """
+    terms = out.shape[0] - 1
+    power = np.empty(terms)
+    for i in range(signals.shape[1]):
+        for j in range(i + 1):
+            for row in range(flat.size):
+                flat[row] = signals[row, i] + (signals[row, j] if j != i else 0.0)
+            powers(bodies, at, power)
+            for k in range(terms):
+                out[k, i, j] = power[k]
+            out[terms, i, j] = total_energy(bodies, at.x1, at.v1, at.x2, at.v2)
+    for k in range(out.shape[0]):
+        for i in range(signals.shape[1]):
+            for j in range(i):
+                out[k, i, j] = 0.5 * (out[k, i, j] - out[k, i, i] - out[k, j, j])
+                out[k, j, i] = out[k, i, j]

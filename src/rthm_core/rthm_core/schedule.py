@@ -162,7 +162,7 @@ class Schedule:
         commands = self.commands(begin, end)
         due, arriving = self.arrivals(begin, end)
         at_once = due == arriving.time
-        used = self._samples(begin, end)
+        used = self.samples(begin, end)
         rows = self.ticks(output, begin, end) if output else np.empty(0, dtype=np.int64)
         parts: list[tuple[Any, ...]] = [
             (used * self.td1, _SAMPLING, SAMPLE, used, used, used),
@@ -185,7 +185,7 @@ class Schedule:
         columns += [np.concatenate([part[k] for part in parts]) for k in (3, 4, 5)]
         return Events(time[order], *(column[order].astype(np.int64) for column in columns))
 
-    def _samples(self, begin: int, end: int) -> Integers:
+    def samples(self, begin: int, end: int) -> Integers:
         """Numbers of the samples taken in [begin, end) that anybody uses later."""
         ahead = (
             end + max(self.links["tau1"].reach_ns, self.links["tau2"].reach_ns) + 2 * max(self.td2, self.td3)

@@ -25,6 +25,7 @@ from rthm_core.physical.advance import Physical, advance_segment, piece_count, p
 from rthm_core.physical.drive import Drive, drive, motor_position, settled
 from rthm_core.physical.flow import mechanics_rate
 from rthm_core.physical.integrate import SCRATCH, inputs_at
+from rthm_core.physical.model import PhysicalModel
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -87,15 +88,7 @@ def ledger(
     fastest = max(np.abs(np.linalg.eigvals(a)).max(initial=0.0) for a in systems)
     smoothness = 0.5 if ny == 2 * n1 else 0.1
     longest = int(smoothness / fastest * 1e9) if fastest > 0.0 else 1_000_000_000
-    moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(
-        believed.conditioning, model.drive.conditioning
-    )
-    plain = (
-        ny == 2 * n1
-        and model.laws is None
-        and moved_by_commands
-        and not any(e.block in ("plant", "wire") for e in spec.effects)
-    )
+    plain = nothing_added(spec, model, believed)
     return Ledger(
         on,
         bodies(spec),
@@ -119,9 +112,22 @@ def ledger(
         np.zeros((4, 2 * n2)),
         np.zeros(believed.system.ab.shape[0]),
         np.zeros((model.whole.orders, m)),
-        bool(plain),
+        plain,
         np.zeros(piece_count(model)),
         np.zeros(piece_count(model), dtype=np.int64),
+    )
+
+
+def nothing_added(spec: Spec, model: PhysicalModel, believed: Drive) -> bool:
+    """Whether nothing acts on the plant but what the controller believes in, so that E_effects is zero."""
+    moved_by_commands = np.array_equal(believed.out, model.drive.out) and np.array_equal(
+        believed.conditioning, model.drive.conditioning
+    )
+    return (
+        model.laws is None
+        and moved_by_commands
+        and model.mechanics.shape[0] == 2 * model.n
+        and not any(e.block in ("plant", "wire") for e in spec.effects)
     )
 
 

@@ -15,6 +15,7 @@ from rthm_core.controller import controller
 from rthm_core.energy import TERMS
 from rthm_core.engine.coupled import simulate_coupled
 from rthm_core.engine.ledger import ledger
+from rthm_core.engine.linear import Rows, linear_rows
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
@@ -97,9 +98,24 @@ def simulate(
     step = _checked(spec, duration, sample, system)
     if system != "hybrid" or not spec.is_loop:
         return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
+    rows = linear_rows(spec, to_ns(duration), step, energies=energies)
+    if rows is not None:
+        return _of_rows(spec, rows, step)
+    return simulate_any(spec, to_ns(duration), step, energies=energies, progress=progress)
+
+
+def simulate_any(
+    spec: Spec,
+    end: int,
+    step: int,
+    *,
+    energies: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Simulate a loop of any kind up to `end`, with a row every `step` (ns)."""
     loop = _loop(spec, energies=energies)
     n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
-    rows = list(_chunks(spec, loop, to_ns(duration), step, 2 * n1 + 2 * n2 + 2 * m + 7, progress))
+    rows = list(_chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7, progress))
     return _trajectory(np.concatenate(rows), step, n1, n2, m, energies=energies)
 
 
@@ -165,6 +181,20 @@ def _chunks(
         begin = until
         if progress is not None:
             progress(min(until, end) * 1e-9)
+
+
+def _of_rows(spec: Spec, rows: Rows, step: int) -> Trajectory:
+    n1, n2 = len(spec.plant.dofs), rows.numerical.shape[1] // 2
+    return Trajectory(
+        np.arange(rows.plant.shape[0], dtype=float) * (step * 1e-9),
+        rows.plant[:, :n1],
+        rows.plant[:, n1 : 2 * n1],
+        rows.numerical[:, :n2],
+        rows.numerical[:, n2:],
+        rows.reference,
+        rows.plant[:, 2 * n1 :],
+        dict(zip((*TERMS, "E_total"), rows.works.T, strict=False)) if rows.works.size else {},
+    )
 
 
 def _trajectory(rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool) -> Trajectory:

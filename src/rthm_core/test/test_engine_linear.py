@@ -1,0 +1,62 @@
+"""The fast way of linear loops against the engine that takes any loop."""
+
+import numpy as np
+import pytest
+
+from rthm_core.engine.linear import linear_rows
+from rthm_core.engine.simulate import simulate, simulate_any
+from rthm_core.spec import apply, shipped_spec
+
+WAVE = {"kind": "harmonic", "amplitude": 1.0, "frequency": 2.4, "phase": 0.3}
+MANY = {"kind": "multisine", "rms": 0.5, "low": 1.0, "high": 9.0, "count": 7, "seed": 3}
+STAGE = {"block": "motor", "actuator": "a1", "kind": "second_order", "frequency": 300.0, "damping_ratio": 0.7}
+BRANCH = {"block": "plant", "dof": "x1", "kind": "maxwell_branch", "stiffness": 5.0, "damping": 1.0}
+SLOW = {"block": "sensor.position", "dof": "x1", "kind": "lag", "time_constant": 0.004}
+SHIFT = {"block": "sensor.velocity", "dof": "x1", "kind": "scale", "scale": 1.1}
+LOOSE = {"block": "link.tau2", "kind": "loss", "fraction": 0.2}
+SHAKY = {"block": "link.tau4", "kind": "jitter", "std": 0.002}
+WRONG = {"block": "controller", "kind": "wrong_parameter", "name": "actuator.stiffness", "value": 45.0}
+NOISE = {"noise.position": 1e-4, "noise.velocity": 2e-3, "noise.seed": 4}
+AT_ONCE = {f"timing.{name}": 0.0 for name in ("tau1", "tau2", "tau3", "tau4")}
+
+CASES = {
+    "paper": {},
+    "three masses": {"name": "three_mass"},
+    "transmission": {"name": "transmission"},
+    "motor poles": {"actuator.motor_poles": [400.0, 2000.0]},
+    "loads": {"load.plant": {"dof": "x1", **WAVE}, "load.numerical": {"dof": "x2", **MANY}},
+    "constant load": {"load.numerical": {"dof": "x2", "kind": "constant", "force": 0.3}},
+    "no delays": AT_ONCE,
+    "clocked references": {"timing.td4": 0.003},
+    "rows off the clocks": {"timing.tau1": 0.0041234},
+    "noise": NOISE,
+    "effects": {"effects": [STAGE, BRANCH, SLOW, SHIFT, WRONG]},
+    "irregular links": {"effects": [LOOSE, SHAKY]},
+}
+
+
+def changed(name="paper", effects=(), **changes):
+    names = [f"e{i}" for i in range(len(effects))]
+    added = {"effects": names, **dict(zip(names, effects, strict=True))} if effects else {}
+    return apply(shipped_spec(name), changes | added)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_fast_way_gives_the_same_motion(case):
+    spec = changed(**CASES[case])
+    assert linear_rows(spec, 1_000_000, 1_000_000) is not None
+    fast = simulate(spec, 12.0, 0.0017, energies=False)
+    slow = simulate_any(spec, 12_000_000_000, 1_700_000)
+    counted = simulate(spec, 12.0, 0.0017)
+    assert np.abs(counted.plant_position - fast.plant_position).max() < 1e-12
+    for term, work in slow.energies.items():
+        assert np.abs(counted.energies[term] - work).max() < 1e-11, term
+    for name in ("plant_position", "plant_velocity", "numerical_position", "numerical_velocity"):
+        assert np.abs(getattr(fast, name) - getattr(slow, name)).max() < 1e-12
+    assert np.abs(fast.force_reference - slow.force_reference).max() < 1e-11
+    assert np.abs(fast.actuator_force - slow.actuator_force).max() < 1e-11
+
+
+def test_what_is_not_linear_takes_the_other_way():
+    friction = {"block": "plant", "dof": "x1", "kind": "coulomb_friction", "force": 0.05}
+    assert linear_rows(changed(effects=[friction]), 1_000_000, 1_000_000) is None

@@ -1,20 +1,20 @@
-"""Simulate a linear loop: build its program and its matrices once, and run the kernel."""
+"""Simulate a linear loop: reduce it to a program and matrices once, and run the kernel."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.exponential import exponentials
+from rthm_core.compiled import Floats
 from rthm_core.engine.kept import kept
-from rthm_core.engine.kernel import Counting, Memory, Operations, Tables, run, vector
-from rthm_core.engine.linear_ledger import COLUMNS, LinearLedger, linear_ledger, work_tables
-from rthm_core.engine.linear_loop import LinearLoop, Side, linear_loop
+from rthm_core.engine.kernel import Counting, run
+from rthm_core.engine.linear_ledger import COLUMNS, LinearLedger, linear_ledger
+from rthm_core.engine.linear_loop import LinearLoop, linear_loop
+from rthm_core.engine.preparation import Prepared, Start, copied, prepared, start_of, widths
 from rthm_core.engine.program import (
     FEW_LENGTHS,
-    Program,
     in_digits,
     last_changes,
     period_ns,
@@ -22,128 +22,10 @@ from rthm_core.engine.program import (
     reach_ns,
     with_lengths,
 )
-from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE, Schedule
+from rthm_core.schedule import REFERENCE, Schedule
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-
-PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
-
-
-class Prepared(NamedTuple):
-    """A program with its matrices, and the tables of the works if they are counted."""
-
-    operations: Operations
-    tables: Tables
-    works: Floats | None
-
-
-def _steps(side: Side, lengths_ns: Integers) -> Floats:
-    """Matrices (K, n + m, n + m) of [y, s, held] over each length."""
-    n, m = side.b.shape
-    joint = np.zeros((n + m, n + m))
-    joint[:n, :n], joint[:n, n:] = side.a, side.b
-    return exponentials(joint, lengths_ns)
-
-
-def _seen_through(rows: Floats, steps: Floats) -> Floats:
-    """Matrices of what is seen after each step, transposed for the kernel."""
-    return np.ascontiguousarray(np.swapaxes(rows @ steps, 1, 2))
-
-
-def _numbered(first: Program, further: Program, column: int, kinds: tuple[int, ...]) -> tuple[Any, Any]:
-    """Different lengths of some kinds of operation in both passes, and which one each operation takes."""
-    chosen = np.isin(first.what, kinds)
-    both = np.stack([first[column], further[column]])
-    lengths, which = np.unique(both[:, chosen], return_inverse=True)
-    numbers = np.full(both.shape, -1, dtype=np.int64)
-    numbers[:, chosen] = which.reshape(2, -1)
-    return lengths, numbers
-
-
-def prepared(
-    loop: LinearLoop, first: Program, further: Program, period: int, ledger: LinearLedger | None
-) -> Prepared:
-    """Matrices and operations of a program whose `first` pass differs in lengths from every `further` one."""
-    one, two = loop.plant, loop.numerical
-    n1, n2 = one.a.shape[0], two.a.shape[0]
-    changes = (MOTOR, COMMAND, REFERENCE)
-    moves, move = _numbered(first, further, PLANT, changes if ledger else (MOTOR, COMMAND))
-    looks, look = _numbered(first, further, PLANT, (SAMPLE, OUTPUT))
-    ticks, tick = _numbered(first, further, NUMERICAL, changes if ledger else (REFERENCE,))
-    rows, row = _numbered(first, further, NUMERICAL, (OUTPUT,))
-    seen1 = _steps(one, looks)
-    tables = Tables(
-        _seen_through(np.eye(n1, n1 + one.b.shape[1]), _steps(one, moves)),
-        _seen_through(np.eye(n2, n2 + two.b.shape[1]), _steps(two, ticks)),
-        _seen_through(loop.sample, seen1),
-        _seen_through(loop.rows, seen1),
-        _seen_through(np.eye(two.y.size, n2 + two.b.shape[1]), _steps(two, rows)),
-        np.ascontiguousarray(loop.reference.T[None]),
-        loop.bias,
-        loop.k_tot,
-    )
-    operations = Operations(
-        first.what,
-        first.time,
-        np.maximum(move, look).ravel(),
-        np.maximum(tick, row).ravel(),
-        first.sample,
-        first.reference,
-        period,
-        np.where(row >= 0, row + moves.size, move).ravel(),
-    )
-    if ledger is None:
-        return Prepared(operations, tables, None)
-    works = [
-        work_tables(ledger, moves, with_energy=False),
-        work_tables(ledger, rows, with_energy=True),
-    ]
-    return Prepared(operations, tables, np.concatenate(works))
-
-
-class Start(NamedTuple):
-    """State, memory and sensors at the start of a test."""
-
-    state: tuple[Any, ...]
-    memory: Memory
-    sensors: Any
-    widths: tuple[Any, ...]
-    works: Floats
-    joint: Floats
-
-
-def _start(loop: LinearLoop, samples: int, references: int) -> Start:
-    """Start of a loop that looks back on so many samples and references."""
-
-    def filled(row: Floats, needed: int) -> Floats:
-        return np.tile(row, (1 << (needed + 1).bit_length(), 1))
-
-    state = [vector(v) for side in (loop.plant, loop.numerical) for v in (side.state(0.0), side.held)]
-    return Start(
-        tuple(state),
-        Memory(
-            filled(loop.first_sample, samples),
-            filled(loop.first_reference, references),
-            np.zeros(3, dtype=np.int64),
-        ),
-        loop.sensors,
-        tuple(vector(np.zeros(width)) for width in _widths(loop)),
-        np.zeros(COLUMNS),
-        np.zeros(sum(len(vector) for vector in state)),
-    )
-
-
-def _copied(start: Start) -> Start:
-    """A start that a run may change."""
-    state = tuple(v if isinstance(v, tuple) else v.copy() for v in start.state)
-    memory = Memory(start.memory.samples.copy(), start.memory.references.copy(), start.memory.count.copy())
-    return start._replace(state=state, memory=memory, works=start.works.copy())
-
-
-def _widths(loop: LinearLoop) -> tuple[int, int, int]:
-    return loop.rows.shape[0], loop.numerical.y.size, loop.k_tot.size
 
 
 class Rows(NamedTuple):
@@ -160,7 +42,7 @@ class Rows(NamedTuple):
 
 
 def _empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
-    plant, numerical, reference = (np.empty((count, width)) for width in _widths(loop))
+    plant, numerical, reference = (np.empty((count, width)) for width in widths(loop))
     return Rows(plant, numerical, reference, np.empty((count if energies else 0, COLUMNS)))
 
 
@@ -216,7 +98,7 @@ def _repeating(spec: Spec, step: int, energies: bool) -> tuple[Prepared, Start] 
     further = with_lengths(operations, (end[0] - period, end[1] - period), jointly=energies)
     if np.unique([first.plant, further.plant]).size > FEW_LENGTHS:
         return None
-    start = _start(model.loop, int(first.sample.max()), int(first.reference.max()))
+    start = start_of(model.loop, int(first.sample.max()), int(first.reference.max()))
     return prepared(model.loop, first, further, period, model.ledger), start
 
 
@@ -230,7 +112,7 @@ def linear_rows(spec: Spec, end: int, step: int, *, energies: bool = False) -> R
         return _irregular(spec, model, end, step)
     one, start = repeating
     rows = _empty_rows(model.loop, end // step + 1, energies=energies)
-    _run(one, _copied(start), end // one.operations.period + 1, rows)
+    _run(one, copied(start), end // one.operations.period + 1, rows)
     return rows
 
 
@@ -248,7 +130,7 @@ def _irregular(spec: Spec, model: _Model, end: int, step: int) -> Rows | None:
         return None
     schedule = Schedule(spec)
     reach = reach_ns(schedule)
-    start = _start(model.loop, reach // schedule.td1, reach // schedule.td2)
+    start = start_of(model.loop, reach // schedule.td1, reach // schedule.td2)
     rows = _empty_rows(model.loop, end // step + 1, energies=counting)
     since = (0, 0)
     for begin in range(0, end + 1, CHUNK_NS):
@@ -263,3 +145,18 @@ def _irregular(spec: Spec, model: _Model, end: int, step: int) -> Rows | None:
         start = start._replace(state=_run(one, start, 1, rows))
         since = after
     return rows
+
+
+def kernel_call(spec: Spec, end: int, step: int) -> Callable[[], Rows] | None:
+    """What `linear_rows` runs after all preparation, for measurements; None where nothing repeats."""
+    model, repeating = _model(spec, False), _repeating(spec, step, False)
+    if model is None or repeating is None:
+        return None
+    one, start = repeating
+    rows = _empty_rows(model.loop, end // step + 1, energies=False)
+
+    def call() -> Rows:
+        _run(one, copied(start), end // one.operations.period + 1, rows)
+        return rows
+
+    return call

@@ -127,7 +127,7 @@ def linear_loop(spec: Spec) -> LinearLoop | None:
     """Matrices of a loop; None where something in it is not linear or not of constant coefficients."""
     physical, number, control = build(spec), numerical(as_built(spec, "numerical")), controller(spec)
     one, two = exosystem(physical.model.loads), exosystem(number.loads)
-    if one is None or two is None or control.compensator != NONE or not _is_linear(physical):
+    if one is None or two is None or control.compensation.code != NONE or not _is_linear(physical):
         return None
     sides = interface(spec)
     plant = _side(physical.model.whole.ab, physical.state.whole, first_command(spec), one)

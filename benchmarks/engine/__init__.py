@@ -1,0 +1,1 @@
+"""Speed and accuracy of the engine beside what one would take instead."""

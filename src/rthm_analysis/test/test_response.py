@@ -124,3 +124,21 @@ def test_every_pair_of_dofs_has_five_ways():
 def test_a_frequency_of_zero_is_refused_in_a_sentence():
     with pytest.raises(InputError, match="positive"):
         response(PAPER, np.array([0.0]))
+
+
+COMPENSATORS = {
+    "taylor": {"actuator.compensator": "taylor"},
+    "polynomial 1": {"actuator.compensator": "polynomial", "actuator.compensator_order": 1},
+    "polynomial 3": {"actuator.compensator": "polynomial", "actuator.compensator_order": 3},
+    "with motor": {"actuator.compensator": "taylor", "actuator.motor_poles": [400.0, 2000.0]},
+    "with Td4": {"actuator.compensator": "polynomial", "actuator.compensator_order": 2, "timing.td4": 0.003},
+}
+
+
+@pytest.mark.parametrize("name", COMPENSATORS)
+def test_sampled_response_of_a_compensated_loop_is_that_of_a_simulation(name):
+    spec, w = apply(PAPER, DAMPED | COMPENSATORS[name]), 2.0 * np.pi / 1.2
+    expected = simulated(spec, "plant", "x1", w, settle=60, cycles=4, rows=1000)
+    found = response(spec, np.array([w]))
+    np.testing.assert_allclose(found.ways["sampled"][0][:, 0], expected, rtol=1e-6)
+    assert "sampled alone" in found.left_out[0]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.cycle import Cycle, cycle, hyperperiod
+from rthm_analysis.lifted.predictor import history_of
 from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -35,13 +36,13 @@ class Period(NamedTuple):
     error: float
 
 
-def commensurate(schedule: Schedule, most: int = MOST_EVENTS) -> Period:
+def commensurate(schedule: Schedule, most: int = MOST_EVENTS, history: int = 0) -> Period:
     """Cycle of a schedule: exact if it has at most about `most` events, else of the nearest clocks."""
     periods = {name: getattr(schedule, name) for name in CLOCKS if getattr(schedule, name) > 0}
     events_per_ns = sum((1 if name == "td4" else 4) / periods[name] for name in periods if name != "td1")
     duration = hyperperiod(schedule)
     if duration * events_per_ns <= most:
-        return Period(cycle(schedule), 0.0)
+        return Period(cycle(schedule, history=history), 0.0)
     longest = max(periods.values())
     ratios = longest / np.array(list(periods.values()), dtype=float)
     multiples = np.arange(1, max(2, int(most / (events_per_ns * longest))) + 1)
@@ -49,11 +50,12 @@ def commensurate(schedule: Schedule, most: int = MOST_EVENTS) -> Period:
     errors = np.abs(multiples[:, None] * ratios / ticks - 1.0).max(axis=1)
     best = int(np.argmin(errors))
     chosen = dict(zip(periods, ticks[best].astype(int).tolist(), strict=True))
-    return Period(_with_ticks(schedule, chosen, int(multiples[best]) * longest), float(errors[best]))
+    unit = _retime(schedule, chosen, int(multiples[best]) * longest)
+    return Period(cycle(schedule, unit, history), float(errors[best]))
 
 
-def _with_ticks(schedule: Schedule, ticks: dict[str, int], duration_ns: int) -> Cycle:
-    """Cycle of `duration_ns` in which every clock has the given number of ticks."""
+def _retime(schedule: Schedule, ticks: dict[str, int], duration_ns: int) -> float:
+    """Give every clock a number of ticks in `duration_ns`; returns the schedule's new unit of time, s."""
     common = math.lcm(*ticks.values())
     duration = common * max(1, math.ceil(duration_ns / (FINEST_NS * common)))
     unit_ns = duration_ns / duration
@@ -62,9 +64,9 @@ def _with_ticks(schedule: Schedule, ticks: dict[str, int], duration_ns: int) -> 
     for link in schedule.links.values():
         link.delay_ns = round(link.delay_ns / unit_ns)
     schedule.motor_delay = round(schedule.motor_delay / unit_ns)
-    return cycle(schedule, unit_ns * 1e-9)
+    return unit_ns * 1e-9
 
 
 def period_of(spec: Spec, most: int = MOST_EVENTS) -> Period:
     """Cycle of a linear loop."""
-    return commensurate(Schedule(spec), most)
+    return commensurate(Schedule(spec), most, history_of(spec))

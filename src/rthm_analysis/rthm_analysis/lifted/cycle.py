@@ -57,6 +57,13 @@ class Cycle:
     intervals, advance : pairs of (D,) and (E + 1,) arrays
         Different intervals between two events that move the physical (numerical) side, and which of them
         passes before each event and at the end; -1: none.
+    past : (E, 3, H) array
+        Places of the H latest positions, velocities and references that the controller has latched, at its
+        COMMAND events; H = 0 where it does not look back.
+    stamps : (E, 2, H) array
+        Stamps of these samples and references.
+    command_period : int
+        Td3.
     """
 
     duration: int
@@ -70,6 +77,9 @@ class Cycle:
     motor_held: bool
     intervals: tuple[Integers, Integers]
     advance: tuple[Integers, Integers]
+    past: Integers
+    stamps: Integers
+    command_period: int
 
     @property
     def hyperperiod(self) -> float:
@@ -87,8 +97,9 @@ def hyperperiod(schedule: Schedule) -> int:
     return int(np.lcm.reduce(np.array([p for p in periods if p > 0], dtype=object)))
 
 
-def cycle(schedule: Schedule, unit: float = 1e-9) -> Cycle:
-    """Cycle of a schedule whose links neither jitter nor lose anything.
+def cycle(schedule: Schedule, unit: float = 1e-9, history: int = 0) -> Cycle:
+    """Cycle of a schedule whose links neither jitter nor lose anything, for a controller that looks back on
+    `history` samples.
 
     Raises
     ------
@@ -98,10 +109,12 @@ def cycle(schedule: Schedule, unit: float = 1e-9) -> Cycle:
     duration = hyperperiod(schedule)
     reach = sum(link.delay_ns for link in schedule.links.values()) + schedule.motor_delay
     longest = max(schedule.td1, schedule.td2, schedule.td3, schedule.td4)
-    begin = (-(-(reach + 4 * longest) // duration) + 1) * duration
+    span = (2 * history + 4) * longest
+    begin = (-(-(reach + span) // duration) + 1) * duration
     events = _since_cut(schedule, schedule.events(begin, begin + duration), begin)
+    latched = _latched(schedule, events, begin, span, history)
     periods = (schedule.td1, schedule.td1, schedule.td2, 1)
-    memory = _Memory(events, [duration // period for period in periods])
+    memory = _Memory(events, latched, [duration // period for period in periods])
     physical = _intervals(events.time, (events.what == SAMPLE) | (events.what == MOTOR), duration)
     numerical = _intervals(events.time, events.what == REFERENCE, duration)
     return Cycle(
@@ -116,6 +129,9 @@ def cycle(schedule: Schedule, unit: float = 1e-9) -> Cycle:
         not bool(((events.what == MOTOR) & (events.time == 0)).any()),
         (physical[0], numerical[0]),
         (physical[1], numerical[1]),
+        memory.past(latched),
+        latched * np.array([schedule.td1, schedule.td2])[:, None],
+        schedule.td3,
     )
 
 
@@ -132,19 +148,32 @@ def _since_cut(schedule: Schedule, events: Events, begin: int) -> Events:
     )
 
 
+def _latched(schedule: Schedule, events: Events, begin: int, span: int, history: int) -> Integers:
+    """Numbers since the cut (E, 2, H) of the samples and references that the controller has latched last."""
+    before = schedule.commands(begin - span, begin)
+    rows, columns = events.what == COMMAND, []
+    past = (before.state - begin // schedule.td1, before.reference - begin // schedule.td2)
+    for now, earlier in zip((events.state, events.reference), past, strict=True):
+        different = np.union1d(now[rows], earlier)
+        at = np.searchsorted(different, now)[:, None] - np.arange(history)
+        columns.append(np.where(rows[:, None], different[np.clip(at, 0, different.size - 1)], 0))
+    return np.stack(columns, axis=1)
+
+
 class _Memory:
     """Places of everything that is remembered: first what is remembered at the cut, then what is new.
 
     Samples and references are known by their numbers since the cut, commands by their instants.
     """
 
-    def __init__(self, events: Events, per_cycle: list[int]) -> None:
+    def __init__(self, events: Events, latched: Integers, per_cycle: list[int]) -> None:
         what = events.what
-        numerical, command = what == REFERENCE, what == COMMAND
+        numerical, self.command = what == REFERENCE, what == COMMAND
+        states, references = (latched[self.command, k].ravel() for k in range(2))
         used = (
-            events.state[numerical | command],
-            events.state[numerical],
-            events.reference[command],
+            np.concatenate([events.state[numerical | self.command], states]),
+            np.concatenate([events.state[numerical], states]),
+            np.concatenate([events.reference[self.command], references]),
             events.index[what == MOTOR],
         )
         old = [_remembered(np.unique(keys), n) for keys, n in zip(used, per_cycle, strict=True)]
@@ -166,6 +195,12 @@ class _Memory:
             return np.full(keys.size, NOWHERE, dtype=np.int64)
         at = np.minimum(np.searchsorted(known, keys), known.size - 1)
         return np.where(known[at] == keys, self.numbers[kind][at], NOWHERE)
+
+    def past(self, latched: Integers) -> Integers:
+        """Places (E, 3, H) of what the controller has latched."""
+        kinds = ((POSITION, latched[:, 0]), (VELOCITY, latched[:, 0]), (FORCE, latched[:, 1]))
+        found = [self.place(kind, keys.ravel()).reshape(keys.shape) for kind, keys in kinds]
+        return np.where(self.command[:, None, None], np.stack(found, axis=1), NOWHERE)
 
     def places_of(self, events: Events) -> Integers:
         """Places (E, 3) that every event fills or reads (see `Cycle`)."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from rthm_analysis.lifted.cycle import FORCE, POSITION, VELOCITY, Cycle
 from rthm_analysis.lifted.matrices import LinearLoop
+from rthm_analysis.lifted.predictor import weights
 from rthm_analysis.lifted.steps import steps
 from rthm_analysis.lifted.walk import Columns, Forcing, Plan, plan, walk
 from rthm_core.compiled import Floats
@@ -17,19 +18,28 @@ from rthm_core.compiled import Floats
 class Lifted:
     """A linear loop along a cycle.
 
+    `nominal_unit` is the unit in s of the cycle's times before it was scaled (`Cycle.scaled`).
     The lifted state is ``[p, z2, u, everything remembered at the cut]``; u, the input of the motors, is
     left out where a command arrives at the cut itself.
     """
 
     loop: LinearLoop
     cycle: Cycle
+    nominal_unit: float = 0.0
     plan: Plan = field(init=False)
 
     def __post_init__(self) -> None:
         loop, unit = self.loop, self.cycle.unit
         first, second = (part * unit for part in self.cycle.intervals)
-        made = plan(loop, self.cycle, steps(loop.a1, loop.b1, first), steps(loop.a2, loop.b2, second))
-        object.__setattr__(self, "plan", made)
+        every = (steps(loop.a1, loop.b1, first), steps(loop.a2, loop.b2, second))
+        object.__setattr__(self, "plan", plan(loop, self.cycle, *every, self._weights()))
+
+    def _weights(self) -> Floats:
+        m, history = self.loop.actuators, self.cycle.past.shape[2]
+        if self.loop.predictor is None:
+            return np.zeros((0, 3, history, m))
+        parts = weights(self.loop.predictor, self.cycle, self.nominal_unit or self.cycle.unit)
+        return np.ascontiguousarray(parts[..., 0] + self.loop.flexibility * parts[..., 1])
 
     @property
     def moving(self) -> int:

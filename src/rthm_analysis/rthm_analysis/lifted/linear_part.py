@@ -27,7 +27,7 @@ LINEAR = {
 FORCING = {"plant": ("harmonic_load", "constant_load"), "sensor": ("bias", "drift")}
 """Kinds that are only a load or an offset: they move the loop without changing its dynamics."""
 
-COMPENSATORS = ("none",)
+COMPENSATORS = ("none", "taylor", "polynomial")
 """Compensators whose linear equations are known here."""
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rthm_analysis.lifted.predictor import Predictor, history, predictor
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.loads import NO_LOAD
@@ -42,6 +43,8 @@ class LinearLoop(NamedTuple):
         ``F_d = force_held h + force_state z2``.
     flexibility : (m,) array
         1 / k_tot as the controller computes with it, m/N.
+    predictor : Predictor or None
+        Compensator of the controller.
     """
 
     a1: Floats
@@ -56,6 +59,12 @@ class LinearLoop(NamedTuple):
     force_held: Floats
     force_state: Floats
     flexibility: Floats
+    predictor: Predictor | None = None
+
+    @property
+    def history(self) -> int:
+        """How many latched samples of each signal the controller looks at; 0: it does not predict."""
+        return 0 if self.predictor is None else history(self.predictor.controller)
 
     @property
     def actuators(self) -> int:
@@ -92,6 +101,7 @@ def linear_loop(spec: Spec) -> LinearLoop:
         force_held,
         force_state,
         1.0 / controller(spec).stiffness,
+        predictor(spec),
     )
 
 

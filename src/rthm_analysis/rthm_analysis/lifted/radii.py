@@ -43,7 +43,8 @@ def spectral_radii(loops: Stack, cycle: Cycle, units: Floats | None = None) -> F
 
 
 def moduli(loops: Stack, cycle: Cycle, units: Floats | None = None) -> Floats:
-    """Moduli (N, size) of the eigenvalues of every loop over one hyperperiod, in no order.
+    """Moduli (N, size) of the eigenvalues of every loop over one hyperperiod, in no order; for controllers
+    that do not predict.
 
     Parameters
     ----------
@@ -177,6 +178,7 @@ def _moduli(
     nothing = Forcing(np.zeros((0, 2 * m, size)), np.zeros((0, m, size)), np.zeros((0, 2 * m, size)))
     steps1 = np.zeros((intervals1.size, n1, n1 + m))
     steps2 = np.zeros((intervals2.size, n2, n2 + 2 * m))
+    no_past, no_weights = np.zeros((0, 3, 0), dtype=np.int64), np.zeros((0, 3, 0, m))
     matrix = np.zeros((size, size))
     for loop in range(out.shape[0]):
         for k in range(intervals1.size):
@@ -194,6 +196,8 @@ def _moduli(
             loops.force_held[loop],
             loops.force_state[loop],
             loops.flexibility[loop],
+            no_past,
+            no_weights,
         )
         _unit_states(columns, kept, motor_held)
         walk(plan, columns, nothing)

@@ -26,6 +26,8 @@ class Plan(NamedTuple):
     force_held: Floats
     force_state: Floats
     flexibility: Floats
+    past: Integers
+    weights: Floats
 
 
 class Columns(NamedTuple):
@@ -54,8 +56,10 @@ class Forcing(NamedTuple):
     trace: Floats
 
 
-def plan(loop: LinearLoop, cycle: Cycle, steps1: Floats, steps2: Floats) -> Plan:
-    """Put a cycle and a loop together; the steps are those of the cycle's different intervals."""
+def plan(loop: LinearLoop, cycle: Cycle, steps1: Floats, steps2: Floats, weights: Floats) -> Plan:
+    """Put a cycle and a loop together; the steps are those of the cycle's different intervals, the weights
+    (E, 3, H, m) those of what the controller has latched in its commands.
+    """
     return Plan(
         cycle.what,
         cycle.place,
@@ -66,6 +70,8 @@ def plan(loop: LinearLoop, cycle: Cycle, steps1: Floats, steps2: Floats) -> Plan
         np.ascontiguousarray(loop.force_held),
         np.ascontiguousarray(loop.force_state),
         loop.flexibility,
+        cycle.past,
+        weights,
     )
 
 
@@ -128,11 +134,25 @@ def _command(plan, columns, e):  # type: ignore[no-untyped-def]
     to, position, force = plan.place[e, 0], plan.place[e, 1], plan.place[e, 2]
     if to == NOWHERE:
         return
+    if plan.past.shape[2]:
+        _predicted(plan, columns, e, to)
+        return
     for a in range(columns.u.shape[0]):
         for c in range(columns.u.shape[1]):
             columns.store[to, a, c] = (
                 columns.store[position, a, c] + plan.flexibility[a] * columns.store[force, a, c]
             )
+
+
+@inlined
+def _predicted(plan, columns, e, to):  # type: ignore[no-untyped-def]
+    for a in range(columns.u.shape[0]):
+        for c in range(columns.u.shape[1]):
+            value = 0.0 * columns.u[a, c]
+            for kind in range(3):
+                for h in range(plan.past.shape[2]):
+                    value += plan.weights[e, kind, h, a] * columns.store[plan.past[e, kind, h], a, c]
+            columns.store[to, a, c] = value
 
 
 @inlined

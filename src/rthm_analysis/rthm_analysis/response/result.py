@@ -104,6 +104,9 @@ def response(spec: Spec, omega: Floats) -> Response:
         "taylor": coupled(linear, "taylor", omega),
         "sampled": sampled(lifted, omega),
     }
+    if loop.predictor is not None:
+        how = spec.loop().actuator.compensator
+        left_out = (*left_out, f"The compensator ({how}) is in the column sampled alone.")
     stable = bool(np.abs(np.linalg.eigvals(lifted.monodromy())).max() < 1.0)
     dofs = (*spec.plant.dofs, *spec.loop().numerical.dofs)
     return Response(omega, dofs, ways, stable, error, left_out)

@@ -116,18 +116,20 @@ def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
     timing = spec.loop().timing
     nominal = float(getattr(timing, name))
     end = LARGEST_FACTOR * (nominal or max(getattr(timing, one) for one in DELAYS) or timing.td2)
-    schedule = Schedule(apply(spec, {f"timing.{name}": 0.0}))
-    end = _affordable(loop, schedule, name, end)
-    found = scan(of_delay(loop, schedule, name), _points(loop, 0.0, end, end), 1e-9)
+    end = _affordable(spec, loop, name, end)
+    found = scan(of_delay(spec, loop, name), _points(loop, 0.0, end, end), 1e-9)
     return Limit(nominal, found, 1e-9)
 
 
-def _affordable(loop: LinearLoop, schedule: Schedule, name: str, end: float) -> float:
+def _affordable(spec: Spec, loop: LinearLoop, name: str, end: float) -> float:
     """Value in s of a delay, at most `end`, up to which the loop's matrix has at most MOST_ROWS rows."""
+    schedule = Schedule(spec)
+    beside = schedule.links[name].delay_ns - spec.loop().timing.ns(name)
     while True:
         longest = deepcopy(schedule)
-        longest.links[name].delay_ns += to_ns(end)
-        rows = loop.actuators * commensurate(longest, EVENTS_IN_A_SEARCH).cycle.kept.size
+        longest.links[name].delay_ns = beside + to_ns(end)
+        cycle = commensurate(longest, EVENTS_IN_A_SEARCH, loop.history).cycle
+        rows = loop.actuators * cycle.kept.size
         if rows <= MOST_ROWS:
             return end
         end *= 0.95 * MOST_ROWS / rows
@@ -149,7 +151,7 @@ def period_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit | None:
     count = min(end // lattice, LATTICE_POINTS)
     points = np.unique(np.rint(np.linspace(1, end // lattice, count))) * lattice * 1e-9
     resolution = lattice * 1e-9
-    found = scan(of_period(loop, Schedule(spec), name, lattice), points, resolution, finest=np.inf)
+    found = scan(of_period(spec, loop, name, lattice), points, resolution, finest=np.inf)
     return Limit(nominal * 1e-9, _from_zero(found), resolution)
 
 

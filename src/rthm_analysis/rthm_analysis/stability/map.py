@@ -14,6 +14,7 @@ from rthm_analysis.lifted.cycle import Cycle
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
 from rthm_analysis.lifted.radii import spectral_radii, stacked
+from rthm_analysis.stability.rates import growth_rates
 from rthm_analysis.sweep.points import SCALE, changed
 from rthm_analysis.sweep.ranges import Range
 from rthm_core.compiled import Floats
@@ -58,6 +59,8 @@ def stability_map(spec: Spec, ranges: tuple[Range, Range], progress: Progress | 
     InputError
         When a key is not known, or a value not allowed.
     """
+    if str(spec.loop().actuator.compensator) != "none":
+        return StabilityMap(ranges, _one_by_one(spec, ranges, progress))
     parts = _Parts(spec, tuple(one.key for one in ranges))
     groups: dict[int, list[tuple[int, int]]] = {}
     cycles: dict[int, Cycle] = {}
@@ -75,6 +78,18 @@ def stability_map(spec: Spec, ranges: tuple[Range, Range], progress: Progress | 
         with np.errstate(divide="ignore"):
             rates[tuple(np.array(points).T)] = np.log(radii) / cycles[key].hyperperiod
     return StabilityMap(ranges, rates)
+
+
+def _one_by_one(spec: Spec, ranges: tuple[Range, Range], progress: Progress | None) -> Floats:
+    """Growth rates of loops whose compensators know the clocks and delays."""
+    rates = np.empty((ranges[0].values.size, ranges[1].values.size))
+    for i, first in enumerate(ranges[0].values):
+        for j, second in enumerate(ranges[1].values):
+            linear, _ = linear_part(changed(spec, [one.key for one in ranges], [first, second]))
+            rates[i, j] = growth_rates(linear_loop(linear), period_of(linear).cycle)[0]
+        if progress:
+            progress(i + 1)
+    return rates
 
 
 class _Parts:

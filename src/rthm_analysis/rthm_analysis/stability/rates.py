@@ -5,18 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.lifted.commensurate import commensurate
 from rthm_analysis.lifted.cycle import Cycle
 from rthm_analysis.lifted.lifted import Lifted
-from rthm_analysis.lifted.matrices import LinearLoop
+from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
 from rthm_analysis.lifted.radii import moduli, stacked
 from rthm_analysis.stability.search import Rates
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
 from rthm_core.schedule import Schedule
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
 
 LARGEST = 6
 """How many of the growth rates a search looks at."""
@@ -29,9 +34,9 @@ SLOWEST = -1e6
 """Rate of what is forgotten at once, 1/s."""
 
 
-def growth_rates(loop: LinearLoop, cycle: Cycle) -> Floats:
-    """The largest growth rates (LARGEST,), 1/s, descending."""
-    size = np.abs(np.linalg.eigvals(Lifted(loop, cycle).monodromy()))
+def growth_rates(loop: LinearLoop, cycle: Cycle, nominal_unit: float = 0.0) -> Floats:
+    """The largest growth rates (LARGEST,), 1/s, descending (`nominal_unit` as in `Lifted`)."""
+    size = np.abs(np.linalg.eigvals(Lifted(loop, cycle, nominal_unit).monodromy()))
     return _largest(size[None], np.array([cycle.hyperperiod]))[0]
 
 
@@ -53,33 +58,45 @@ def _at_each(one: Callable[[float], Floats]) -> Rates:
 def of_scale(loop: LinearLoop, cycle: Cycle) -> Rates:
     """Rates over a factor on all periods and delays, in units of the scaled time."""
 
-    def rates(factors: Floats) -> Floats:
+    def one(factor: float) -> Floats:
+        return growth_rates(loop, cycle.scaled(factor), cycle.unit)
+
+    def together(factors: Floats) -> Floats:
         found = moduli(stacked([loop] * factors.size), cycle, cycle.unit * factors)
         return _largest(found, cycle.hyperperiod * factors)
 
-    return rates
+    return together if loop.predictor is None else _at_each(one)
 
 
-def of_delay(loop: LinearLoop, schedule: Schedule, name: str) -> Rates:
+def _as_known(spec: Spec, loop: LinearLoop, name: str, value: float) -> LinearLoop:
+    """The loop when one of its times is another: a compensator knows the times, nothing else does."""
+    return loop if loop.predictor is None else linear_loop(apply(spec, {f"timing.{name}": value}))
+
+
+def of_delay(spec: Spec, loop: LinearLoop, name: str) -> Rates:
     """Rates over the value in s of one delay, beside which the link's own effects stay."""
+    schedule = Schedule(apply(spec, {f"timing.{name}": 0.0}))
     beside = schedule.links[name].delay_ns
 
-    def one(change: float) -> Floats:
+    def one(value: float) -> Floats:
         changed = deepcopy(schedule)
-        changed.links[name].delay_ns = max(0, beside + to_ns(change))
-        return growth_rates(loop, commensurate(changed, EVENTS_IN_A_SEARCH).cycle)
+        changed.links[name].delay_ns = max(0, beside + to_ns(value))
+        cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
+        return growth_rates(_as_known(spec, loop, name, value), cycle)
 
     return _at_each(one)
 
 
-def of_period(loop: LinearLoop, schedule: Schedule, name: str, lattice_ns: int) -> Rates:
+def of_period(spec: Spec, loop: LinearLoop, name: str, lattice_ns: int) -> Rates:
     """Rates over one period in s, taken at the nearest multiple of `lattice_ns`."""
+    schedule = Schedule(spec)
 
     @cache
     def at(number: int) -> Floats:
         changed = deepcopy(schedule)
         setattr(changed, name, number * lattice_ns)
-        return growth_rates(loop, commensurate(changed, EVENTS_IN_A_SEARCH).cycle)
+        cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
+        return growth_rates(_as_known(spec, loop, name, number * lattice_ns * 1e-9), cycle)
 
     return _at_each(lambda value: at(max(1, round(value * 1e9 / lattice_ns))))
 
@@ -87,8 +104,11 @@ def of_period(loop: LinearLoop, schedule: Schedule, name: str, lattice_ns: int) 
 def of_k_tot(loops: Callable[[float], LinearLoop], cycle: Cycle) -> Rates:
     """Rates over the logarithm of a factor on k_tot."""
 
-    def rates(logarithms: Floats) -> Floats:
+    def one(logarithm: float) -> Floats:
+        return growth_rates(loops(float(np.exp(logarithm))), cycle)
+
+    def together(logarithms: Floats) -> Floats:
         found = moduli(stacked([loops(float(np.exp(one))) for one in logarithms]), cycle)
         return _largest(found, np.full(logarithms.size, cycle.hyperperiod))
 
-    return rates
+    return together if loops(1.0).predictor is None else _at_each(one)

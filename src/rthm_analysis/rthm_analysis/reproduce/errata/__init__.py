@@ -1,0 +1,15 @@
+"""Misprints of the paper, each with a check in numbers."""
+
+from __future__ import annotations
+
+from rthm_analysis.reproduce.errata import books, expansion, model, remarks
+from rthm_analysis.reproduce.errata.erratum import Erratum
+
+__all__ = ["Erratum", "all_errata"]
+
+CHECKS = (*model.CHECKS, *books.CHECKS, *expansion.CHECKS, *remarks.CHECKS)
+
+
+def all_errata() -> tuple[Erratum, ...]:
+    """Run every check."""
+    return tuple(check() for check in CHECKS)

@@ -1,0 +1,28 @@
+"""``rthm reproduce``: every figure and table of the paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rthm_bringup.cli.options import Json
+
+
+def verb(
+    out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for page and pictures.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FIGURE", help="Draw this figure alone, such as figure08; can be repeated."),
+    ] = None,
+    json: Json = None,
+) -> int:
+    """Compute every figure and table of the paper, and a page that shows them."""
+    from rthm_analysis.reproduce import reproduce
+    from rthm_bringup.cli.output import progress_bar, put
+
+    with progress_bar("reproducing", 1.0) as report:
+        result = reproduce(out, only or (), report)
+    put(result.as_dict(), [str(result.page)], json)
+    return 0

@@ -24,7 +24,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["dance"], "No such command 'dance'; see rthm --help."),
+        (["juggle"], "No such command 'juggle'; see rthm --help."),
         (["run", "--dance"], "No such option: --dance"),
         (["run", "--duration", "long"], "Invalid value for '--duration'"),
         (["run", "no_such_spec"], "no_such_spec: there is no such file"),

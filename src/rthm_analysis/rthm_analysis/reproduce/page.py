@@ -100,7 +100,8 @@ def _number(value: float | None) -> str:
 
 
 def _errata(errata: Sequence[Erratum]) -> str:
-    head = "<th>equation</th><th>printed</th><th>corrected</th><th>check</th><th>off, printed</th><th>off, corrected</th>"
+    names = ("equation", "printed", "corrected", "check", "off, printed", "off, corrected")
+    head = "".join(f"<th>{name}</th>" for name in names)
     rows = "".join(
         f"<tr><td>{escape(one.equation)}</td><td>{escape(one.printed)}</td><td>{escape(one.corrected)}</td>"
         f"<td>{escape(one.check)}</td><td>{_number(one.error_printed)}</td>"

@@ -35,10 +35,10 @@ PHASE = 0.4
 FEWEST, MOST = 100, 4000
 """Points of a first scan."""
 
-MOST_ROWS = 200
-"""A delay alone is searched as far as the loop's matrix has at most this many rows."""
+MOST_PLACES = 160
+"""A delay alone is searched as far as at most this many samples are under way at the cut."""
 
-LATTICE_POINTS = 300
+LATTICE_POINTS = 200
 """Periods that are tried before the neighbourhood of each crossing is."""
 
 DELAYS, PERIODS = ("tau1", "tau2", "tau3", "tau4"), ("td1", "td2", "td3", "td4")
@@ -111,7 +111,7 @@ def _from_zero(found: Scan) -> Scan:
 
 def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
     """One delay alone, s: from zero to a hundred times its value (of the longest delay when it is zero), or
-    as far as the loop's matrix stays small.
+    as far as not too much is under way.
     """
     timing = spec.loop().timing
     nominal = float(getattr(timing, name))
@@ -122,17 +122,16 @@ def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
 
 
 def _affordable(spec: Spec, loop: LinearLoop, name: str, end: float) -> float:
-    """Value in s of a delay, at most `end`, up to which the loop's matrix has at most MOST_ROWS rows."""
+    """Value in s of a delay, at most `end`, up to which at most MOST_PLACES samples are under way."""
     schedule = Schedule(spec)
     beside = schedule.links[name].delay_ns - spec.loop().timing.ns(name)
     while True:
         longest = deepcopy(schedule)
         longest.links[name].delay_ns = beside + to_ns(end)
-        cycle = commensurate(longest, EVENTS_IN_A_SEARCH, loop.history).cycle
-        rows = loop.actuators * cycle.kept.size
-        if rows <= MOST_ROWS:
+        under_way = commensurate(longest, EVENTS_IN_A_SEARCH, loop.history).cycle.kept.size
+        if under_way <= MOST_PLACES:
             return end
-        end *= 0.95 * MOST_ROWS / rows
+        end *= 0.95 * MOST_PLACES / under_way
 
 
 def period_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit | None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LARGEST = 6
 """How many of the growth rates a search looks at."""
 
-EVENTS_IN_A_SEARCH = 3000
+EVENTS_IN_A_SEARCH = 2000
 """A search follows cycles up to this length exactly; its loops are many."""
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -30,8 +30,11 @@ CLOSE = 1.2
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
-REFINED, MOST_EFFECTS = 6, 3
-NEAR = 0.3
+HEATS = ((2, 0), (4, 5), (8, 3))
+"""Steps of the fits of one heat, and how many candidates get into it."""
+
+REFINED, MOST_EFFECTS = 11, 3
+NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
 
 
@@ -145,36 +148,45 @@ def _limits(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, fl
 
 
 def _promising(screened: list[Screened]) -> list[Screened]:
-    """Candidates worth a fit: those near the best in gain, each kind once, the best kinds twice."""
+    """Candidates worth a fit: those near the best in gain, the best kinds from two starts."""
     best = screened[0].gain if screened else 0.0
     if best < 0.7 * ENOUGH:
         return []
     near = [s for s in screened if s.gain > max(0.6 * ENOUGH, NEAR * best)]
     firsts = best_of_each(near, 1)[:REFINED]
-    kinds = {(s.start.added.block, s.start.added.kind) for s in firsts[:4]}
-    seconds = [
-        s
-        for s in best_of_each(near, 2)
-        if s not in firsts and (s.start.added.block, s.start.added.kind) in kinds
-    ]
-    return firsts + seconds[:2]
+    kinds = {_kind(s) for s in firsts[:5]}
+    seconds = [s for s in best_of_each(near, 2) if s not in firsts and _kind(s) in kinds]
+    return firsts + seconds
+
+
+def _kind(screened: Screened) -> tuple[str, str]:
+    return screened.start.added.block, screened.start.added.kind
 
 
 def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
-    """Fit the promising candidates; best first by what data left out of the fit say."""
-    tried: dict[tuple[str, str, str], Tried] = {}
-    target = np.inf
+    """Fit the promising candidates, the better the longer; best first by what data left out of the fit say."""
+    tried = []
     for one in promising:
         try:
             model = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
-            result = fitting.fit(model, known, target)
+            tried.append(
+                _fit(fitting, Tried(one.start, replace(fitted, model=model), np.inf), known, HEATS[0][0])
+            )
         except (InputError, np.linalg.LinAlgError):
             continue
-        target = min(target, result.squares)
-        new = Tried(one.start, result, float(result.left_out.sum()))
-        if new.label not in tried or new.error < tried[new.label].error:
-            tried[new.label] = new
-    return in_order(list(tried.values()))
+    for steps, most in HEATS[1:]:
+        tried.sort(key=lambda t: t.fitted.squares)
+        tried = [_fit(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in in_order(tried):
+        best.setdefault(one.label, one)
+    return in_order(list(best.values()))
+
+
+def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int) -> Tried:
+    """Go on fitting for some steps."""
+    fitted = fitting.fit(tried.fitted.model, known, steps)
+    return Tried(tried.start, fitted, float(fitted.left_out.sum()))
 
 
 def in_order(tried: list[Tried]) -> list[Tried]:

@@ -69,7 +69,6 @@ def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[
     promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
     best: dict[tuple[str, str, str], Tried] = {}
     for one in best_of_each(promising, 2):
-        target = min((t.fitted.squares for t in best.values()), default=np.inf)
         try:
             fitted = fitting.fit(
                 model.plus(one.start.added, one.start.free, one.start.scales), None, target, 12

@@ -20,13 +20,22 @@ from rthm_core.effects import effect
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
+    from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-LONGEST_PHASE = 0.35
+LONGEST_PHASE = 0.2
 """Longest step of a replay, in radians of the fastest motion of the mechanics."""
 
 MOST_SUBSTEPS = 50
+
+KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
+"""Laws with kinks that the replay does not locate."""
+
+LONGEST_NS = 5_000_000
+"""Longest interval of the grid."""
+
+MOVING = ("lag", "second_order", "rate_limit")
+"""Motor effects that let a motor move between commands."""
 
 KEPT = 3
 """Motions that are kept."""
@@ -40,14 +49,13 @@ class Motion:
 
     Attributes
     ----------
-    position, velocity, acceleration : (s, n) arrays
+    position, velocity : (s, n) arrays
     force, motor : (s, m) arrays
         Wire forces and motor positions.
     """
 
     position: Floats
     velocity: Floats
-    acceleration: Floats
     force: Floats
     motor: Floats
 
@@ -61,16 +69,25 @@ class Experiment:
     evidence : Evidence
     first : (m,) array
         Command that had been there for ever before the test.
+    starts_ns : (r,) array
+        Instants at which free runs may begin.
     held : bool
         Whether a load that is known by its samples is held between them; else it is smooth.
     """
 
     evidence: Evidence
     first: Floats
+    starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     held: bool = False
     _motors: dict[str, tuple[Grid, Floats, Floats]] = field(default_factory=dict)
     _motions: dict[str, Motion] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
+
+    def begin_at(self, starts_ns: Integers) -> None:
+        """Let free runs begin at some instants."""
+        self.starts_ns = starts_ns
+        self._motors.clear()
+        self._motions.clear()
 
     def motion(self, spec: Spec, windows: Windows) -> Motion:
         """Motion of the physical side of `spec` under the recorded inputs; kept for the last few models."""
@@ -99,20 +116,22 @@ class Experiment:
 
     def _moved(self, spec: Spec, windows: Windows) -> Motion:
         points, motor, load = self._inputs(spec)
+        n, m = load.shape[2], motor.shape[2]
         if all(channel.family == "motor" for channel in self.evidence.channels):
-            nothing = np.empty((points.sample.size, 0))
-            return Motion(nothing, nothing, nothing, nothing, motor[points.sample, 0])
+            row = np.searchsorted(points.time_ns, self.evidence.stamps_ns, side="right") - 1
+            nothing = np.empty((row.size, 0))
+            return Motion(nothing, nothing, nothing, motor[row, 0])
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
-        substeps = min(max(1, math.ceil(longest * fastest(arrays, spec) / LONGEST_PHASE)), MOST_SUBSTEPS)
-        n, m = load.shape[2], motor.shape[2]
-        out = np.zeros((points.sample.size, 3 * n + m))
-        starts = points.sample[windows.start]
+        needed = longest * max(fastest(arrays, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
+        substeps = min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
+        out = np.zeros((self.evidence.stamps_ns.size, 2 * n + 2 * m))
+        starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         replay_mechanics(
-            arrays, points.time, substeps, motor, load, starts, windows.state, points.sample, out
+            arrays, points.time, substeps, motor, load, starts, windows.state, self.evidence.time, out
         )
-        x, v, force, a = np.split(out, [n, 2 * n, 2 * n + m], axis=1)
-        return Motion(x, v, a, force, motor[points.sample, 0])
+        x, v, force, u = np.split(out, [n, 2 * n, 2 * n + m], axis=1)
+        return Motion(x, v, force, u)
 
     def _inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
         """Grid, motor positions and known loads on it; kept for models that do not differ in them."""
@@ -132,8 +151,11 @@ class Experiment:
     def _new_inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
         e = self.evidence
         due = e.due_ns + motor_delay(spec)
-        points = grid(e.stamps_ns, due, 20_000_000)
         m = e.commands.shape[1] if e.driven_by == "command" else 0
+        instants = [due, self.starts_ns]
+        if not m or _moves_between(spec) or all(channel.family == "motor" for channel in e.channels):
+            instants.append(e.stamps_ns)
+        points = grid(np.concatenate(instants), int(e.stamps_ns[-1]), LONGEST_NS)
         motor = np.zeros((points.time_ns.size, 3, m))
         if m:
             motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
@@ -150,6 +172,19 @@ class Experiment:
         from scipy.interpolate import CubicSpline
 
         return np.asarray(CubicSpline(time, load)(np.minimum(points.points, time[-1])))
+
+
+def _moves_between(spec: Spec) -> bool:
+    """Whether motors move between commands: a grid of commands alone then would be too coarse."""
+    moving = [e for e in spec.effects if e.block == "motor" and e.kind in MOVING]
+    return bool(moving or (spec.actuator is not None and spec.actuator.motor_poles))
+
+
+def _longest_step(spec: Spec) -> float:
+    """Longest step in s: short where a law has kinks that nobody locates."""
+    kinks = any(e.kind in KINKED for e in spec.effects)
+    pretension = spec.actuator is not None and any(spec.actuator.pretension)
+    return 1.3e-3 if kinks or pretension else np.inf
 
 
 def _drives(one) -> bool:  # type: ignore[no-untyped-def]

@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 
 from rthm_analysis.diagnosis.experiment import Experiment
-from rthm_analysis.diagnosis.model import Model
+from rthm_analysis.diagnosis.model import Model, Parameter
 from rthm_analysis.diagnosis.windows import Windows
 from rthm_core.compiled import Floats
 
@@ -26,11 +26,11 @@ BLOCKS = 20
 STEP = 1e-3
 """Step of finite differences, in the scale of a parameter."""
 
+LARGEST_STEP = 1.2
+"""Largest step of a positive parameter, as the logarithm of a factor."""
+
 WRONG = 3.0
 """Doubt above which sensitivities are computed anew at every step of a fit."""
-
-GIVE_UP = 0.15
-"""Part of the way to its target that a step of a fit must make."""
 
 Bases = list[tuple[slice, Floats]]
 """Orthonormal bases of what initial states can explain, in the training part of each free run."""
@@ -195,7 +195,7 @@ class Fitting:
 
         def one(i: int) -> Floats:
             parameter = model.parameters[i]
-            step = STEP * parameter.scale
+            step = STEP * (parameter.value if parameter.positive else parameter.scale)
             if parameter.value + step > parameter.high:
                 step = -step
             values = model.values
@@ -217,7 +217,7 @@ class Fitting:
         squares = np.array([float(residual[b] @ residual[b]) for b in self.blocks])
         return Sums(hessian, gradient, squares, precision, pull)
 
-    def fit(self, model: Model, known: Floats | None = None, target: float = np.inf, most: int = 8) -> Fitted:
+    def fit(self, model: Model, known: Floats | None = None, most: int = 8) -> Fitted:
         """Levenberg-Marquardt from the model's present values.
 
         Parameters
@@ -225,8 +225,6 @@ class Fitting:
         model : Model
         known : (q, s k) array, optional
             Columns of the first q parameters, which then are not computed anew.
-        target : float
-            A fit that will not come near this squared error is given up.
         most : int
             Largest number of steps.
         """
@@ -236,7 +234,7 @@ class Fitting:
         bases = self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
         best, damping = self._cost(model, residual, bases), 1e-4
         columns = np.empty((0, residual.size))
-        for step in range(most):
+        for _ in range(most):
             columns = self.projected(self.columns(model, residual, range(kept, len(model.parameters))), bases)
             columns = np.vstack([known, columns]) if kept and known is not None else columns
             sums = self.sums(model, self.projected(residual, bases), columns)
@@ -244,14 +242,14 @@ class Fitting:
                 break
             before = best
             for _ in range(6):
-                trial = model.at(model.values + self._step(model, sums, damping))
+                trial = model.at(self._moved(model, sums, damping))
                 trial_residual = self.residual(trial)
                 cost = self._cost(trial, trial_residual, bases)
                 if cost < best:
                     model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
                     break
                 damping = max(damping * 10.0, 1e-3)
-            if before - best < max(0.1, 3e-4 * best, GIVE_UP * (best - target) if step else 0.0):
+            if before - best < max(0.1, 3e-4 * best):
                 break
             if self.doubt > WRONG:
                 bases = self.bases(self.states(model, residual))
@@ -265,23 +263,27 @@ class Fitting:
         return cost if np.isfinite(cost) else np.inf
 
     @staticmethod
-    def _step(model: Model, sums: Sums, damping: float) -> Floats:
-        """Damped step; parameters at a bound that want to leave it stay."""
-        scale = np.array([p.scale for p in model.parameters])
+    def _moved(model: Model, sums: Sums, damping: float) -> Floats:
+        """Values after a damped step; what is positive moves by factors, and stays positive."""
+        values = model.values
+        positive = np.array([p.positive for p in model.parameters])
+        scale = np.where(positive, values, [p.scale for p in model.parameters])
         whole = (sums.hessian.sum(0) + np.diag(sums.precision)) * np.outer(scale, scale)
         gradient = (sums.gradient.sum(0) + sums.pull) * scale
-        values = model.values
-        stuck = np.array(
-            [
-                (v <= p.low and g < 0.0) or (v >= p.high and g > 0.0)
-                for p, v, g in zip(model.parameters, values, gradient, strict=True)
-            ]
-        )
+        stuck = np.array([_leaves(p, g) for p, g in zip(model.parameters, gradient, strict=True)])
         diagonal = np.diag(whole).copy()
         whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
         whole[stuck], whole[:, stuck] = 0.0, 0.0
         whole[stuck, stuck] = 1.0
-        return np.asarray(np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0] * scale)
+        step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
+        factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+        return np.asarray(np.where(positive, values * factor, values + step * scale))
+
+
+def _leaves(parameter: Parameter, gradient: float) -> bool:
+    """Whether a parameter at a bound wants to leave it."""
+    low, high = parameter.value <= parameter.low, parameter.value >= parameter.high
+    return (low and gradient < 0.0) or (high and gradient > 0.0)
 
 
 def _basis(columns: Floats) -> Floats:

@@ -18,18 +18,15 @@ SHARES = np.array([0.0, 0.5, 1.0])
 
 @dataclass(frozen=True)
 class Grid:
-    """Instants at which samples were taken or commands fell due.
+    """Instants at which something comes in: the steps of a replay end there.
 
     Attributes
     ----------
     time_ns : (g,) array
         Ascending, ns since the start of the test, from 0.
-    sample : (s,) array
-        Index of the instant of each sample of ``plant/state``.
     """
 
     time_ns: Integers
-    sample: Integers
 
     @property
     def time(self) -> Floats:
@@ -43,14 +40,14 @@ class Grid:
         return np.asarray(self.time[:, None] + SHARES * length[:, None])
 
 
-def grid(stamps_ns: Integers, due_ns: Integers, longest_ns: int) -> Grid:
-    """Grid of samples and instants at which inputs change, with no interval longer than `longest_ns`."""
-    inside = due_ns[(due_ns > 0) & (due_ns < stamps_ns[-1])]
-    instants = np.unique(np.concatenate([[0], stamps_ns, inside]))
+def grid(instants_ns: Integers, end_ns: int, longest_ns: int) -> Grid:
+    """Grid of some instants from 0 to `end_ns`, with no interval longer than `longest_ns`."""
+    inside = instants_ns[(instants_ns > 0) & (instants_ns < end_ns)]
+    instants = np.unique(np.concatenate([[0], inside, [end_ns]]))
     pieces = np.maximum(1, -(-np.diff(instants) // longest_ns))
     if np.any(pieces > 1):
         starts = np.repeat(instants[:-1], pieces)
         inner = np.arange(starts.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         share = np.repeat(np.diff(instants) // pieces, pieces)
         instants = np.append(starts + inner * share, instants[-1])
-    return Grid(instants, np.searchsorted(instants, stamps_ns))
+    return Grid(instants)

@@ -259,17 +259,22 @@ def _step(
 
 
 @_inline
+def _margins(n, laws, thresholds, pieces, row, y, end):  # type: ignore[no-untyped-def]
+    """How far a law is from leaving its piece at the start and at the end of a step; negative: it has."""
+    split, piece = laws[row, SPLIT], pieces[row]
+    if split == FRICTION and piece != 0:
+        return piece * y[n + laws[row, PLACE]], piece * end[n + laws[row, PLACE]]
+    if split == POSITION:
+        return _room(thresholds, row, piece, y[laws[row, PLACE]], end[laws[row, PLACE]])
+    return 1.0, 1.0
+
+
+@_inline
 def _first_switch(n, laws, thresholds, pieces, y, end):  # type: ignore[no-untyped-def]
     """Share of a step after which the first law leaves its piece, and that law; (1, -1): none does."""
     share, law = 1.0, -1
     for row in range(laws.shape[0]):
-        split, piece = laws[row, SPLIT], pieces[row]
-        if split == FRICTION and piece != 0:
-            before, after = piece * y[n + laws[row, PLACE]], piece * end[n + laws[row, PLACE]]
-        elif split == POSITION:
-            before, after = _room(thresholds, row, piece, y[laws[row, PLACE]], end[laws[row, PLACE]])
-        else:
-            continue
+        before, after = _margins(n, laws, thresholds, pieces, row, y, end)
         if after < 0.0:
             at = before / (before - after) if before > 0.0 else 0.0
             if at < share:
@@ -278,11 +283,19 @@ def _first_switch(n, laws, thresholds, pieces, y, end):  # type: ignore[no-untyp
 
 
 @_inline
+def _sharper(share, before, here, after):  # type: ignore[no-untyped-def]
+    """Share of a step at which a margin vanishes, from its values at the start, at `share` and at the end."""
+    if here > 0.0 and here > after:
+        return share + (1.0 - share) * here / (here - after)
+    return share * before / (before - here) if before > here else share
+
+
+@_inline
 def _room(thresholds, row, piece, x0, x1):  # type: ignore[no-untyped-def]
-    """Distance to the threshold that a motion from x0 to x1 crosses, at its start and its end."""
-    if piece < 2 and x1 > thresholds[row, piece]:
+    """Distance to the threshold towards which a motion from x0 to x1 goes, at its start and its end."""
+    if piece < 2 and x1 > x0:
         return thresholds[row, piece] - x0, thresholds[row, piece] - x1
-    if piece > 0 and x1 < thresholds[row, piece - 1]:
+    if piece > 0 and x1 < x0:
         return x0 - thresholds[row, piece - 1], x1 - thresholds[row, piece - 1]
     return 1.0, 1.0
 
@@ -329,6 +342,16 @@ def _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scr
             )
 
 
+@_inline
+def _between(share, h, y, point, begin, end, out):  # type: ignore[no-untyped-def]
+    """State within a step, from the states and their rates at both ends (cubic of Hermite)."""
+    rest = 1.0 - share
+    first, last = rest * rest * (1.0 + 2.0 * share), share * share * (3.0 - 2.0 * share)
+    for i in range(out.size):
+        slopes = h * share * rest * (rest * begin[i] - share * end[i])
+        out[i] = first * y[i] + last * point[i] + slopes
+
+
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def replay_mechanics(
     mechanics: Mechanics,
@@ -338,7 +361,7 @@ def replay_mechanics(
     load: Floats,
     start: Integers,
     state: Floats,
-    sample: Integers,
+    sample: Floats,
     out: Floats,
 ) -> None:
     """Run over the grid and write the motion at the samples.
@@ -347,7 +370,7 @@ def replay_mechanics(
     ----------
     mechanics : Mechanics
     time : (g,) array
-        Grid, s.
+        Grid, s; its last instant is not before the last sample.
     substeps : int
         Steps per interval of the grid.
     motor : (g, 3, m) array
@@ -360,9 +383,9 @@ def replay_mechanics(
     state : (r, 2 n) array
         Positions and velocities there.
     sample : (s,) array
-        Ascending indices into the grid of the instants to write.
-    out : (s, 3 n + m) array
-        Gets positions, velocities, wire forces, accelerations.
+        Ascending instants of the samples, s; one at an instant of the grid sees what comes in there.
+    out : (s, 2 n + 2 m) array
+        Gets positions, velocities, wire forces and motor positions.
     """
     (
         a,
@@ -382,186 +405,93 @@ def replay_mechanics(
     ) = mechanics
     n, m, ny, rows = inverse_mass.shape[0], motor.shape[2], initial.size, laws.shape[0]
     y, point, z, scratch, stages = initial.copy(), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros((4, ny))
-    hold, pieces = np.zeros(rows), np.zeros(rows, dtype=np.int64)
-    u, w = np.zeros(m), np.zeros(n)
+    seen, slope, held, pieces = np.zeros(ny), np.zeros(ny), np.zeros(rows), np.zeros(rows, dtype=np.int64)
+    u, w, hold = np.zeros(m), np.zeros(n), np.zeros(rows)
     s, r = 0, 0
     for g in range(time.size):
-        u[:] = motor[g, 0]
-        w[:] = load[g, 0]
+        last = g == time.size - 1
+        whole = 1e-9 if last else time[g + 1] - time[g]
         if r < start.size and start[r] == g:
             y[: 2 * n] = state[r]
             _first_pieces(n, laws, thresholds, y, pieces)
             r += 1
-        _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
-        _rate(
-            n,
-            a,
-            b,
-            inverse_mass,
-            wires,
-            stiffness,
-            drive,
-            wire_laws,
-            wire_parameters,
-            laws,
-            parameters,
-            thresholds,
-            y,
-            u,
-            w,
-            time[g],
-            pieces,
-            stages[0],
-            hold,
-            z,
-        )
-        if sample[s] == g:
-            for i in range(n):
-                out[s, i], out[s, n + i], out[s, 2 * n + m + i] = y[i], y[n + i], stages[0, n + i]
-            for actuator in range(m):
-                if wires[actuator, NONLINEAR]:
-                    out[s, 2 * n + actuator] = _curved_wire(
-                        actuator,
-                        n,
-                        wires,
-                        stiffness,
-                        drive,
-                        wire_laws,
-                        wire_parameters,
-                        y,
-                        u,
-                        z,
-                        scratch,
-                        False,
-                    )
-                else:
-                    out[s, 2 * n + actuator] = _product(wire_force[actuator], y, u)
-            s += 1
-            if s == sample.size:
-                return
-        whole = time[g + 1] - time[g]
-        done, length, still, fresh = 0.0, whole / substeps, 0, True
+        done, length, still = 0.0, whole / substeps, 0
         while done < whole * (1.0 - 1e-9):
-            h = min(length, whole - done)
-            if not fresh:
-                _at(motor, load, g, done / whole, u, w)
-                _rate(
-                    n,
-                    a,
-                    b,
-                    inverse_mass,
-                    wires,
-                    stiffness,
-                    drive,
-                    wire_laws,
-                    wire_parameters,
-                    laws,
-                    parameters,
-                    thresholds,
-                    y,
-                    u,
-                    w,
-                    time[g] + done,
-                    pieces,
-                    stages[0],
-                    hold,
-                    z,
-                )
+            t, h = time[g] + done, min(length, whole - done)
+            _at(motor, load, g, 0.0 if last else done / whole, u, w)
+            _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
+            _rate(
+                n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
+            )  # fmt: skip
             if rows and _loosen(laws, breakaway, pieces, hold):
                 _rate(
-                    n,
-                    a,
-                    b,
-                    inverse_mass,
-                    wires,
-                    stiffness,
-                    drive,
-                    wire_laws,
-                    wire_parameters,
-                    laws,
-                    parameters,
-                    thresholds,
-                    y,
-                    u,
-                    w,
-                    time[g] + done,
-                    pieces,
-                    stages[0],
-                    hold,
-                    z,
-                )
+                    n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                    laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
+                )  # fmt: skip
             _step(
-                n,
-                a,
-                b,
-                inverse_mass,
-                wires,
-                stiffness,
-                drive,
-                wire_laws,
-                wire_parameters,
-                laws,
-                parameters,
-                thresholds,
-                y,
-                motor,
-                load,
-                g,
-                done,
-                whole,
-                time[g] + done,
-                h,
-                u,
-                w,
-                pieces,
-                stages,
-                point,
-                hold,
-                z,
-            )
+                n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
+                pieces, stages, point, hold, z,
+            )  # fmt: skip
             law = -1
             if rows and still < MOST_SWITCHES:
                 share, law = _first_switch(n, laws, thresholds, pieces, y, point)
                 if law >= 0:
+                    before, after = _margins(n, laws, thresholds, pieces, law, y, point)
+                    for _ in range(2):
+                        _step(
+                            n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                            laws, parameters, thresholds, y, motor, load, g, done, whole, t, share * h, u, w,
+                            pieces, stages, point, hold, z,
+                        )  # fmt: skip
+                        _, here = _margins(n, laws, thresholds, pieces, law, y, point)
+                        sharper = _sharper(share, before, here, after)
+                        if abs(sharper - share) < 1e-6:
+                            break
+                        share = sharper
                     h *= share
                     _step(
-                        n,
-                        a,
-                        b,
-                        inverse_mass,
-                        wires,
-                        stiffness,
-                        drive,
-                        wire_laws,
-                        wire_parameters,
-                        laws,
-                        parameters,
-                        thresholds,
-                        y,
-                        motor,
-                        load,
-                        g,
-                        done,
-                        whole,
-                        time[g] + done,
-                        h,
-                        u,
-                        w,
-                        pieces,
-                        stages,
-                        point,
-                        hold,
-                        z,
-                    )
+                        n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                        laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
+                        pieces, stages, point, hold, z,
+                    )  # fmt: skip
+            until = np.inf if last else time[g + 1] if done + h >= whole * (1.0 - 1e-9) else t + h
+            if s < sample.size and sample[s] < until:
+                _at(motor, load, g, (done + h) / whole, u, w)
+                _rate(
+                    n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
+                    laws, parameters, thresholds, point, u, w, t + h, pieces, slope, held, z,
+                )  # fmt: skip
+            while s < sample.size and sample[s] < until:
+                share = 0.0 if last or h <= 0.0 else min(max((sample[s] - t) / h, 0.0), 1.0)
+                _between(share, h, y, point, stages[0], slope, seen)
+                _at(motor, load, g, 0.0 if last else (done + share * h) / whole, u, w)
+                for i in range(n):
+                    out[s, i], out[s, n + i] = seen[i], seen[n + i]
+                for actuator in range(m):
+                    out[s, 2 * n + m + actuator] = u[actuator]
+                    if wires[actuator, NONLINEAR]:
+                        for i in range(2 * n, ny):
+                            seen[i] = y[i]
+                        out[s, 2 * n + actuator] = _curved_wire(
+                            actuator, n, wires, stiffness, drive, wire_laws, wire_parameters,
+                            seen, u, z, scratch, False,
+                        )  # fmt: skip
+                    else:
+                        out[s, 2 * n + actuator] = _product(wire_force[actuator], seen, u)
+                s += 1
+            if s == sample.size:
+                return
             for i in range(ny):
                 y[i] = point[i]
             if law >= 0:
                 _switch(n, laws, pieces, y, law)
                 still += 1
-            done, fresh = done + h, False
-            if done < whole * (1.0 - 1e-9):
-                _at(motor, load, g, done / whole, u, w)
-            _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
+            done += h
+            if not last:
+                _at(motor, load, g, min(done / whole, 1.0), u, w)
+                _settle(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
 
 
 @_inline

@@ -47,6 +47,11 @@ class Parameter:
     high: float = np.inf
     prior: tuple[float, float] | None = None
 
+    @property
+    def positive(self) -> bool:
+        """Whether it is a size that cannot vanish: it then moves by factors."""
+        return self.low >= 0.0 and self.value > 0.0 and self.prior is None
+
     def at(self, value: float) -> Parameter:
         """The same parameter with another value, kept within its bounds."""
         return replace(self, value=float(min(max(value, self.low), self.high)))

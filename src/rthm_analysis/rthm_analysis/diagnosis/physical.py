@@ -80,6 +80,7 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
     seen = evidence.only("position", "velocity", "force")
     experiment, part = Experiment(seen, first), Experiment(seen.first(train), first)
     runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
+    experiment.begin_at(seen.stamps_ns[runs.start])
     progress("retuning what is uncertain")
     base = Model(settled, uncertain(settled))
     fitting.doubt = doubt(fitting, nominal)
@@ -98,6 +99,7 @@ def _started(
     longer = 1.0
     while True:
         runs = windows(seen, spec, seen.driven_by == "command", longer)
+        part.begin_at(seen.stamps_ns[runs.first(train).start])
         sigma = _noise(part, spec, runs.first(train))
         fitting = Fitting(part, runs.first(train), sigma, Model(spec), progress)
         nominal = fitting.fit(Model(spec))

@@ -75,7 +75,16 @@ def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene
             if where == dof:
                 force = force + motion.force[:, actuator]
     mass = float(spec.plant.mass[i * n + i])
-    return Scene(dof, x, motion.velocity[:, i], motion.acceleration[:, i], force, np.empty(0), mass, 0.0)
+    return Scene(
+        dof,
+        x,
+        motion.velocity[:, i],
+        np.gradient(motion.velocity[:, i], evidence.time),
+        force,
+        np.empty(0),
+        mass,
+        0.0,
+    )
 
 
 def wire_scene(spec: Spec, evidence: Evidence, motion: Motion, actuator: str) -> Scene:

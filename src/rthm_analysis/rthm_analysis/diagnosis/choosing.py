@@ -30,10 +30,10 @@ CLOSE = 1.2
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
-HEATS = ((2, 0), (4, 5), (8, 3))
+HEATS = ((2, 0), (3, 5), (8, 2))
 """Steps of the fits of one heat, and how many candidates get into it."""
 
-REFINED, MOST_EFFECTS = 11, 3
+REFINED, MOST_EFFECTS = 10, 3
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
 
@@ -164,7 +164,7 @@ def _kind(screened: Screened) -> tuple[str, str]:
 
 
 def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
-    """Fit the promising candidates, the better the longer; best first by what data left out of the fit say."""
+    """Fit the promising candidates, the better the longer; best first by what data left out say."""
     tried = []
     for one in promising:
         try:

@@ -34,8 +34,7 @@ KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
 
-MOVING = ("lag", "second_order", "rate_limit")
-"""Motor effects that let a motor move between commands."""
+Inputs = tuple[Grid, "Floats", "Floats", "Floats"]
 
 KEPT = 3
 """Motions that are kept."""
@@ -79,7 +78,7 @@ class Experiment:
     first: Floats
     starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     held: bool = False
-    _motors: dict[str, tuple[Grid, Floats, Floats]] = field(default_factory=dict)
+    _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, Motion] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
 
@@ -115,29 +114,27 @@ class Experiment:
         return np.stack(columns, axis=1)
 
     def _moved(self, spec: Spec, windows: Windows) -> Motion:
-        points, motor, load = self._inputs(spec)
+        points, motor, load, seen = self._inputs(spec)
         n, m = load.shape[2], motor.shape[2]
         if all(channel.family == "motor" for channel in self.evidence.channels):
-            row = np.searchsorted(points.time_ns, self.evidence.stamps_ns, side="right") - 1
-            nothing = np.empty((row.size, 0))
-            return Motion(nothing, nothing, nothing, motor[row, 0])
+            nothing = np.empty((seen.shape[0], 0))
+            return Motion(nothing, nothing, nothing, seen)
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
         needed = longest * max(fastest(arrays, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
         substeps = min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
-        out = np.zeros((self.evidence.stamps_ns.size, 2 * n + 2 * m))
+        out = np.zeros((self.evidence.stamps_ns.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         replay_mechanics(
-            arrays, points.time, substeps, motor, load, starts, windows.state, self.evidence.time, out
+            arrays, points.time, substeps, motor, load, starts, windows.state, self.evidence.time, seen, out
         )
-        x, v, force, u = np.split(out, [n, 2 * n, 2 * n + m], axis=1)
-        return Motion(x, v, force, u)
+        x, v, force = np.split(out, [n, 2 * n], axis=1)
+        return Motion(x, v, force, seen)
 
-    def _inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
-        """Grid, motor positions and known loads on it; kept for models that do not differ in them."""
-        key = repr([e for e in spec.effects if _drives(e)]) + repr(
-            spec.actuator and spec.actuator.motor_poles
-        )
+    def _inputs(self, spec: Spec) -> Inputs:
+        """Grid, motor positions and loads on it, motor positions at the samples; kept for a few motors."""
+        poles = spec.actuator and spec.actuator.motor_poles
+        key = repr([e for e in spec.effects if _drives(e)]) + repr(poles)
         with self._lock:
             kept = self._motors.get(key)
         if kept is None:
@@ -148,18 +145,22 @@ class Experiment:
                 self._motors[key] = kept
         return kept
 
-    def _new_inputs(self, spec: Spec) -> tuple[Grid, Floats, Floats]:
+    def _new_inputs(self, spec: Spec) -> Inputs:
         e = self.evidence
-        due = e.due_ns + motor_delay(spec)
+        due, end = e.due_ns + motor_delay(spec), int(e.stamps_ns[-1])
         m = e.commands.shape[1] if e.driven_by == "command" else 0
-        instants = [due, self.starts_ns]
-        if not m or _moves_between(spec) or all(channel.family == "motor" for channel in e.channels):
-            instants.append(e.stamps_ns)
-        points = grid(np.concatenate(instants), int(e.stamps_ns[-1]), LONGEST_NS)
-        motor = np.zeros((points.time_ns.size, 3, m))
+        fine = grid(np.concatenate([due, e.stamps_ns]), end, LONGEST_NS)
+        points = fine
+        if m and not any(one.kind == "rate_limit" for one in spec.effects):
+            points = grid(np.concatenate([due, self.starts_ns]), end, LONGEST_NS)
+        motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
         if m:
-            motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
-        return points, motor, self._load(points) + _hidden_loads(spec, points)
+            moved = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
+            seen = np.ascontiguousarray(moved[np.searchsorted(fine.time_ns, e.stamps_ns), 0])
+            if points is not fine:
+                moved = motor_motion(spec, points.time_ns, due, e.commands, self.first)
+            motor = moved
+        return points, motor, self._load(points) + _hidden_loads(spec, points), seen
 
     def _load(self, points: Grid) -> Floats:
         """Known loads on the grid: (g, 3, n)."""
@@ -174,17 +175,11 @@ class Experiment:
         return np.asarray(CubicSpline(time, load)(np.minimum(points.points, time[-1])))
 
 
-def _moves_between(spec: Spec) -> bool:
-    """Whether motors move between commands: a grid of commands alone then would be too coarse."""
-    moving = [e for e in spec.effects if e.block == "motor" and e.kind in MOVING]
-    return bool(moving or (spec.actuator is not None and spec.actuator.motor_poles))
-
-
 def _longest_step(spec: Spec) -> float:
     """Longest step in s: short where a law has kinks that nobody locates."""
     kinks = any(e.kind in KINKED for e in spec.effects)
     pretension = spec.actuator is not None and any(spec.actuator.pretension)
-    return 1.3e-3 if kinks or pretension else np.inf
+    return 2.1e-3 if kinks or pretension else np.inf
 
 
 def _drives(one) -> bool:  # type: ignore[no-untyped-def]

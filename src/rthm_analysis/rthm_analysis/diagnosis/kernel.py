@@ -362,6 +362,7 @@ def replay_mechanics(
     start: Integers,
     state: Floats,
     sample: Floats,
+    seen_motor: Floats,
     out: Floats,
 ) -> None:
     """Run over the grid and write the motion at the samples.
@@ -384,8 +385,10 @@ def replay_mechanics(
         Positions and velocities there.
     sample : (s,) array
         Ascending instants of the samples, s; one at an instant of the grid sees what comes in there.
-    out : (s, 2 n + 2 m) array
-        Gets positions, velocities, wire forces and motor positions.
+    seen_motor : (s, m) array
+        Motor positions at the samples.
+    out : (s, 2 n + m) array
+        Gets positions, velocities and wire forces.
     """
     (
         a,
@@ -466,11 +469,10 @@ def replay_mechanics(
             while s < sample.size and sample[s] < until:
                 share = 0.0 if last or h <= 0.0 else min(max((sample[s] - t) / h, 0.0), 1.0)
                 _between(share, h, y, point, stages[0], slope, seen)
-                _at(motor, load, g, 0.0 if last else (done + share * h) / whole, u, w)
+                u[:] = seen_motor[s]
                 for i in range(n):
                     out[s, i], out[s, n + i] = seen[i], seen[n + i]
                 for actuator in range(m):
-                    out[s, 2 * n + m + actuator] = u[actuator]
                     if wires[actuator, NONLINEAR]:
                         for i in range(2 * n, ny):
                             seen[i] = y[i]

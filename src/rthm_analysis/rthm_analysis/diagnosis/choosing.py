@@ -30,7 +30,7 @@ CLOSE = 1.2
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
-HEATS = ((2, 0), (3, 5), (8, 2))
+HEATS = ((2, 0), (3, 6), (8, 2))
 """Steps of the fits of one heat, and how many candidates get into it."""
 
 REFINED, MOST_EFFECTS = 10, 3

@@ -58,7 +58,11 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         else np.zeros((0, 0))
     )
     here = fitting.projected(fitted.residual)
-    cleared = here - (inverse @ (known @ here)) @ known if known.size else here
+
+    def cleaned(column: Floats) -> Floats:
+        return column - (inverse @ (known @ column)) @ known if known.size else column
+
+    cleared = cleaned(here)
 
     def one(start: Start) -> Screened | None:
         try:
@@ -70,17 +74,34 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         if not np.isfinite(change).all():
             return None
         if not start.amplitude:
-            left = there - (inverse @ (known @ there)) @ known if known.size else there
+            left = cleaned(there)
             return Screened(start, float(cleared @ cleared - left @ left), np.inf)
-        rest = change - (inverse @ (known @ change)) @ known if known.size else change
+        rest = cleaned(change)
         size = float(rest @ rest)
         if size <= 1e-12 * float(change @ change) or size <= 0.0:
             return None
+        if start.also is not None:
+            return two(start, change, rest, cleared)
         factor = float(rest @ cleared) / size
         if factor < 0.0 and not start.signed:
             return Screened(start, 0.0, start.trial * size**-0.5)
         limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR)
         return Screened(start.sized(limited or 1e-3), factor * factor * size, start.trial * size**-0.5)
+
+    def two(start: Start, change: Floats, rest: Floats, cleared: Floats) -> Screened | None:
+        """Sizes of two parameters at once."""
+        other = start.doubled
+        model = fitted.model.plus(other.added, other.free, other.scales)
+        more = cleaned(here - fitting.projected(fitting.residual(model)) - change)
+        columns = np.stack([rest, more])
+        matrix, right = columns @ columns.T, columns @ cleared
+        first, second = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+        std = start.trial * float(np.sqrt(max(np.linalg.pinv(matrix)[0, 0], 0.0)))
+        if first <= 0.0:
+            return Screened(start, 0.0, std)
+        limited = min(max(float(first), 1e-3), LARGEST_FACTOR)
+        gain = float(first * right[0] + second * right[1])
+        return Screened(start.sized(limited).with_also(1.0 + float(second / first)), gain, std)
 
     found = [one for one in fitting.each(one, starts) if one is not None]
     return sorted(found, key=lambda s: -s.gain)

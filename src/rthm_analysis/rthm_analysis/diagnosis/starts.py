@@ -21,7 +21,7 @@ SMALL = 0.02
 
 @dataclass(frozen=True)
 class Start:
-    """A first guess of an effect."""
+    """A first guess of an effect; `also` is a second parameter in which it is linear by itself."""
 
     added: Added
     free: tuple[str, ...]
@@ -29,6 +29,23 @@ class Start:
     scales: dict[str, float] = field(default_factory=dict)
     signed: bool = False
     neutral: float = 0.0
+    also: str | None = None
+
+    @property
+    def doubled(self) -> Start:
+        """The same start with twice the parameter `also`."""
+        assert self.also is not None
+        values = dict(self.added.parameters)
+        values[self.also] = 2.0 * float(values[self.also])
+        return replace(self, added=replace(self.added, parameters=values))
+
+    def with_also(self, factor: float) -> Start:
+        """The same start with the parameter `also` times a factor, which is kept positive."""
+        assert self.also is not None
+        values = dict(self.added.parameters)
+        values[self.also] = max(factor, 0.05) * float(values[self.also])
+        scales = self.scales | {self.also: float(values[self.also])}
+        return replace(self, added=replace(self.added, parameters=values), scales=scales)
 
     @property
     def trial(self) -> float:
@@ -44,6 +61,9 @@ class Start:
         return replace(self, added=replace(self.added, parameters=values), scales=self.scales | scales)
 
 
+PAIRED = ("pulley_inertia", "end_stop", "stribeck_friction")
+"""Kinds with two parameters in each of which they are linear."""
+
 Finder = Callable[[Scene], Iterator[Start]]
 
 
@@ -52,7 +72,8 @@ def _start(
 ) -> Start:
     scales = {key: abs(value) for key, value in p.items() if value}
     free = tuple(key for key in p if key != "A")
-    return Start(Added(block, kind, s.place, dict(p)), free, amplitude, scales, signed)
+    also = amplitude[1] if kind in PAIRED else None
+    return Start(Added(block, kind, s.place, dict(p)), free, amplitude, scales, signed, also=also)
 
 
 def coulomb_friction(s: Scene) -> Iterator[Start]:

@@ -103,7 +103,7 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
 def _patched(parts: list[Part], spec: Spec) -> str:
     """Spec, as text, whose simulation behaves as recorded."""
     changes: dict[str, object] = {name: value for part in parts for name, value in part.changes.items()}
-    sections = [section for part in parts for section in part.effects]
+    sections = [_flat(section) for part in parts for section in part.effects]
     if sections:
         taken = {e.name for e in spec.effects}
         names = [
@@ -112,3 +112,10 @@ def _patched(parts: list[Part], spec: Spec) -> str:
         changes["effects"] = [*(e.name for e in spec.effects), *names[: len(sections)]]
         changes |= dict(zip(names, sections, strict=False))
     return write_spec(apply(spec, changes) if changes else spec)
+
+
+def _flat(section: dict[str, object]) -> dict[str, object]:
+    """Section with its parameters beside its block and kind, as in a spec."""
+    inner = section.get("parameters")
+    head = {key: value for key, value in section.items() if key != "parameters"}
+    return head | inner if isinstance(inner, dict) else head

@@ -1,0 +1,85 @@
+"""The replay of plant, wire and motor is the simulator's physics, on steps of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.windows import windows
+from rthm_core.physical.side import PhysicalSide, first_command
+from rthm_core.spec import Spec, apply, shipped_spec
+
+PAPER = shipped_spec("paper")
+STAMPS = np.arange(1700) * 1_200_000
+DUE = np.arange(0, 480) * 4_000_000 + 10_000_000
+COMMANDS = (0.5 + 0.3 * np.sin(3e-9 * DUE)).reshape(-1, 1)
+CHANNELS = (
+    Channel("position", "x1"),
+    Channel("velocity", "x1"),
+    Channel("force", "a1"),
+    Channel("motor", "a1"),
+)
+EVIDENCE = Evidence(
+    STAMPS, DUE, COMMANDS, np.zeros((STAMPS.size, 1)), CHANNELS, np.zeros((STAMPS.size, 4)), "command"
+)
+FAR_BELOW_NOISE = np.array([3e-6, 1.5e-4, 1.5e-3, 1e-6])
+"""Of position, velocity, force and motor; reference noise is 1e-4 m, 2e-3 m/s, 0.02 N and 1e-5 m."""
+
+
+def having(block: str, kind: str, poles: bool = False, **parameters: float) -> Spec:
+    spec = apply(PAPER, {"actuator.motor_poles": [400.0, 2000.0]}) if poles else PAPER
+    place = {"dof": "x1"} if block == "plant" or block.startswith("sensor") else {"actuator": "a1"}
+    return apply(spec, {"effects": ["one"], "one": {"block": block, "kind": kind, **place, **parameters}})
+
+
+def simulated(spec: Spec) -> np.ndarray:
+    """Position, velocity, force and motor position as the simulator's own data acquisition sees them."""
+    side, rows, j = PhysicalSide(spec), [], 0
+    for stamp in STAMPS.tolist():
+        while j < DUE.size and DUE[j] <= stamp:
+            side.command(int(DUE[j]), COMMANDS[j])
+            j += 1
+        seen = side.sample(stamp)
+        rows.append([seen.position[0], seen.velocity[0], seen.force[0], seen.motor_position[0]])
+    return np.array(rows)
+
+
+def replayed(spec: Spec) -> np.ndarray:
+    return Experiment(EVIDENCE, first_command(PAPER)).predicted(spec, windows(EVIDENCE, PAPER, True))
+
+
+SPECS = [
+    PAPER,
+    having("plant", "coulomb_friction", force=0.3),
+    having("plant", "stribeck_friction", coulomb_force=0.2, static_force=0.4, stribeck_velocity=0.05),
+    having("plant", "bouc_wen", alpha=5.0, A=1.0, beta=5.0, gamma=5.0, n=1.0),
+    having("plant", "end_stop", position=0.3, stiffness=200.0, damping=1.0),
+    having("plant", "clearance", gap=0.3, stiffness=20.0),
+    having("plant", "hidden_mode", mass=0.05, frequency=8.0, damping_ratio=0.05),
+    having("plant", "harmonic_load", amplitude=0.3, frequency=5.0, phase=0.3),
+    having("wire", "backlash", gap=0.01),
+    having("wire", "slack", pretension=0.5),
+    having("wire", "pulley_inertia", mass=0.01, damping=0.1),
+    having("wire", "pulley_friction", force=0.3),
+    having("wire", "maxwell_branch", poles=True, stiffness=5.0, damping=2.0),
+    having("motor", "lag", poles=True, time_constant=0.003),
+    having("motor", "second_order", frequency=100.0, damping_ratio=0.5),
+    having("motor", "rate_limit", rate=0.5),
+    having("motor", "quantisation", step=0.004),
+    having("sensor.position", "lag", time_constant=0.003),
+    having("sensor.velocity", "scale", scale=1.05),
+]
+
+
+@pytest.mark.parametrize(
+    "spec", SPECS, ids=[f"{s.effects[0].block}-{s.effects[0].kind}" if s.effects else "plain" for s in SPECS]
+)
+def test_replay_agrees_with_the_simulator_far_below_the_noise(spec: Spec) -> None:
+    assert np.all(np.abs(replayed(spec) - simulated(spec)).max(0) < FAR_BELOW_NOISE)
+
+
+def test_what_a_law_does_is_not_lost_in_the_replay() -> None:
+    difference = np.abs(replayed(having("plant", "coulomb_friction", force=0.3)) - replayed(PAPER)).max(0)
+    assert difference[0] > 1e-3 and difference[2] > 0.05

@@ -1,0 +1,70 @@
+"""The diagnosis of concealed cases: a small part of the table of ``benchmarks/concealed``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from benchmarks.concealed.case import Case, make_case
+from typer.testing import CliRunner
+
+from rthm_bringup.cli.main import application
+from rthm_core.spec import read_spec
+
+SHARED = Path(__file__).parents[2] / "shared" / "recordings"
+
+
+def diagnosed(case: Case, *more: str) -> dict:
+    words = ["diagnose", str(case.bag), "--spec", str(case.spec), "--json", "-", *more]
+    done = CliRunner().invoke(application(), words)
+    assert done.exit_code in (0, 1), done.output
+    return json.loads(done.stdout)
+
+
+def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:
+    said = diagnosed(make_case(71, (), 0.05, tmp_path, duration=20.0))
+    assert said["verdict"] == "match"
+    assert not said["physics"] and not said["located"]
+    assert 0.0 < said["detection_limits"]["plant.coulomb_friction.force"]["value"] < 0.05
+
+
+def test_dry_friction_is_found_sized_and_written_into_the_spec(tmp_path: Path) -> None:
+    case = make_case(72, (("plant", "coulomb_friction"),), 0.05, tmp_path, duration=20.0)
+    patched = tmp_path / "patched.yaml"
+    said = diagnosed(case, "--patched", str(patched))
+    assert said["verdict"] == "explained" and said["located"] == ["plant"]
+    (found,) = said["physics"]
+    true = next(iter(case.truth["spec"]["effects"]))
+    force = found["parameters"]["force"]
+    assert found["kind"] == "coulomb_friction" and found["energy"] < 0.0
+    assert abs(force["value"] - case.truth["spec"][true]["force"]) < 4.0 * force["std"]
+    (fit,) = said["fits"]
+    assert fit["nrmse"]["explained"] < 1.2 * fit["nrmse"]["noise_floor"] < fit["nrmse"]["retuned"]
+    (effect,) = read_spec(str(patched)).effects
+    assert effect.parameters["force"] == pytest.approx(force["value"])
+
+
+def test_a_wrong_mass_is_retuned_and_not_called_physics(tmp_path: Path) -> None:
+    case = make_case(73, (), 0.05, tmp_path, retune="mass", duration=20.0)
+    said = diagnosed(case)
+    assert said["verdict"] == "retuned" and not said["physics"]
+    mass = said["retuned"]["plant.mass"]
+    assert abs(mass["value"] - case.truth["spec"]["plant"]["mass"][0]) < 4.0 * mass["std"]
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the measured recordings are not here")
+@pytest.mark.parametrize(
+    ("name", "kinds"),
+    [
+        ("emps_identification", {"coulomb_friction", "constant_load"}),
+        ("hysteresis_multisine", {"bouc_wen"}),
+    ],
+)
+def test_measured_recordings_show_the_physics_that_is_known_to_be_in_them(name: str, kinds: set[str]) -> None:
+    words = ["diagnose", str(SHARED / name), "--spec", str(SHARED / f"{name}.yaml"), "--json", "-"]
+    said = json.loads(CliRunner().invoke(application(), words).stdout)
+    found = {one["kind"]: one["parameters"] for one in said["physics"]}
+    assert said["verdict"] == "explained" and kinds <= set(found)
+    if "coulomb_friction" in found:
+        assert abs(found["coulomb_friction"]["force"]["value"] - 20.3) < 1.0

@@ -1,0 +1,72 @@
+"""What the tutorials print is what the commands print."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+ROOT = Path(__file__).parents[1]
+PAGES = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+SPECS = ROOT / "src" / "rthm_core" / "rthm_core" / "spec" / "shipped"
+BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
+
+
+def commands(page: Path) -> Iterator[tuple[str, list[str]]]:
+    """Every command of a page with the lines that it is said to print."""
+    for block in BLOCK.findall(page.read_text(encoding="utf-8")):
+        for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+            command, *said = part.rstrip("\n").split("\n")
+            yield command, said
+
+
+def same(said: str, printed: str) -> bool:
+    """Whether two lines have the same words and, but for rounding in the last digits, the same numbers."""
+    if NUMBER.sub("#", said).split() != NUMBER.sub("#", printed).split():
+        return False
+    pairs = zip(NUMBER.findall(said), NUMBER.findall(printed), strict=True)
+    return all(float(a) == pytest.approx(float(b), rel=1e-5, abs=1e-9) for a, b in pairs)
+
+
+def agrees(said: list[str], printed: list[str]) -> bool:
+    """Whether the lines are those that were printed; `...` stands for any number of lines."""
+    if not said:
+        return not printed
+    if said[0] == "...":
+        return any(agrees(said[1:], printed[k:]) for k in range(len(printed) + 1))
+    return bool(printed) and same(said[0], printed[0]) and agrees(said[1:], printed[1:])
+
+
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs" / "tutorials").glob("*.md")), ids=lambda page: page.stem
+)
+def test_a_tutorial_prints_what_its_commands_print(
+    environment: dict[str, str], tmp_path: Path, page: Path
+) -> None:
+    (tmp_path / "rthm").write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m rthm_bringup "$@"\n')
+    (tmp_path / "rthm").chmod(0o755)
+    path = os.pathsep.join([str(tmp_path), environment.get("PATH", os.defpath)])
+    variables = environment | {"PATH": path, "SPECS": str(SPECS)}
+    told = list(commands(page))
+    assert told
+    for command, said in told:
+        done = subprocess.run(
+            command, shell=True, cwd=tmp_path, env=variables, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+        assert agrees(said, done.stdout.splitlines()), f"{command} printed\n{done.stdout}"
+
+
+def test_a_number_that_is_not_printed_is_noticed() -> None:
+    assert agrees(["E  +1.000000e+00 J", "...", "z"], ["E  +1.000001e+00 J", "x", "y", "z"])
+    assert not agrees(["E  +1.000000e+00 J"], ["E  +1.001000e+00 J"])
+    assert not agrees(["E  1 J", "..."], ["F  1 J"])
+    assert not agrees(["a"], ["a", "b"])

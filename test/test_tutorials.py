@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from rthm_analysis.stability import spectral_radius
+from rthm_core.spec import apply, shipped_spec
+
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
@@ -63,6 +66,15 @@ def test_a_tutorial_prints_what_its_commands_print(
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"
         assert agrees(said, done.stdout.splitlines()), f"{command} printed\n{done.stdout}"
+
+
+def test_the_factors_of_the_first_tutorial_are_where_stability_is_lost() -> None:
+    text = (ROOT / "docs" / "tutorials" / "first_test.md").read_text(encoding="utf-8")
+    plain, predicted = (float(one) for one in re.findall(r"factor of (\d+\.\d+)", text))
+    paper = shipped_spec("paper")
+    for spec, factor in ((paper, plain), (apply(paper, {"actuator.compensator": "polynomial"}), predicted)):
+        assert spectral_radius(spec.scaled_timing(round(factor - 0.01, 3))) < 1.0
+        assert spectral_radius(spec.scaled_timing(round(factor + 0.01, 3))) > 1.0
 
 
 def test_a_number_that_is_not_printed_is_noticed() -> None:

@@ -24,6 +24,9 @@ def verb(
     out: Annotated[
         Path, typer.Option("--out", "-o", metavar="FILE", help="Picture of the map: .png, .svg or .pdf.")
     ] = Path("stability.png"),
+    limits: Annotated[
+        bool, typer.Option("--limits/--no-limits", help="Search for every crossing, or judge the spec alone.")
+    ] = True,
     json: Json = None,
 ) -> int:
     """Tell whether a loop is stable, its modes, and how far every delay is from the edge."""
@@ -35,7 +38,7 @@ def verb(
     test = spec_named(spec)
     drawn = _map(test, over, out) if over else {}
     with progress_bar("looking for every crossing", SEARCHES) as report:
-        result = stability(test, progress=report)
+        result = stability(test, limits=limits, progress=report)
     put(result.as_dict() | drawn, [*_lines(result), *(["", str(out)] if drawn else [])], json)
     return 0
 
@@ -79,7 +82,8 @@ def _lines(result) -> list[str]:
                 _number(limit.scan.end * unit, unit),
             )
         )
-    return [*head, *result.left_out, "", *table(modes), "", *table(limits), *_k_tot(result)]
+    found = ["", *table(limits), *_k_tot(result)] if result.limits else []
+    return [*head, *result.left_out, "", *table(modes), *found]
 
 
 def _number(value: float, unit: float) -> str:
@@ -88,7 +92,5 @@ def _number(value: float, unit: float) -> str:
 
 def _k_tot(result) -> list[str]:
     found = result.as_dict()["k_tot"]
-    if not result.limits:
-        return []
     words = {side: "none found" if value is None else f"{value} N/m" for side, value in found.items()}
     return ["", f"k_tot: lower limit {words['lower']}, upper limit {words['upper']}"]

@@ -20,6 +20,7 @@ from benchmarks.engine.dde import delayed
 from benchmarks.engine.limit import NoCompilerError, event_engine
 from benchmarks.engine.others import Entry, pade, restarted, runge_kutta
 from benchmarks.engine.reference import reference
+from benchmarks.engine.scale import long_run, per_loop, starts
 from benchmarks.engine.table import markdown
 
 from rthm_core.clock import to_ns
@@ -97,6 +98,18 @@ def beyond(spec: Spec, rounds: int) -> list[Row]:
     return list(rows.values())
 
 
+def scaled(spec: Spec) -> dict[str, float]:
+    """Many loops, a long loop, and the start of the program."""
+    hour, added = long_run(spec, 3600.0, SAMPLE)
+    first, later = starts()
+    found = {"per_loop": per_loop(spec, DURATION, 1.0), "hour": hour, "hour_added_mb": added}
+    found |= {"first_start": first, "later_start": later}
+    with suppress(NoCompilerError):
+        call = _c_engine(spec, DURATION, 1.0)[0]
+        found["per_loop_ratio"] = found["per_loop"] / interleaved({LIMIT: call}, 51, {})[LIMIT]
+    return found
+
+
 def _time(rows: dict[str, Row], calls: dict[str, Callable[[], Any]], rounds: int) -> None:
     times = interleaved(calls, rounds, SLOW)
     for name, cpu in times.items():
@@ -119,6 +132,7 @@ def main() -> None:
         "sample": SAMPLE,
         "ways": [asdict(row) for row in measured(spec, exact, given.rounds)],
         "beyond": [asdict(row) for row in beyond(spec, given.rounds)],
+        "scale": scaled(spec),
     }
     given.out.mkdir(parents=True, exist_ok=True)
     (given.out / "speed.json").write_text(json.dumps(found, indent=1) + "\n")

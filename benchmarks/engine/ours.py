@@ -55,6 +55,8 @@ def chain(n: int, m: int) -> Spec:
         "interface.numerical_dof": [f"n{i + 1}" for i in range(m)],
         "interface.stiffness": [6.0] * m,
         "interface.damping": [0.1] * m,
+        "load.plant.dof": "p1",
+        "load.numerical.dof": "n1",
         "actuator.names": [f"a{i + 1}" for i in range(m)],
         "actuator.stiffness": [40.0] * m,
         "actuator.pretension": [0.0] * m,

@@ -23,6 +23,17 @@ Loops beyond the paper's, by what they add, `simulate()` as a whole; the unit is
 |---|---|---|
 """
 
+SCALE = """
+Many loops (`simulate_many`), a long loop (`simulate_blocks`), and the start of the program:
+
+| what | measured |
+|---|---|
+| one of 1024 loops of {duration:g} s side by side, a row every second | {per_loop}, {ratio} of C |
+| an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
+| `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
+| `rthm simulate` for {duration:g} s, every later start | {later} CPU |
+"""
+
 
 def _time(seconds: float | None) -> str:
     if seconds is None:
@@ -47,4 +58,13 @@ def markdown(found: dict[str, Any]) -> str:
     text += BEYOND
     for row in found["beyond"]:
         text += f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} |\n"
-    return text
+    scale = found["scale"]
+    return text + SCALE.format(
+        duration=found["duration"],
+        per_loop=_time(scale["per_loop"]),
+        ratio=_number(scale.get("per_loop_ratio")),
+        hour=_time(scale["hour"]),
+        added=scale["hour_added_mb"],
+        first=_time(scale["first_start"]),
+        later=_time(scale["later_start"]),
+    )

@@ -13,6 +13,8 @@ import numpy as np
 
 from rthm_core.compiled import Floats, compiled
 from rthm_core.energy import TERMS, delay_matrices
+from rthm_core.engine.exponential import exponentials
+from rthm_core.engine.linear_loop import Exosystem, exosystem, with_loads
 from rthm_core.errors import InputError
 from rthm_core.loads import Load, load
 from rthm_core.physical.advance import Physical, advance_physical, listed_loads, physical
@@ -71,6 +73,22 @@ def _rows(side: Physical, step: int, out: Floats, listed: Floats) -> None:
         listed_loads(side, listed[row])
 
 
+BLOCK = 64
+"""Rows of a linear system that are made of one."""
+
+
+def _linear_rows(side: Physical, loads: Exosystem, count: int, step: int) -> Floats:
+    """Rows (count, .) of a linear system with the loads as states: blocks of matrices, no step after step."""
+    linear = with_loads(side.model.whole.ab, side.state.y, np.empty(0), loads)
+    steps = exponentials(linear.a, np.arange(BLOCK + 1) * step)
+    across = steps[:BLOCK].reshape(-1, linear.a.shape[0])
+    begins = np.empty((-(-count // BLOCK), linear.a.shape[0]))
+    begins[0] = linear.state(0.0)
+    for block in range(1, begins.shape[0]):
+        begins[block] = steps[BLOCK] @ begins[block - 1]
+    return np.asarray((begins @ across.T).reshape(-1, linear.a.shape[0])[:count])
+
+
 def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: bool) -> Trajectory:
     """Trajectory of a plant alone (``"hybrid"`` of a spec without loop), of the ideal system or of its
     approximation, every `step` ns.
@@ -88,8 +106,12 @@ def simulate_coupled(spec: Spec, end: int, step: int, system: str, *, energies: 
     further = _further_load(spec) if spec.is_loop else []
     model, resting = physical_model(spec, body=body, further=further)
     side = physical(model, resting, body.position, body.velocity, np.empty(0))
-    out, listed = np.zeros((end // step + 1, 2 * body.dofs)), np.zeros((end // step + 1, body.dofs))
-    _rows(side, step, out, listed)
+    loads = exosystem(model.loads)
+    if model.laws is None and loads is not None:
+        out = _linear_rows(side, loads, end // step + 1, step)[:, : 2 * body.dofs]
+    else:
+        out, listed = np.zeros((end // step + 1, 2 * body.dofs)), np.zeros((end // step + 1, body.dofs))
+        _rows(side, step, out, listed)
     x, v = out[:, : body.dofs], out[:, body.dofs :]
     n1 = len(spec.plant.dofs)
     force = _interface_forces(spec, x, v) if spec.is_loop else np.zeros((out.shape[0], 0))

@@ -84,6 +84,10 @@ class Memory(NamedTuple):
     count: Integers  # type: ignore[assignment]
 
 
+ROWS = 2
+"""Place of the number of rows in ``Memory.count``."""
+
+
 class Counting(NamedTuple):
     """Works: coefficients (K, pairs, 8) of the products of the joint state, and the sums so far (8,)."""
 

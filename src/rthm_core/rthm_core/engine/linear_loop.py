@@ -114,7 +114,7 @@ def exosystem(loads: Loads) -> Exosystem | None:
     return Exosystem(a, out, loads)
 
 
-def _side(ab: Floats, y: Floats, held: Floats, loads: Exosystem) -> Side:
+def with_loads(ab: Floats, y: Floats, held: Floats, loads: Exosystem) -> Side:
     """Side with the inputs [held, loads] as one with held inputs alone."""
     n, m, size = ab.shape[0], held.size, loads.a.shape[0]
     a, b = np.zeros((n + size, n + size)), np.zeros((n + size, m))
@@ -130,8 +130,8 @@ def linear_loop(spec: Spec) -> LinearLoop | None:
     if one is None or two is None or control.compensation.code != NONE or not _is_linear(physical):
         return None
     sides = interface(spec)
-    plant = _side(physical.model.whole.ab, physical.state.whole, first_command(spec), one)
-    second = _side(number.system.ab, number.y, number.held, two)
+    plant = with_loads(physical.model.whole.ab, physical.state.whole, first_command(spec), one)
+    second = with_loads(number.system.ab, number.y, number.held, two)
     sample, bias, measured = _samples(physical, plant)
     x1, v1 = np.array(spec.plant.initial_position), np.array(spec.plant.initial_velocity)
     return LinearLoop(

@@ -89,6 +89,15 @@ def prepared(
     return Prepared(operations, tables, np.concatenate(works))
 
 
+def without_first_pass(one: Prepared) -> Prepared:
+    """The program as it goes on: every pass is a further one."""
+    plant, numerical, work = (
+        np.tile(both[both.size // 2 :], 2)
+        for both in (one.operations.plant, one.operations.numerical, one.operations.work)
+    )
+    return one._replace(operations=one.operations._replace(plant=plant, numerical=numerical, work=work))
+
+
 class Start(NamedTuple):
     """State, memory and sensors at the start of a test."""
 

@@ -15,7 +15,7 @@ from rthm_core.controller import controller
 from rthm_core.energy import TERMS
 from rthm_core.engine.coupled import simulate_coupled
 from rthm_core.engine.ledger import ledger
-from rthm_core.engine.linear import Rows, linear_rows
+from rthm_core.engine.linear import Rows, linear_blocks, linear_rows
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
@@ -104,6 +104,28 @@ def simulate(
     return simulate_any(spec, to_ns(duration), step, energies=energies, progress=progress)
 
 
+def simulate_blocks(
+    spec: Spec, duration: float, sample: float | None = None, *, energies: bool = True
+) -> Iterator[Trajectory]:
+    """Simulate a loop exactly, a block of some seconds after the other, in bounded memory.
+
+    Parameters and errors are those of `simulate`. The blocks joined are its trajectory.
+    """
+    step, end = _checked(spec, duration, sample, "hybrid"), to_ns(duration)
+    n1, n2, m = len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
+    blocks = linear_blocks(spec, end, step, energies=energies)
+    first_row = 0
+    if blocks is not None:
+        for rows in blocks:
+            yield _of_rows(spec, rows, step, first_row)
+            first_row += rows.plant.shape[0]
+        return
+    loop = _loop(spec, energies=energies)
+    for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7, None):
+        yield _trajectory(block, step, n1, n2, m, energies=energies, first_row=first_row)
+        first_row += block.shape[0]
+
+
 def simulate_any(
     spec: Spec,
     end: int,
@@ -183,10 +205,10 @@ def _chunks(
             progress(min(until, end) * 1e-9)
 
 
-def _of_rows(spec: Spec, rows: Rows, step: int) -> Trajectory:
+def _of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory:
     n1, n2 = len(spec.plant.dofs), rows.numerical.shape[1] // 2
     return Trajectory(
-        np.arange(rows.plant.shape[0], dtype=float) * (step * 1e-9),
+        np.arange(first_row, first_row + rows.plant.shape[0], dtype=float) * (step * 1e-9),
         rows.plant[:, :n1],
         rows.plant[:, n1 : 2 * n1],
         rows.numerical[:, :n2],
@@ -197,13 +219,15 @@ def _of_rows(spec: Spec, rows: Rows, step: int) -> Trajectory:
     )
 
 
-def _trajectory(rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool) -> Trajectory:
+def _trajectory(
+    rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool, first_row: int = 0
+) -> Trajectory:
     x1, v1, x2, v2, reference, force, works, total = np.split(
         rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1
     )
     found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
     return Trajectory(
-        np.asarray(np.arange(rows.shape[0]) * step * 1e-9, dtype=float),
+        np.arange(first_row, first_row + rows.shape[0], dtype=float) * (step * 1e-9),
         x1,
         v1,
         x2,

@@ -46,6 +46,7 @@ LOOK = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
+    "axes.axisbelow": True,
     "grid.color": "#e3e7eb",
     "grid.linewidth": 0.5,
     "xtick.labelsize": 7.0,

@@ -89,10 +89,12 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         return Screened(start.sized(limited or 1e-3), factor * factor * size, start.trial * size**-0.5)
 
     def two(start: Start, change: Floats, rest: Floats, cleared: Floats) -> Screened | None:
-        """Sizes of two parameters at once."""
+        """Sizes of two parameters at once; None where the simulation diverges."""
         other = start.doubled
         model = fitted.model.plus(other.added, other.free, other.scales)
         more = cleaned(here - fitting.projected(fitting.residual(model)) - change)
+        if not np.isfinite(more).all():
+            return None
         columns = np.stack([rest, more])
         matrix, right = columns @ columns.T, columns @ cleared
         first, second = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]

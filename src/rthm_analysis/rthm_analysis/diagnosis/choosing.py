@@ -167,13 +167,10 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
     tried = []
     for one in promising:
-        try:
-            model = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
-            tried.append(
-                _fit(fitting, Tried(one.start, replace(fitted, model=model), np.inf), known, HEATS[0][0])
-            )
-        except (InputError, np.linalg.LinAlgError):
-            continue
+        model = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
+        new = _fit(fitting, Tried(one.start, replace(fitted, model=model), np.inf), known, HEATS[0][0])
+        if np.isfinite(new.error):
+            tried.append(new)
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
         tried = [_fit(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
@@ -185,8 +182,11 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
 
 def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int) -> Tried:
     """Go on fitting for some steps."""
-    fitted = fitting.fit(tried.fitted.model, known, steps)
-    return Tried(tried.start, fitted, float(fitted.left_out.sum()))
+    try:
+        fitted = fitting.fit(tried.fitted.model, known, steps)
+        return Tried(tried.start, fitted, float(fitted.left_out.sum()))
+    except (InputError, np.linalg.LinAlgError):
+        return tried
 
 
 def in_order(tried: list[Tried]) -> list[Tried]:

@@ -68,7 +68,15 @@ class Sums:
         return _larger(inverse, seen)
 
     def left_out(self) -> Floats:
-        """Squared error (b,) of each block under the fit to all others, by one Newton step."""
+        """Squared error (b,) of each block under the fit to all others, by one Newton step.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            When the sums are not finite.
+        """
+        if not np.isfinite(self.hessian).all() or not np.isfinite(self.gradient).all():
+            raise np.linalg.LinAlgError("sums of squares are not finite")
         whole = self.hessian.sum(0) + np.diag(self.precision)
         errors = np.empty(self.squares.size)
         for b in range(self.squares.size):
@@ -188,6 +196,8 @@ class Fitting:
         states = self.states(fitted.model, fitted.residual)
         if self.windows.length is not None:
             return np.zeros(states.shape[0])
+        if not np.isfinite(fitted.residual).all() or not np.isfinite(states).all():
+            return np.zeros(states.shape[0])
         return np.asarray(np.linalg.lstsq(states.T, fitted.residual, rcond=1e-10)[0])
 
     def columns(self, model: Model, residual: Floats, which: Iterable[int]) -> Floats:
@@ -203,7 +213,10 @@ class Fitting:
             return (residual - self.residual(model.at(values))) / step
 
         found = self.each(one, which)
-        return np.stack(found) if found else np.empty((0, residual.size))
+        columns = np.stack(found) if found else np.empty((0, residual.size))
+        if not np.isfinite(columns).all():
+            raise np.linalg.LinAlgError("a model has no finite sensitivities")
+        return columns
 
     def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
         """Normal equations of a model whose residual and columns are known and projected."""

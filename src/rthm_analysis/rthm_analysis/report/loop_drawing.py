@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -39,11 +40,16 @@ SIGNALS = ((242, 48, "F"), (512, 48, "x_1, v_1"), (560, 250, "x_1"), (740, 292, 
 """Names of the signals, and where they stand."""
 
 
-def draw_loop(spec: Spec, timing: TimingResult) -> str:
-    """Loop of a spec as SVG, with its delays and the ages that were measured."""
+def draw_loop(spec: Spec, timing: TimingResult, marked: Mapping[str, str] | None = None) -> str:
+    """Loop of a spec as SVG, with its delays and the ages that were measured.
+
+    `marked` are blocks and links to put in the foreground, with a word for each.
+    """
+    marks = marked or {}
     parts = [_arrow(points) for points, _ in ARROWS.values()]
     parts += [_block(key, title, lines) for key, (title, lines) in _blocks(spec).items()]
     parts += [_label(name, place, spec, timing) for name, (_, place) in ARROWS.items() if place]
+    parts += [_mark(key, words) for key, words in marks.items()]
     parts += [_word(x, y, signal) for x, y, signal in SIGNALS]
     return (
         f'<svg class="loop" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="The loop with its delays">'
@@ -110,6 +116,23 @@ def _block(key: str, title: str, lines: list[str]) -> str:
             if line
         )
     )
+
+
+def _mark(key: str, words: str) -> str:
+    """Frame around a block or a link, and a word beneath it."""
+    if key in PLACES:
+        (x, y), width, height = PLACES[key], BLOCK_WIDTH, BLOCK_HEIGHT
+    else:
+        middle = ARROWS[key][1]
+        assert middle is not None
+        x, y = middle[0] - LABEL_WIDTH // 2, middle[1] - LABEL_HEIGHT // 2
+        width, height = LABEL_WIDTH, LABEL_HEIGHT
+    frame = (
+        f'<rect x="{x - 4}" y="{y - 4}" width="{width + 8}" height="{height + 8}" rx="12" '
+        'fill="none" stroke="#d55e00" stroke-width="4"/>'
+    )
+    place = f'x="{x + width / 2}" y="{y + height + 20}" text-anchor="middle"'
+    return f'{frame}<text {place} fill="#d55e00" font-size="14" font-weight="600">{escape(words)}</text>'
 
 
 def _arrow(points: tuple[tuple[int, int], ...]) -> str:

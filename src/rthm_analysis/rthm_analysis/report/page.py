@@ -53,7 +53,11 @@ def write_report(bag: str | Path, html: str | Path) -> None:
     InputError
         The recording cannot be read, or the page cannot be written.
     """
-    text = page(gather(bag))
+    write_page(page(gather(bag)), html)
+
+
+def write_page(text: str, html: str | Path) -> None:
+    """Write a page; InputError when it cannot be written."""
     try:
         Path(html).parent.mkdir(parents=True, exist_ok=True)
         Path(html).write_text(text, encoding="utf-8")
@@ -65,10 +69,17 @@ def write_report(bag: str | Path, html: str | Path) -> None:
 
 def page(gathered: Gathered) -> str:
     """Page as text."""
+    return assemble(
+        _title(gathered), _header(gathered), _sections(gathered), _footer(gathered), _numbers(gathered)
+    )
+
+
+def assemble(title: str, header: str, sections: Sequence[Section], footer: str, numbers: str) -> str:
+    """Page from its parts, which are HTML but for the title; sections with nothing in them are left out."""
     from bokeh.embed import components
     from bokeh.resources import Resources
 
-    sections = [section for section in _sections(gathered) if any(section.parts)]
+    sections = [section for section in sections if any(section.parts)]
     plots = [
         plot for section in sections for part in section.parts if not isinstance(part, str) for plot in part
     ]
@@ -79,10 +90,10 @@ def page(gathered: Gathered) -> str:
     style = (files(__package__) / "page.css").read_text(encoding="utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f"<title>{escape(_title(gathered))}</title>"
+        f"<title>{escape(title)}</title>"
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<style>{style}</style>{library}</head><body><main>{_header(gathered)}{body}{_footer(gathered)}</main>"
-        f"{_numbers(gathered)}{script}</body></html>\n"
+        f"<style>{style}</style>{library}</head><body><main>{header}{body}{footer}</main>"
+        f"{numbers}{script}</body></html>\n"
     )
 
 
@@ -107,7 +118,7 @@ def _sections(gathered: Gathered) -> list[Section]:
             [tables.links(timing), *delays] if timing.links else [],
         ),
         Section("Clocks", "Time from tick to tick, as the ticks were done.", clocks),
-        Section("Notes", "", [_notes(gathered.notes)] if gathered.notes else []),
+        Section("Notes", "", [note_list(gathered.notes)] if gathered.notes else []),
         Section("Spec", "The test, as it is in the recording.", [_spec(gathered)] if spec else []),
     ]
 
@@ -163,7 +174,8 @@ def _footer(gathered: Gathered) -> str:
     return f"<footer>{words}</footer>"
 
 
-def _notes(notes: Sequence[str]) -> str:
+def note_list(notes: Sequence[str]) -> str:
+    """Notes as a list."""
     return f'<ul class="notes">{"".join(f"<li>{escape(note)}</li>" for note in notes)}</ul>'
 
 
@@ -178,11 +190,11 @@ def _numbers(gathered: Gathered) -> str:
     if gathered.energy is not None:
         results["energy"] = gathered.energy.as_dict()
     return "".join(
-        f'<script type="application/json" id="{name}">{_safe(to_json(result))}</script>'
+        f'<script type="application/json" id="{name}">{script_safe(to_json(result))}</script>'
         for name, result in results.items()
     )
 
 
-def _safe(text: str) -> str:
+def script_safe(text: str) -> str:
     """JSON that cannot end the element it stands in."""
     return text.replace("</", "<\\/")

@@ -35,7 +35,7 @@ SAID = Diagnosis(
     retuned={},
     alternatives=(Alternative("plant", "stribeck_friction", 0.0131, False),),
     fits=(
-        Fit("plant", "x1", None, (0.0, 40.0), (40.0, 60.0), 
+        Fit("plant", "x1", None, (0.0, 40.0), (40.0, 60.0),
             {"nominal": 0.34, "retuned": 0.21, "explained": 0.012},
             TIME, np.sin(TIME), 0.9 * np.sin(TIME), 0.95 * np.sin(TIME), np.sin(TIME)),
     ),

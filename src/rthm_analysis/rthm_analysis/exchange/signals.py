@@ -1,0 +1,121 @@
+"""From columns to the table of ``plant/state``, in SI, with what is odd about the values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.exchange.columns import Columns
+from rthm_analysis.exchange.mapping import ROLES, USUAL, Signal, Wanted
+from rthm_analysis.exchange.stamps import no_column, stamps_of
+from rthm_analysis.exchange.units import factor
+from rthm_analysis.recording import Table
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+LARGEST = {"m": 50.0, "m/s": 200.0, "N": 1e8}
+"""Values beyond which a unit is probably another one."""
+
+DISAGREE = 3.0
+"""Factor between a velocity and the rate of its position that no noise makes."""
+
+
+def plant_table(columns: Columns, wanted: Wanted, spec: Spec | None) -> tuple[Table, list[str]]:
+    """Samples of the plant, and remarks on them, one sentence each.
+
+    Raises
+    ------
+    InputError
+        A column is not there or has no numbers, columns have different lengths, a value is infinite, a unit
+        is not known, or nothing is said to be a position or a velocity.
+    """
+    _check_roles(columns, wanted)
+    values = {one: _in_si(columns, one, wanted) for one in wanted.signals}
+    sizes = {one.column: column.size for one, column in values.items()}
+    if len(set(sizes.values())) > 1:
+        told = ", ".join(f"{name} {size}" for name, size in sizes.items())
+        raise InputError(
+            f"{columns.source}: columns have different lengths ({told}); take those of one table."
+        )
+    stamps, notes = stamps_of(columns, wanted, next(iter(sizes.values())))
+    for one, column in values.items():
+        notes += _remarks(one, column)
+    names = _names(wanted, spec)
+    fields = {
+        field: np.full((stamps.size, len(names)), np.nan) for field in ("position", "velocity", "effort")
+    }
+    for one, column in values.items():
+        fields[ROLES[one.role].field][:, names.index(one.name)] = column
+    table = Table(stamps, stamps, names, **fields)
+    return table, [*notes, *_disagreements(table)]
+
+
+def _check_roles(columns: Columns, wanted: Wanted) -> None:
+    if not any(one.role in ("position", "velocity") for one in wanted.signals):
+        raise InputError(
+            f"{columns.source} has the columns {', '.join(columns.values)}, and none is said to be a "
+            f"position or velocity; say which is which, as --map position:{USUAL[True]}=COLUMN --map "
+            f"force:{USUAL[False]}=COLUMN."
+        )
+
+
+def _names(wanted: Wanted, spec: Spec | None) -> tuple[str, ...]:
+    """Dofs, then what acts on them."""
+    dofs = list(spec.plant.dofs) if spec and spec.plant else []
+    for of_dof in (True, False):
+        dofs += [one.name for one in wanted.signals if ROLES[one.role].of_dof is of_dof]
+    return tuple(dict.fromkeys(dofs))
+
+
+def _in_si(columns: Columns, one: Signal, wanted: Wanted) -> Floats:
+    if one.column not in columns.values:
+        raise no_column(columns, one.column)
+    values = np.asarray(columns.values[one.column], dtype=float)
+    si = ROLES[one.role].unit
+    told = wanted.units.get(f"{one.role}:{one.name}") or wanted.units.get(one.role)
+    what = f"{one.role} {one.name} (column {one.column} of {columns.source})"
+    values = values * factor(told or columns.units.get(one.column, si), si, what)
+    infinite = np.flatnonzero(np.isinf(values))
+    if infinite.size:
+        raise InputError(
+            f"{columns.source}: {one.column} is {values[infinite[0]]} in sample {infinite[0] + 1}, but must "
+            f"be finite; correct it, or leave the value out when it is not known."
+        )
+    if not np.isfinite(values).any():
+        raise InputError(f"{columns.source}: {one.column} has no numbers; take another column.")
+    return values
+
+
+def _remarks(one: Signal, values: Floats) -> Iterator[str]:
+    si = ROLES[one.role].unit
+    unknown = int(np.count_nonzero(np.isnan(values)))
+    if unknown:
+        yield f"{unknown} of {values.size} values of {one.column} are missing: kept as not known."
+    known = values[~np.isnan(values)]
+    if known.size > 1 and not np.ptp(known):
+        yield f"{one.column} is {known[0]:g} {si} all the time: is it the right column?"
+    largest = float(np.abs(known).max())
+    if largest > LARGEST[si]:
+        yield f"{one.role} {one.name} reaches {largest:.4g} {si}: is its unit right (--unit {one.role}=...)?"
+
+
+def _disagreements(table: Table) -> Iterator[str]:
+    """Whether velocities are the rates of their positions."""
+    seconds = (table.stamp_ns - table.stamp_ns[:1]) * 1e-9
+    for k, name in enumerate(table.names):
+        x, v = table.position[:, k], table.velocity[:, k]
+        if len(table) < 20 or not np.isfinite(x).all() or not np.isfinite(v).all() or not v.any():
+            continue
+        travelled = np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(seconds))
+        moved = x[1:] - x[0]
+        ratio = float(np.std(travelled) / max(np.std(moved), 1e-300))
+        if not 1.0 / DISAGREE < ratio < DISAGREE:
+            yield (
+                f"the velocity of {name}, integrated, gives {ratio:.3g} times its change of position: "
+                f"are both units right?"
+            )

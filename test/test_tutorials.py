@@ -15,7 +15,7 @@ import pytest
 from rthm_analysis.stability import spectral_radius
 from rthm_core.spec import apply, shipped_spec
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+pytestmark = pytest.mark.usefixtures("nothing_left")
 ROOT = Path(__file__).parents[1]
 PAGES = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 SPECS = ROOT / "src" / "rthm_core" / "rthm_core" / "spec" / "shipped"

@@ -22,7 +22,7 @@ sys.path.insert(0, str(ROOT))
 
 from benchmarks.realtime.compare import payloads, worst_difference  # noqa: E402
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+pytestmark = pytest.mark.usefixtures("nothing_left")
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
 DURATION = 1.5
 PAPER = {entry.name: entry.value for entry in parameters(shipped_spec())}

@@ -168,9 +168,8 @@ def cluster(tmp_path):
         yield address
     finally:
         for one in started[::-1]:
-            one.terminate()
-        for one in started:
-            one.wait(20)
+            one.kill()
+            one.wait()
 
 
 def test_a_dask_cluster_finds_what_this_machine_finds(cluster, tmp_path):

@@ -24,6 +24,17 @@ PER_PARAMETER = 4.0
 CLEAR = 6.0
 """Difference of cross-validated squared errors by which the recording tells two kinds apart."""
 
+FLEXIBLE = {
+    "bouc_wen",
+    "clearance",
+    "maxwell_branch",
+    "fluid_memory",
+    "hidden_mode",
+    "harmonic_load",
+    "end_stop",
+}
+"""Kinds with enough freedom to imitate others."""
+
 CLOSE = 1.2
 """Doubt below which a model is near the noise, so that what is still missing is small."""
 
@@ -34,6 +45,9 @@ HEATS = ((2, 0), (3, 6), (8, 2))
 """Steps of the fits of one heat, and how many candidates get into it."""
 
 REFINED, MOST_EFFECTS = 10, 3
+REACH = 10.0
+"""How much further from the noise than the best a candidate may be that is fitted any longer."""
+
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
 
@@ -97,7 +111,37 @@ def choose(fitting: Fitting, base: Fitted) -> Choice:
         choice.best = tried[0].fitted
         fitting.doubt = doubt(fitting, choice.best)
         known = _known(fitting, choice.best)
-    return choice
+    return _reconsidered(fitting, choice)
+
+
+def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
+    """Look for one companion of each effect that would make the others needless.
+
+    A flexible kind that came first may have imitated what two plain ones do together.
+    """
+    kinds = {tried[0].label[1] for tried in choice.rounds}
+    if len(choice.rounds) < 2 or (len(choice.rounds) == 2 and not kinds & FLEXIBLE):
+        return choice
+    fitting.progress("looking for a simpler explanation")
+    best = choice
+    for kept in reversed([tried[0] for tried in choice.rounds]):
+        model = choice.base.model.plus(kept.start.added, kept.start.free, kept.start.scales)
+        try:
+            alone = fitting.fit(model)
+            known = _known(fitting, alone)
+            tried = _refined(fitting, alone, known, _promising(_screened(fitting, alone, known)))
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        if tried and _merit(tried[0].fitted) < _merit(best.best) - CLEAR:
+            first = Tried(kept.start, alone, float(alone.left_out.sum()))
+            best = Choice(choice.base, tried[0].fitted, [[first], tried], choice.limits)
+            fitting.doubt = doubt(fitting, best.best)
+    return best
+
+
+def _merit(fitted: Fitted) -> float:
+    """Squared error on data left out, with the price of the parameters; the smaller the better."""
+    return float(fitted.left_out.sum()) + PER_PARAMETER * len(fitted.model.parameters)
 
 
 def _others(screened: list[Screened], choice: Choice) -> list[Start]:
@@ -132,7 +176,19 @@ def _screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]
     # A size far from the trial's was an extrapolation: look again from there.
     again = [s.start for s in best_of_each(first, 1)[:12] if s.gain > ENOUGH and s.start.amplitude]
     second = screen(fitting, fitted, known, again)
-    return sorted([*first, *second], key=lambda s: -s.gain)
+    both = sorted([*first, *second], key=lambda s: -s.gain)
+    return [s for s in both if not _denied(fitting, fitted, s)]
+
+
+def _denied(fitting: Fitting, fitted: Fitted, one: Screened) -> bool:
+    """Whether a wire that would explain the motion is denied by its own force."""
+    if one.start.added.block != "wire" or one.gain < 0.6 * ENOUGH:
+        return False
+    with_it = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
+    try:
+        return fitting.wires_alone.contradict(fitted.model, with_it)
+    except InputError:
+        return False
 
 
 def _limits(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, float]]:
@@ -173,11 +229,37 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
             tried.append(new)
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
+        most = min(most, _within_reach(fitting, tried))
         tried = [_fit(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
     best: dict[tuple[str, str, str], Tried] = {}
     for one in in_order(tried):
-        best.setdefault(one.label, one)
-    return in_order(list(best.values()))
+        if _meaningful(one):
+            best.setdefault(one.label, one)
+    return _simplest_first(in_order(list(best.values())), fitted)
+
+
+def _meaningful(tried: Tried) -> bool:
+    """Whether the parameters are those of the kind; friction that rises with speed is not Stribeck's."""
+    if tried.label[1] != "stribeck_friction":
+        return True
+    found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
+    return float(found["static_force"]) >= float(found["coulomb_force"])
+
+
+def _simplest_first(tried: list[Tried], without: Fitted) -> list[Tried]:
+    """Put that candidate first which has the fewest parameters of those that cannot be told from the best."""
+    equal = [t for t in tried if not distinguishable(tried[0], t) and better(t, without)]
+    if not equal:
+        return tried
+    first = min(equal, key=lambda t: len(t.fitted.model.parameters))
+    return [first, *(t for t in tried if t is not first)]
+
+
+def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
+    """Of candidates in the order of their errors, how many may still become the best."""
+    noise = float(np.count_nonzero(fitting.weight))
+    best = tried[0].fitted.squares if tried else 0.0
+    return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
 
 
 def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int) -> Tried:

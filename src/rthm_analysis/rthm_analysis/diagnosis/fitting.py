@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
 
@@ -18,6 +19,7 @@ import numpy as np
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.model import Model, Parameter
 from rthm_analysis.diagnosis.windows import Windows
+from rthm_analysis.diagnosis.wires_alone import WiresAlone
 from rthm_core.compiled import Floats
 
 BLOCKS = 20
@@ -152,6 +154,11 @@ class Fitting:
         edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self._prepare_states()
+
+    @cached_property
+    def wires_alone(self) -> WiresAlone:
+        """Check of the wires by their own forces."""
+        return WiresAlone(self.experiment, self.base.spec, self.sigma)
 
     def each(self, work: Callable[[A], B], items: Iterable[A]) -> list[B]:
         """Do some work for all items, on all cores."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,12 +79,16 @@ class Added:
 
 @dataclass(frozen=True)
 class Model:
-    """Nominal spec, factors on uncertain properties, added effects."""
+    """Nominal spec, factors on uncertain properties, added effects.
+
+    `checked` keeps the spec of the added effects, once it was checked, for models that differ in values only.
+    """
 
     nominal: Spec
     parameters: tuple[Parameter, ...] = ()
     added: tuple[Added, ...] = ()
     prefix: str = "found"
+    checked: list[Spec] = field(default_factory=list, compare=False, repr=False)
 
     @property
     def values(self) -> Floats:
@@ -109,7 +113,7 @@ class Model:
             high = np.inf if quantity.maximum is None else quantity.maximum
             value = float(one.parameters[key])
             new.append(Parameter(f"{name}.{key}", value, scales.get(key, abs(value) or 1.0), low, high))
-        return replace(self, parameters=(*self.parameters, *new), added=(*self.added, one))
+        return replace(self, parameters=(*self.parameters, *new), added=(*self.added, one), checked=[])
 
     def name(self, index: int) -> str:
         """Name of the section of an added effect."""
@@ -126,23 +130,39 @@ class Model:
 
     @property
     def spec(self) -> Spec:
-        """Spec of this model."""
-        changes: dict[str, Any] = {}
+        """Spec of this model; checked once, as its parameters keep to their bounds."""
+        if not self.checked:
+            self.checked.append(self._checked())
+        return self._with_values(self.checked[0])
+
+    def _checked(self) -> Spec:
+        names = [self.name(i) for i in range(len(self.added))]
+        changes: dict[str, Any] = {"effects": [*(e.name for e in self.nominal.effects), *names]}
+        for i, (name, one) in enumerate(zip(names, self.added, strict=True)):
+            changes[name] = one.section(self.effect_values(i))
+        return apply(self.nominal, changes) if names else self.nominal
+
+    def _with_values(self, spec: Spec) -> Spec:
+        count = len(self.added)
+        if count:
+            known, added = spec.effects[:-count], spec.effects[-count:]
+            valued = (
+                one.model_copy(update={"parameters": one.parameters | self.effect_values(i)})
+                for i, one in enumerate(added)
+            )
+            spec = spec.model_copy(update={"effects": (*known, *valued)})
         for p in self.parameters:
             if p.key in PROPERTIES and p.value != 1.0:
-                changes |= _scaled(self.nominal, p.key, p.value)
-        if self.added:
-            names = [self.name(i) for i in range(len(self.added))]
-            changes["effects"] = [*(e.name for e in self.nominal.effects), *names]
-            for i, (name, one) in enumerate(zip(names, self.added, strict=True)):
-                changes[name] = one.section(self.effect_values(i))
-        return apply(self.nominal, changes) if changes else self.nominal
+                spec = _scaled(spec, p.key, p.value)
+        return spec
 
 
-def _scaled(spec: Spec, key: str, factor: float) -> dict[str, Any]:
+def _scaled(spec: Spec, key: str, factor: float) -> Spec:
     section, _, name = key.partition(".")
-    nominal = spec.k_tot if key == "actuator.stiffness" else getattr(getattr(spec, section), name)
-    return {key: [factor * float(value) for value in nominal]}
+    values: dict[str, Any] = {name: tuple(factor * value for value in nominal_values(spec, key))}
+    if section == "actuator":
+        values["transmission"] = None
+    return spec.model_copy(update={section: getattr(spec, section).model_copy(update=values)})
 
 
 def nominal_values(spec: Spec, key: str) -> list[float]:

@@ -24,7 +24,7 @@ def perform(plan: Plan) -> Result:
     """
     plan.lay_out()
     os.environ.update(plan.network.variables() | {"ROS_LOG_DIR": str(plan.log.absolute())})
-    with Caretaker(), View() as view, _termination_like_ctrl_c():
+    with Caretaker(), View() as view, _requests_to_end():
         from rthm_bringup.run.session import Session  # ROS reads its environment when it is first imported
 
         view.note(f"{ros_in_words()}, domain {plan.network.domain}, {plan.out}")
@@ -34,10 +34,14 @@ def perform(plan: Plan) -> Result:
 
 
 @contextmanager
-def _termination_like_ctrl_c() -> Iterator[None]:
-    """Let a polite request to end be obeyed as Ctrl-C is."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+def _requests_to_end() -> Iterator[None]:
+    """Let a polite request to end be obeyed as Ctrl-C is, which a shell's background job would ignore."""
+    before = {
+        number: signal.signal(number, signal.default_int_handler)
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)

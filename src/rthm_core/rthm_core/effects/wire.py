@@ -168,9 +168,14 @@ class WireBoucWen(WireLaw):
 
     @staticmethod
     def settle(u, x, k, z, p):  # type: ignore[no-untyped-def]
-        h = 0.25 * (u - x - z[0])
+        path = u - x - z[0]
+        if path == 0.0:
+            return
+        bend = (abs(p[2]) + abs(p[3])) * abs(z[1]) ** (p[4] - 1.0) * abs(path)
+        steps = 1 if bend < 0.03 else 4  # one is then right to 1e-9 of its change
+        h = path / steps
         side = 1.0 if h > 0.0 else -1.0
-        for _ in range(4):
+        for _ in range(steps):
             total = 0.0
             slope = 0.0
             for stage in range(4):

@@ -1,0 +1,86 @@
+"""The wires on their own: the force that they carry along the recorded motion of motor and plant.
+
+A hysteretic or rubbing wire can bend the motion of the plant as a missing force on the plant does. But what
+a wire does also shows in its own force, and there nothing else does.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.windows import Windows
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.evidence import Evidence
+    from rthm_analysis.diagnosis.model import Model
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+SMOOTHING = 7
+"""Samples over which the recorded motion is smoothed by parabolas."""
+
+SEEN, PART = 3.0, 0.3
+"""Standard deviations, or part of what is claimed, that must be seen of a wire's effect in its own force."""
+
+
+class WiresAlone:
+    """One-block check of the wires of a recorded test; lets everything pass where forces were not measured.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    spec : Spec
+    sigma : (k,) array
+        Noise of the channels.
+    """
+
+    def __init__(self, experiment: Experiment, spec: Spec, sigma: Floats) -> None:
+        evidence = experiment.evidence
+        self.forces = [i for i, one in enumerate(evidence.channels) if one.family == "force"]
+        motion = _recorded_motion(evidence, spec) if self.forces else None
+        if motion is None:
+            self.forces = []
+            return
+        self.weight = 1.0 / sigma[self.forces]
+        self.windows = Windows(np.arange(evidence.stamps_ns.size), motion, None)
+        self.experiment = Experiment(evidence, experiment.first, held=experiment.held)
+        self.experiment.begin_at(evidence.stamps_ns)
+
+    def contradict(self, model: Model, added: Model) -> bool:
+        """Whether the forces deny the last effect of `added`, a wire's, that `model` does not have."""
+        if not self.forces:
+            return False
+        here = self._predicted(model)
+        claimed = (self._predicted(added) - here) * self.weight
+        measured = self.experiment.evidence.measured[:, self.forces]
+        left = np.nan_to_num((measured - here) * self.weight)
+        size = float(np.linalg.norm(claimed))
+        seen = float(np.sum(left * claimed)) / max(size, 1e-300)
+        return np.isfinite(size) and seen < min(SEEN, PART * size)
+
+    def _predicted(self, model: Model) -> Floats:
+        return self.experiment.predicted(model.spec, self.windows)[:, self.forces]
+
+
+def _recorded_motion(evidence: Evidence, spec: Spec) -> Floats | None:
+    """Smoothed positions and velocities at the samples (s, 2 n); None where a position was not measured."""
+    from scipy.signal import savgol_filter
+
+    assert spec.plant is not None
+    n = len(spec.plant.dofs)
+    motion = np.full((evidence.stamps_ns.size, 2 * n), np.nan)
+    for i, channel in enumerate(evidence.channels):
+        if channel.family in ("position", "velocity"):
+            known = np.isfinite(evidence.measured[:, i])
+            if known.sum() < SMOOTHING:
+                return None
+            values = np.interp(evidence.time, evidence.time[known], evidence.measured[known, i])
+            column = spec.plant.dofs.index(channel.place) + (n if channel.family == "velocity" else 0)
+            motion[:, column] = savgol_filter(values, SMOOTHING, 2)
+    for dof in range(n):
+        if np.isnan(motion[0, n + dof]):
+            motion[:, n + dof] = np.gradient(motion[:, dof], evidence.time)
+    return None if np.isnan(motion).any() else motion

@@ -134,7 +134,7 @@ class Experiment:
     def _inputs(self, spec: Spec) -> Inputs:
         """Grid, motor positions and loads on it, motor positions at the samples; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
-        key = repr([e for e in spec.effects if _drives(e)]) + repr(poles)
+        key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
         with self._lock:
             kept = self._motors.get(key)
         if kept is None:
@@ -143,7 +143,9 @@ class Experiment:
                 while len(self._motors) > KEPT:
                     self._motors.pop(next(iter(self._motors)))
                 self._motors[key] = kept
-        return kept
+        points, motor, load, seen = kept
+        hidden = _hidden_loads(spec, points)
+        return points, motor, load if hidden is None else load + hidden, seen
 
     def _new_inputs(self, spec: Spec) -> Inputs:
         e = self.evidence
@@ -160,7 +162,7 @@ class Experiment:
             if points is not fine:
                 moved = motor_motion(spec, points.time_ns, due, e.commands, self.first)
             motor = moved
-        return points, motor, self._load(points) + _hidden_loads(spec, points), seen
+        return points, motor, self._load(points), seen
 
     def _load(self, points: Grid) -> Floats:
         """Known loads on the grid: (g, 3, n)."""
@@ -182,10 +184,6 @@ def _longest_step(spec: Spec) -> float:
     return 2.1e-3 if kinks or pretension else np.inf
 
 
-def _drives(one) -> bool:  # type: ignore[no-untyped-def]
-    return one.block == "motor" or one.kind in ("harmonic_load", "constant_load")
-
-
 def _without_sensors(spec: Spec) -> Spec:
     if not any(e.block in SENSORS for e in spec.effects):
         return spec
@@ -196,10 +194,10 @@ def _effects_on(spec: Spec, channel: Channel) -> list:  # type: ignore[type-arg]
     return [e for e in spec.effects if e.block == f"sensor.{channel.family}" and e.place == channel.place]
 
 
-def _hidden_loads(spec: Spec, points: Grid) -> Floats:
-    """Loads of effects that depend on time alone: (g, 3, n)."""
+def _hidden_loads(spec: Spec, points: Grid) -> Floats | None:
+    """Loads of effects that depend on time alone: (g, 3, n); None without any."""
     assert spec.plant is not None
-    loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
+    loads = None
     for one in spec.effects:
         if one.block != "plant":
             continue
@@ -207,7 +205,8 @@ def _hidden_loads(spec: Spec, points: Grid) -> Floats:
         shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
         if shape is not None:
             constant, amplitude, frequency, phase = shape
-            loads[:, :, spec.plant.dofs.index(str(one.dof))] += constant + amplitude * np.sin(
-                frequency * points.points + phase
-            )
+            if loads is None:
+                loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
+            added = constant + amplitude * np.sin(frequency * points.points + phase)
+            loads[:, :, spec.plant.dofs.index(str(one.dof))] += added
     return loads

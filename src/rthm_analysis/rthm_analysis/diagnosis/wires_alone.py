@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-SMOOTHING = 7
-"""Samples over which the recorded motion is smoothed by parabolas."""
+PARABOLA = np.array([-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0]) / 21.0
+"""Weights of seven samples in the middle of the parabola through them."""
 
 SEEN, PART = 3.0, 0.3
 """Standard deviations, or part of what is claimed, that must be seen of a wire's effect in its own force."""
@@ -67,20 +67,25 @@ class WiresAlone:
 
 def _recorded_motion(evidence: Evidence, spec: Spec) -> Floats | None:
     """Smoothed positions and velocities at the samples (s, 2 n); None where a position was not measured."""
-    from scipy.signal import savgol_filter
-
     assert spec.plant is not None
     n = len(spec.plant.dofs)
     motion = np.full((evidence.stamps_ns.size, 2 * n), np.nan)
     for i, channel in enumerate(evidence.channels):
         if channel.family in ("position", "velocity"):
             known = np.isfinite(evidence.measured[:, i])
-            if known.sum() < SMOOTHING:
+            if known.sum() < PARABOLA.size:
                 return None
             values = np.interp(evidence.time, evidence.time[known], evidence.measured[known, i])
             column = spec.plant.dofs.index(channel.place) + (n if channel.family == "velocity" else 0)
-            motion[:, column] = savgol_filter(values, SMOOTHING, 2)
+            motion[:, column] = _smoothed(values)
     for dof in range(n):
         if np.isnan(motion[0, n + dof]):
             motion[:, n + dof] = np.gradient(motion[:, dof], evidence.time)
     return None if np.isnan(motion).any() else motion
+
+
+def _smoothed(values: Floats) -> Floats:
+    half = PARABOLA.size // 2
+    smooth = values.copy()
+    smooth[half:-half] = np.convolve(values, PARABOLA, "valid")
+    return smooth

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from bokeh.models import Line
 
 from rthm_analysis.diagnosis.result import Alternative, Curve, Diagnosis, Fit, Limit, Mismatch, Physics, Value
 from rthm_analysis.recording import read_recording
 from rthm_analysis.report.diagnosis import write_diagnosis
+from rthm_analysis.report.diagnosis_drawing import drawing, times_noise
+from rthm_analysis.report.diagnosis_figures import curve_plot, energy_plot
 from rthm_core.spec import shipped_spec
 
 from .conftest import rosbag2
@@ -62,12 +66,49 @@ def test_the_page_carries_the_numbers_of_the_diagnosis(page: str) -> None:
     assert json.loads(text.replace("<\\/", "</")) == json.loads(json.dumps(SAID.as_dict()))
 
 
-def test_the_located_block_is_marked_in_the_drawing(page: str) -> None:
-    assert "plant: 7.3 x noise" in page
-    assert page.count('stroke="#d55e00"') == 1
+def test_the_located_block_is_framed_in_the_drawing_and_no_other(page: str) -> None:
+    assert page.count('class="frame"') == 1
+    assert 'class="mark located">plant: 7.3 x noise<' in page
+    assert 'class="mark">1 x noise<' in page
+
+
+def test_an_exact_replay_is_called_exact() -> None:
+    assert times_noise(0.0) == "exact"
+    assert times_noise(7.31234) == "7.31 x noise"
+    assert times_noise(54321.0) == "5.4e+04 x noise"
+
+
+def test_the_drawing_of_a_plant_alone_has_no_links(tmp_path: Path) -> None:
+    bag = read_recording(rosbag2(tmp_path / "bag", recorded(shipped_spec("paper"), 1.0)))
+    drawn = drawing(SAID, bag, shipped_spec("decay"))
+    assert drawn.count('class="frame"') == 1 and "Known forces" in drawn
+    assert "Controller" not in drawn
+
+
+def test_the_named_law_is_drawn_over_the_force_that_the_data_show() -> None:
+    (curve,) = SAID.curves
+    plot = curve_plot(replace(curve, named=np.full(9, 0.9)))
+    (law,) = [r for r in plot.renderers if isinstance(r.glyph, Line)]
+    np.testing.assert_array_equal(law.data_source.data["y"], 0.9)
+    assert not any(isinstance(r.glyph, Line) for r in curve_plot(curve).renderers)
+
+
+def test_energies_of_what_was_found_stand_above_those_of_the_delays() -> None:
+    plot = energy_plot({"coulomb friction (plant)": -0.41}, {"position cancellation (E_fx)": 0.2})
+    assert list(plot.y_range.factors) == [
+        "position cancellation (E_fx): +0.2 J",
+        "coulomb friction (plant): -0.41 J",
+    ]
+
+
+def test_the_page_shows_the_energy_of_the_delays_beside_what_was_found(page: str) -> None:
+    for name in ("coulomb friction (plant): -0.41 J", "position cancellation (E_fx): "):
+        assert name in page
 
 
 def test_words_are_shown_as_text_and_the_page_needs_no_network(page: str) -> None:
-    assert "cannot be told apart" in page and "One note." in page and "A slow sweep." in page
+    assert "cannot tell it apart" in page and "One note." in page and "A slow sweep." in page
+    assert "Dry friction &lt;of&gt; x1." in page
+    assert "Dry friction <of>" not in page.split("application/json")[0]
     assert "0.118" in page and "93 %" in page
     assert "<script src=" not in page and "<link" not in page

@@ -1,7 +1,8 @@
 """The force that the retuned model lacks, drawn over the variable that explains it best.
 
-The residual motion, smoothed just enough, gives the force that would have made it. Averages over many
-samples at the same abscissa let the noise drown.
+The motion that the best model leaves, smoothed just enough, gives the force that would have made it. With
+the force of what was named added, this is what the data say about the named physics, whatever they say.
+Averages over many samples at the same abscissa let the noise drown.
 """
 
 from __future__ import annotations
@@ -10,30 +11,47 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from rthm_analysis.diagnosis.binned import binned
 from rthm_analysis.diagnosis.physical import Physical
 from rthm_analysis.diagnosis.result import Curve, Physics
+from rthm_analysis.diagnosis.work import law_force
 from rthm_core.compiled import Floats
 
-BINS = 40
 SMOOTHING = 9
 """Samples of the parabola through which the residual motion is differentiated."""
 
 
 def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics]) -> Iterator[Curve]:
-    """Residual force on each dof over x, v or t, whichever it depends on most; none without a mismatch."""
+    """Missing force on each dof over x, v or t, whichever it depends on most; none without a mismatch.
+
+    `predicted` is the prediction of the best model.
+    """
     spec = physical.settled
     assert spec.plant is not None
     for dof in spec.plant.dofs:
         found = residual_force(physical, predicted, dof)
         if found is None:
             continue
-        x, v, force = found
+        x, v, left = found
+        named = named_force(physical, dof, x, v)
+        force = left if named is None else left + named
         variables = {"x": (x, "m"), "v": (v, "m/s"), "t": (physical.evidence.time, "s")}
-        binned = {name: _binned(values, force) for name, (values, _) in variables.items()}
-        best = max(binned, key=lambda name: binned[name][3])
-        at, mean, std, share = binned[best]
+        curves = {name: binned(values, force) for name, (values, _) in variables.items()}
+        best = max(curves, key=lambda name: curves[name][3])
+        at, mean, std, share = curves[best]
         if share > 0.02 or any(one.block == "plant" for one in physics):
-            yield Curve("plant", best, variables[best][1], at, mean, std, None, share)
+            law = None if named is None else binned(variables[best][0], named)[1]
+            yield Curve("plant", best, variables[best][1], at, mean, std, law, share)
+
+
+def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:
+    """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
+    model = physical.choice.best.model
+    names = {model.name(i) for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof}
+    effects = [one for one in model.spec.effects if one.name in names]
+    if not effects:
+        return None
+    return np.sum([law_force(one, physical.evidence.time, x, v) for one in effects], axis=0)
 
 
 def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Floats, Floats, Floats] | None:
@@ -71,16 +89,3 @@ def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Flo
     if spec.interface is not None and spec.actuator is not None and evidence.driven_by == "command":
         pull = sum(k for k, at in zip(spec.k_tot, spec.interface.plant_dof, strict=True) if at == dof)
     return x, v, mass * da + damping * dv + (stiffness + pull) * dx
-
-
-def _binned(values: Floats, force: Floats) -> tuple[Floats, Floats, Floats, float]:
-    """Abscissa, mean force, its standard deviation, and the part of the variance that the means explain."""
-    edges = np.quantile(values, np.linspace(0.0, 1.0, BINS + 1))
-    number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, BINS - 1)
-    count = np.maximum(np.bincount(number, minlength=BINS), 1)
-    at = np.bincount(number, values, BINS) / count
-    mean = np.bincount(number, force, BINS) / count
-    spread = np.sqrt(np.maximum(np.bincount(number, force**2, BINS) / count - mean**2, 0.0) / count)
-    share = float(np.var(mean[number]) / max(float(np.var(force)), 1e-300))
-    used = np.bincount(number, minlength=BINS) > 0
-    return at[used], mean[used], spread[used], share

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.model import PROPERTIES, Model, nominal_values
 from rthm_analysis.diagnosis.physical import Physical
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Retuned, Value
 from rthm_analysis.diagnosis.rounding import rounded_section, rounded_sensors
+from rthm_analysis.diagnosis.wire_curves import wire_curve
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_analysis.diagnosis.work import law_work, wire_work
 from rthm_core.compiled import Floats
@@ -55,7 +56,10 @@ def physical_part(physical: Physical) -> Part:
         alternatives=_alternatives(physical),
         fits=_fits(physical, runs, located or ({"plant"} if retuned else set())),
         detection_limits=_limits(physical),
-        curves=tuple(force_curve(physical, runs["retuned"].predicted, physics)),
+        curves=(
+            *force_curve(physical, runs["explained"].predicted, physics),
+            *wire_curve(physical, physics),
+        ),
         changes=_changes(physical, retuned),
         effects=(*_effects(physical), *(rounded_section(one) for one in rounded)),
         unexplained=left,

@@ -111,21 +111,21 @@ class Fit:
 
 @dataclass(frozen=True)
 class Curve:
-    """A smooth force fitted to what no kind explains, or the residual that a named kind explains.
+    """The force that the model without the named physics lacks, averaged over one variable.
 
     Attributes
     ----------
     block : str
     variable : str
-        Abscissa: ``x``, ``v``, ``t`` or ``u - x``.
+        Abscissa: ``x``, ``v``, ``t``, of a wire ``u - x`` or ``du/dt - v``.
     unit : str
         Its unit.
     at, force, std : (n,) arrays
         Abscissa, force (N, as seen by the block's output) and its standard deviation.
     named : (n,) array or None
-        Force of the named kind at the same abscissa, where it is a function of it.
+        Force of the named physics at the same abscissa.
     improvement : float
-        Part of the squared error on unseen data that the curve would remove.
+        Part of the variance of the force that the averages explain.
     """
 
     block: str

@@ -10,24 +10,34 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rthm_analysis.diagnosis.result import Diagnosis, Value
-from rthm_analysis.report import tables
-from rthm_analysis.report.page import Section, assemble, note_list, script_safe, write_page
+from rthm_analysis.diagnosis.result import Diagnosis
+from rthm_analysis.diagnosis.words import block_words, retuned_words
+from rthm_analysis.report import diagnosis_tables as tables
+from rthm_analysis.report.diagnosis_drawing import drawing
+from rthm_analysis.report.page import (
+    Section,
+    assemble,
+    fact_boxes,
+    name_of,
+    note_list,
+    script_safe,
+    write_page,
+)
+from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
     from rthm_core.spec import Spec
 
-LEVELS = {"match": "good", "retuned": "good", "explained": "warn", "unexplained": "bad"}
+LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "unexplained": BAD}
 
-DRAWN_AS = {
-    "wire": "motor",
-    "sensor.position": "sampling",
-    "sensor.velocity": "sampling",
-    "sensor.force": "sampling",
-}
-"""Blocks that share a box of the drawing of the loop with another."""
+DELAY_TERMS = ("E_fx", "E_ff", "E_num")
+"""Works of the delays of the loop (`energy_of`)."""
+
+PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+
+FOOTER = "<footer>Drag to zoom in, reset to go back, click a name to hide its curve.</footer>"
 
 
 def write_diagnosis(diagnosis: Diagnosis, recording: Recording, spec: Spec, html: str | Path) -> None:
@@ -43,154 +53,119 @@ def write_diagnosis(diagnosis: Diagnosis, recording: Recording, spec: Spec, html
 
 def diagnosis_page(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> str:
     """Page as text."""
+    numbers = script_safe(json.dumps(_plain(diagnosis.as_dict()), allow_nan=False))
+    data = f'<script type="application/json" id="diagnosis">{numbers}</script>'
+    title = f"Diagnosis: {name_of(recording)}"
+    return assemble(title, _header(title, diagnosis), _sections(diagnosis, recording, spec), FOOTER, data)
+
+
+def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Section]:
     from rthm_analysis.report import diagnosis_figures as figures
 
-    text = (
+    found, delays = _work_found(diagnosis), _work_of_delays(recording, spec)
+    patched = (
         f"<details><summary>Show the spec</summary><pre>{escape(diagnosis.patched.strip())}</pre></details>"
     )
-    sections = [
+    return [
         Section(
             "Where",
-            "Blocks whose prediction misses the recording by more than noise.",
-            _where(diagnosis, recording, spec),
+            "How far the prediction of each block, from what really went into it, is from the recording: "
+            "1 x noise is as near as can be. A block without a frame is off only because of a framed one.",
+            [drawing(diagnosis, recording, spec), tables.mismatches(diagnosis)],
         ),
-        Section("What was left out", "", [_physics(diagnosis), _retuned(diagnosis)]),
+        Section("What", "", [tables.physics(diagnosis), tables.retuned(diagnosis)]),
         Section(
-            "Before and after, on data that no fit has seen",
-            "Simulated from the recorded inputs; the lower plot is what is left.",
-            [[plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit)],
-        ),
-        Section(
-            "The force that the simulation lacks",
-            "Averages over the recording, with one standard deviation.",
+            "The force that the model lacks",
+            "Averages over the recording, with one standard deviation; the line is what was named.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
         ),
         Section(
-            "Energy",
-            "Over the recording, in joule; + was put into the masses.",
-            [_energy(diagnosis, recording)],
+            "Before and after, on data that no fit has seen",
+            "Simulated from the recorded inputs. A few swings are shown first; zoom out for the rest.",
+            [tables.fits(diagnosis), *([plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit))],
         ),
-        Section("What else it could be", "", [_alternatives(diagnosis)]),
-        Section("What to try next", diagnosis.next_experiment, [" "]),
+        Section(
+            "Energy",
+            "Over the whole recording: what was found"
+            + (", beside what the delays of the loop did." if delays else "."),
+            [[figures.energy_plot(found, delays)]] if found or delays else [],
+        ),
+        Section("What else it could be", "", [tables.alternatives(diagnosis)]),
+        Section("What to try next", "", [f"<div>{escape(diagnosis.next_experiment)}</div>"]),
         Section(
             "What would have been seen",
-            "Smallest effects that this recording would show.",
-            [_limits(diagnosis)],
+            "Smallest effects that this recording would have shown.",
+            [tables.limits(diagnosis)],
         ),
         Section("Notes", "", [note_list(diagnosis.notes)] if diagnosis.notes else []),
-        Section("Spec that behaves as recorded", "", [text]),
+        Section("Spec that behaves as recorded", "", [patched] if diagnosis.patched else []),
     ]
-    numbers = script_safe(json.dumps(_plain(diagnosis.as_dict()), allow_nan=False))
-    data = f'<script type="application/json" id="diagnosis">{numbers}</script>'
-    footer = "<footer>Drag to zoom in, reset to go back, click a name to hide its curve.</footer>"
-    return assemble(_title(recording), _header(diagnosis, recording), sections, footer, data)
 
 
-def _title(recording: Recording) -> str:
-    path = recording.path.resolve()
-    return f"Diagnosis: {path.parent.name if path.name == 'bag' else path.name}"
+def _header(title: str, diagnosis: Diagnosis) -> str:
+    said = [one.words for one in diagnosis.physics]
+    if diagnosis.retuned:
+        said.append(f"{retuned_words(diagnosis.retuned)}.")
+    said += diagnosis.unexplained
+    findings = "".join(f"<li>{escape(one.replace('+-', PLUS_MINUS))}</li>" for one in said)
+    answer = f'<p class="answer">{escape(_answer(diagnosis))}</p>'
+    listed = f'<ol class="findings">{findings}</ol>' if findings else ""
+    return f"<header><h1>{escape(title)}</h1>{answer}{fact_boxes(_facts(diagnosis))}{listed}</header>"
 
 
-def _header(diagnosis: Diagnosis, recording: Recording) -> str:
-    facts = [("verdict", diagnosis.verdict, LEVELS[diagnosis.verdict])]
+def _answer(diagnosis: Diagnosis) -> str:
+    """Return the verdict in a sentence."""
+    where = " and ".join(block_words(block) for block in diagnosis.located)
+    if diagnosis.verdict == "explained":
+        return f"Simulation and recording differ in {where}; the physics that was left out is named below."
+    if diagnosis.verdict == "unexplained":
+        return f"Simulation and recording differ in {where}, and no known kind of physics explains all of it."
+    if diagnosis.verdict == "retuned":
+        return "No physics is missing; uncertain parameters have other values than assumed."
+    return diagnosis.words
+
+
+def _facts(diagnosis: Diagnosis) -> list[Fact]:
+    facts = [Fact("Verdict", diagnosis.verdict, diagnosis.words, LEVELS[diagnosis.verdict])]
     for one in diagnosis.physics:
-        facts.append((one.block, one.kind.replace("_", " "), "warn"))
-    boxes = "".join(
-        f'<div class="fact {level}"><span>{escape(label)}</span><b>{escape(value)}</b></div>'
-        for label, value, level in facts
-    )
-    words = "".join(f"<p>{escape(said)}</p>" for said in (diagnosis.words, *diagnosis.unexplained))
-    return f'<header><h1>{escape(_title(recording))}</h1>{words}<div class="facts">{boxes}</div></header>'
+        facts.append(Fact(one.block, one.kind.replace("_", "\N{NO-BREAK SPACE}"), one.words))
+    for fit in diagnosis.fits[:1]:
+        before, after, noise = (
+            f"{100.0 * fit.nrmse.get(name, math.nan):.3g}" for name in ("nominal", "explained", "noise_floor")
+        )
+        words = f"Error of {fit.signal} on unseen data; noise alone gives {noise} %."
+        facts.append(
+            Fact(
+                f"Error of {fit.signal}, unseen",
+                f"{before}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{after} %",
+                words,
+            )
+        )
+    return facts
 
 
-def _where(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[str]:
-    parts = []
-    if spec.is_loop:
-        from rthm_analysis.report.loop_drawing import draw_loop
-        from rthm_analysis.timing import timing_of
-
-        errors = {one.block: one.mismatch for one in diagnosis.blocks}
-        marks = {
-            DRAWN_AS.get(
-                block, block.removeprefix("link.")
-            ): f"{block}: {errors.get(block, math.nan):.3g} x noise"
-            for block in diagnosis.located
-        }
-        with suppress(InputError):
-            parts.append(draw_loop(spec, timing_of(recording, spec), marks))
-    rows = [
-        [one.block, f"!{one.mismatch:.4g}" if one.significant else f"{one.mismatch:.4g}"]
-        for one in diagnosis.blocks
-    ]
-    return [*parts, tables.table(("block", "error over noise"), rows)]
-
-
-def _physics(diagnosis: Diagnosis) -> str:
-    rows = []
+def _work_found(diagnosis: Diagnosis) -> dict[str, float]:
+    """Work of what was found, J; alike effects together."""
+    terms: dict[str, float] = {}
     for one in diagnosis.physics:
-        for i, (name, value) in enumerate(one.parameters.items()):
-            head = [one.block, one.kind.replace("_", " "), one.place or ""] if i == 0 else ["", "", ""]
-            told = [value, "", ""] if isinstance(value, str) else _digits(value)
-            share = f"{100.0 * one.share:.3g} %" if i == 0 and math.isfinite(one.share) else ""
-            rows.append([*head, name.replace("_", " "), *told, share])
-    head = ("block", "kind", "at", "parameter", "value", "standard deviation", "unit", "share of the error")
-    return tables.table(head, rows) if rows else "<p>Nothing that this recording shows.</p>"
+        if math.isfinite(one.energy):
+            name = f"{one.kind.replace('_', ' ')} ({one.block})"
+            terms[name] = terms.get(name, 0.0) + one.energy
+    return terms
 
 
-def _digits(value: Value) -> list[str]:
-    return [f"{value.value:.5g}", f"{value.std:.2g}", value.unit]
+def _work_of_delays(recording: Recording, spec: Spec) -> dict[str, float]:
+    """Work of the terms of the delays, J; none where the loop is not known or not recorded."""
+    from rthm_analysis.energy import energy_of
+    from rthm_analysis.report.figures import TERM_WORDS
 
-
-def _retuned(diagnosis: Diagnosis) -> str:
-    rows = [
-        [name, f"{one.nominal:.5g}", f"{one.value:.5g}", f"{one.std:.2g}"]
-        for name, one in diagnosis.retuned.items()
-    ]
-    return (
-        tables.table(("retuned", "as specified", "in this recording", "standard deviation"), rows)
-        if rows
-        else ""
-    )
-
-
-def _energy(diagnosis: Diagnosis, recording: Recording) -> str:
-    rows = [
-        [f"{one.block} {one.kind.replace('_', ' ')}", f"{one.energy:+.4g}"]
-        for one in diagnosis.physics
-        if math.isfinite(one.energy)
-    ]
-    if recording.spec is not None and recording.spec.is_loop:
-        from rthm_analysis.energy import energy_of
-
-        with suppress(InputError):
-            books = energy_of(recording, recording.spec)
-            words = {"E_fx": "position cancellation", "E_ff": "force feedforward", "E_num": "numerical side"}
-            rows += [[f"{name}: {said}", f"{_last(books, name):+.4g}"] for name, said in words.items()]
-    return tables.table(("term", "J"), rows) if rows else ""
-
-
-def _last(books: Any, name: str) -> float:
-    values = books.as_dict()[name]
-    return float(values[-1]) if len(values) else math.nan
-
-
-def _alternatives(diagnosis: Diagnosis) -> str:
-    rows = [
-        [
-            one.block,
-            one.kind.replace("_", " "),
-            f"{one.held_out_nrmse:.4g}" if math.isfinite(one.held_out_nrmse) else "",
-            "ruled out" if one.distinguishable else "!cannot be told apart",
-        ]
-        for one in diagnosis.alternatives
-    ]
-    return tables.table(("block", "kind", "error on unseen data", "by this recording"), rows) if rows else ""
-
-
-def _limits(diagnosis: Diagnosis) -> str:
-    rows = [[name, f"{one.value:.3g}", one.unit] for name, one in sorted(diagnosis.detection_limits.items())]
-    table = tables.table(("effect", "smallest", "unit"), rows) if rows else ""
-    return f"<details><summary>Show {len(rows)} effects</summary>{table}</details>" if rows else ""
+    if not spec.is_loop:
+        return {}
+    with suppress(InputError):
+        works = energy_of(recording, spec).works
+        last = {f"{TERM_WORDS[name]} ({name})": float(works[name][-1]) for name in DELAY_TERMS}
+        return {name: work for name, work in last.items() if math.isfinite(work)}
+    return {}
 
 
 def _plain(value: Any) -> Any:

@@ -1,53 +1,129 @@
-"""The curves of the page of a diagnosis."""
+"""The curves of the page of a diagnosis. They draw results and compute nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Range1d, Whisker
+from bokeh.models import (
+    BasicTickFormatter,
+    BoxAnnotation,
+    ColumnDataSource,
+    HoverTool,
+    Range1d,
+    Span,
+    Whisker,
+)
 from bokeh.plotting import figure
 
 from rthm_analysis.diagnosis.result import Curve, Fit
-from rthm_analysis.report.figures import COLOURS, INK, MUTED, Curves
+from rthm_analysis.report.figures import COLOURS, FONT, INK, MUTED, Curves, plain_plot
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
 
 MODELS = {"nominal": COLOURS[4], "retuned": COLOURS[0], "explained": COLOURS[2]}
 MODEL_WORDS = {"nominal": "as specified", "retuned": "retuned", "explained": "explained"}
 
+UNITS = {"wire": "N", "sensor.force": "N", "numerical": "N", "sensor.velocity": "m/s"}
+"""Of the output of a block; all others have m."""
+
+VARIABLES = {
+    "x": "the position",
+    "v": "the velocity",
+    "t": "time",
+    "u - x": "the elongation",
+    "du/dt - v": "the rate of elongation",
+}
+"""Abscissae of a curve, in words."""
+
+SHOWN_SWINGS = 12
+"""Swings of a signal that a plot shows at first."""
+
+INNER = slice(1, -1)
+"""Points of a curve that its plot shows for certain; the outermost average over rare, far values."""
+
 
 def fit_plots(fit: Fit) -> Iterator[figure]:
     """Recorded signal beside its simulations, and what each leaves."""
-    if fit.time is None or fit.recorded is None:
+    if fit.time is None or fit.recorded is None or not fit.time.size:
         return
-    span = Range1d(float(fit.time[0]), float(fit.time[-1]))
-    shown = Curves(f"{fit.signal} ({fit.block})", fit.signal, span)
-    left = Curves(f"{fit.signal}: recorded minus simulated", fit.signal, span)
-    shown.add("recorded", fit.time, fit.recorded, INK)
+    unit = "s" if fit.signal == "age" else UNITS.get(fit.block, "m")
+    span = Range1d(*_first_view(fit.time, fit.recorded))
+    shown = Curves(f"{fit.signal} ({fit.block}), recorded and simulated", unit, span)
+    left = Curves(f"{fit.signal}: what each simulation leaves", unit, span)
     for name, colour in MODELS.items():
         simulated = getattr(fit, name)
-        if simulated is not None:
-            words = f"{MODEL_WORDS[name]} ({100.0 * fit.nrmse.get(name, float('nan')):.3g} %)"
-            shown.add(words, fit.time, simulated, colour, line_dash="dashed")
-            left.add(words, fit.time, fit.recorded - simulated, colour)
+        if simulated is None or (name == "retuned" and np.array_equal(simulated, fit.nominal)):
+            continue
+        words = f"{MODEL_WORDS[name]} ({100.0 * fit.nrmse.get(name, math.nan):.3g} %)"
+        shown.add(words, fit.time, simulated, colour, line_width=2.4)
+        left.add(words, fit.time, fit.recorded - simulated, colour)
+    shown.add("recorded", fit.time, fit.recorded, INK, line_width=1.0)
+    for plot in (shown.plot, left.plot):
+        plot.yaxis.formatter = BasicTickFormatter(power_limit_low=-6)
     yield shown.finish()
     yield left.finish()
 
 
+def _first_view(time: Floats, signal: Floats) -> tuple[float, float]:
+    """Span of a few swings, so that curves can be told apart; zooming out shows the rest."""
+    known = np.nan_to_num(signal - np.nanmean(signal))
+    crossings = np.flatnonzero(np.diff(np.signbit(known)))
+    last = crossings[2 * SHOWN_SWINGS] if crossings.size > 2 * SHOWN_SWINGS else time.size - 1
+    return float(time[0]), float(time[last])
+
+
 def curve_plot(curve: Curve) -> figure:
-    """Force over the variable that explains it."""
-    plot = figure(
-        title=f"{curve.block}: residual force over {curve.variable}",
-        x_axis_label=f"{curve.variable} ({curve.unit})",
-        y_axis_label="force (N)",
-        height=320,
-        sizing_mode="stretch_width",
-        toolbar_location="above",
-    )
-    source = ColumnDataSource(
-        {"at": curve.at, "low": curve.force - curve.std, "high": curve.force + curve.std}
-    )
+    """Force over the variable that explains it, with the force of what was named."""
+    title = f"{curve.block}: the missing force over {VARIABLES.get(curve.variable, curve.variable)}"
+    plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "N", 340)
+    spread = {"at": curve.at, "force": curve.force, "std": curve.std}
+    source = ColumnDataSource(spread | {"low": curve.force - curve.std, "high": curve.force + curve.std})
+    plot.add_layout(Span(location=0.0, dimension="width", line_color="#b8c2cc", line_width=1))
     plot.add_layout(Whisker(source=source, base="at", lower="low", upper="high", line_color=MUTED))
-    plot.scatter(curve.at, curve.force, size=7, color=COLOURS[1])
+    dots = plot.scatter("at", "force", source=source, size=7, color=COLOURS[1], legend_label="recording")
     if curve.named is not None and np.isfinite(curve.named).any():
-        plot.line(curve.at, curve.named, line_color=COLOURS[2], line_width=2, legend_label="named")
+        plot.line(curve.at, curve.named, line_color=COLOURS[2], line_width=2.6, legend_label="named physics")
+    tips = [(curve.variable, "@at{0.000000}"), ("force", "@force{0.000000} +- @std{0.000000} N")]
+    plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
+    plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
+    plot.legend.label_text_font, plot.legend.border_line_alpha = FONT, 0.0
+    plot.legend.orientation, plot.legend.background_fill_alpha = "horizontal", 0.0
+    plot.add_layout(plot.legend[0], "above")
+    return plot
+
+
+def _drawn(curve: Curve) -> Floats:
+    """Forces at the points that are shown for certain."""
+    rows = [curve.force[INNER] - curve.std[INNER], curve.force[INNER] + curve.std[INNER]]
+    return np.concatenate([*rows, [0.0], *([curve.named[INNER]] if curve.named is not None else [])])
+
+
+def _around(values: Floats) -> Range1d:
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    room = 0.06 * (high - low) or 1.0
+    return Range1d(low - room, high + room)
+
+
+def energy_plot(found: Mapping[str, float], delays: Mapping[str, float]) -> figure:
+    """Bars of work, J, by name: of what was found, and beneath them those of the delays."""
+    labels = {f"{name}: {work:+.3g} J": work for name, work in (*found.items(), *delays.items())}
+    names = list(reversed(labels))
+    title, height = "Work on the moving masses", 70 + 34 * len(names)
+    plot = plain_plot(title, "J, + when introduced", "", height, names=names)
+    values = [labels[name] for name in names]
+    colours = [MUTED] * len(delays) + [COLOURS[1]] * len(found)
+    source = ColumnDataSource({"name": names, "work": values, "colour": colours})
+    plot.hbar(y="name", right="work", height=0.6, fill_color="colour", line_color=None, source=source)
+    plot.add_layout(Span(location=0.0, dimension="height", line_color=INK, line_width=1))
+    if found and delays:
+        plot.add_layout(
+            BoxAnnotation(bottom=len(delays), fill_color=COLOURS[1], fill_alpha=0.05, line_color=None)
+        )
+    plot.ygrid.grid_line_color = None
+    plot.yaxis.major_label_text_color = INK
+    plot.add_tools(HoverTool(tooltips=[("", "@name")]))
     return plot

@@ -55,7 +55,7 @@ class Curves:
     """
 
     def __init__(self, title: str, unit: str, span: Range1d, height: int = 300) -> None:
-        self.plot = _plain(title, "time (s)", unit, height)
+        self.plot = plain_plot(title, "time (s)", unit, height)
         self.plot.x_range = span
         self._entries: list[tuple[str, list[object]]] = []
         self._hovered: list[object] = []
@@ -85,11 +85,15 @@ class Curves:
         return self.plot
 
 
-def _plain(title: str, x: str, y: str, height: int, scale: str = "linear") -> figure:
+def plain_plot(
+    title: str, x: str, y: str, height: int, scale: str = "linear", names: Sequence[str] = ()
+) -> figure:
+    """Empty plot with the labels of its axes; `names`, from below, make a vertical axis of names."""
+    named = {"y_range": list(names)} if names else {"y_axis_type": scale}
     plot = figure(
         title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom,xwheel_zoom,reset,save",
         active_drag="box_zoom", toolbar_location="right", outline_line_color=None, min_border_left=86,
-        y_axis_type=scale,
+        **named,
     )  # fmt: skip
     plot.toolbar.logo, plot.toolbar.autohide = None, True
     plot.title.text_font, plot.title.text_font_size = FONT, "14px"
@@ -230,7 +234,7 @@ def periods(gathered: Gathered) -> list[figure]:
 def _histogram(title: str, seconds: Floats, colour: str, bins: int = 40) -> figure:
     """Shares on a logarithmic scale, where one use in thousands can still be seen."""
     values = 1e3 * seconds[np.isfinite(seconds)]
-    plot = _plain(title, "ms", "share (%)", 210, "log")
+    plot = plain_plot(title, "ms", "share (%)", 210, "log")
     plot.min_border_left = 56
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     room = max(0.02 * (high - low), 0.02)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from rthm_analysis.timing import TimingResult
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-WIDTH, HEIGHT = 1120, 336
+WIDTH, HEIGHT = 1120, 348
 BLOCK_WIDTH, BLOCK_HEIGHT = 204, 84
 LABEL_WIDTH, LABEL_HEIGHT = 130, 62
 
@@ -36,26 +37,69 @@ ARROWS = {
 }
 """Way of each signal, and where the label of a link is."""
 
+BESIDE = {PLACES["motor"]: (10, "start"), PLACES["sampling"]: (-10, "end")}
+"""Where the words on a block stand beside the arrow beneath it: distance and anchor."""
+
 SIGNALS = ((242, 48, "F"), (512, 48, "x_1, v_1"), (560, 250, "x_1"), (740, 292, "F_d"), (204, 270, "u_d"))
 """Names of the signals, and where they stand."""
 
 
-def draw_loop(spec: Spec, timing: TimingResult, marked: Mapping[str, str] | None = None) -> str:
+PLANT_PLACES = {"force": (8, 16), "plant": (320, 16), "sampling": (632, 16)}
+"""Left upper corners of the blocks of a plant alone."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Words beneath a block or a link, and whether it stands in the foreground."""
+
+    words: str
+    located: bool
+
+
+def draw_loop(spec: Spec, timing: TimingResult, marks: Mapping[str, Mark] | None = None) -> str:
     """Loop of a spec as SVG, with its delays and the ages that were measured.
 
-    `marked` are blocks and links to put in the foreground, with a word for each.
+    `marks` are what to say of blocks (as in `PLACES`) and links (as in `ARROWS`).
     """
-    marks = marked or {}
     parts = [_arrow(points) for points, _ in ARROWS.values()]
-    parts += [_block(key, title, lines) for key, (title, lines) in _blocks(spec).items()]
+    parts += [_block(key, PLACES[key], title, lines) for key, (title, lines) in _blocks(spec).items()]
     parts += [_label(name, place, spec, timing) for name, (_, place) in ARROWS.items() if place]
-    parts += [_mark(key, words) for key, words in marks.items()]
+    parts += [_mark(*_box(key), mark) for key, mark in (marks or {}).items()]
     parts += [_word(x, y, signal) for x, y, signal in SIGNALS]
+    return _svg(WIDTH, HEIGHT, "The loop with its delays", parts)
+
+
+def draw_plant(spec: Spec, marks: Mapping[str, Mark]) -> str:
+    """Plant under known forces as SVG, with what to say of its blocks."""
+    assert spec.plant is not None
+    blocks = {
+        "force": ("Known forces", ["as recorded"]),
+        "plant": ("Plant", [_body(spec.plant), _effects(spec, "plant")]),
+        "sampling": ("Sensors", [", ".join(spec.plant.dofs)]),
+    }
+    parts = [_arrow(((x - 108, 58), (x, 58))) for x, _ in (PLANT_PLACES["plant"], PLANT_PLACES["sampling"])]
+    parts += [_block(key, PLANT_PLACES[key], title, lines) for key, (title, lines) in blocks.items()]
+    boxes = {key: (*PLANT_PLACES[key], BLOCK_WIDTH, BLOCK_HEIGHT) for key in blocks}
+    parts += [_mark(*boxes[key], mark) for key, mark in marks.items() if key in boxes]
+    return _svg(844, 132, "The plant and its sensors", parts)
+
+
+def _svg(width: int, height: int, words: str, parts: Sequence[str]) -> str:
     return (
-        f'<svg class="loop" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="The loop with its delays">'
+        f'<svg class="loop" viewBox="0 0 {width} {height}" style="max-width: {width}px" role="img" '
+        f'aria-label="{words}">'
         '<defs><marker id="tip" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7"'
         f' orient="auto"><path d="M0 0 L10 5 L0 10 z" class="tip"/></marker></defs>{"".join(parts)}</svg>'
     )
+
+
+def _box(key: str) -> tuple[int, int, int, int]:
+    """Left, top, width and height of a block or of the label of a link."""
+    if key in PLACES:
+        return (*PLACES[key], BLOCK_WIDTH, BLOCK_HEIGHT)
+    middle = ARROWS[key][1]
+    assert middle is not None
+    return middle[0] - LABEL_WIDTH // 2, middle[1] - LABEL_HEIGHT // 2, LABEL_WIDTH, LABEL_HEIGHT
 
 
 def _blocks(spec: Spec) -> dict[str, tuple[str, list[str]]]:
@@ -102,8 +146,8 @@ def _ms(seconds: float) -> str:
     return f"{1e3 * seconds:.4g} ms"
 
 
-def _block(key: str, title: str, lines: list[str]) -> str:
-    x, y = PLACES[key]
+def _block(key: str, place: tuple[int, int], title: str, lines: list[str]) -> str:
+    x, y = place
     middle = x + BLOCK_WIDTH / 2
     box = f'<rect x="{x}" y="{y}" width="{BLOCK_WIDTH}" height="{BLOCK_HEIGHT}" rx="10" class="block {key}"/>'
     head = f'<text x="{middle}" y="{y + 28}" class="name">{escape(title)}</text>'
@@ -118,21 +162,17 @@ def _block(key: str, title: str, lines: list[str]) -> str:
     )
 
 
-def _mark(key: str, words: str) -> str:
-    """Frame around a block or a link, and a word beneath it."""
-    if key in PLACES:
-        (x, y), width, height = PLACES[key], BLOCK_WIDTH, BLOCK_HEIGHT
-    else:
-        middle = ARROWS[key][1]
-        assert middle is not None
-        x, y = middle[0] - LABEL_WIDTH // 2, middle[1] - LABEL_HEIGHT // 2
-        width, height = LABEL_WIDTH, LABEL_HEIGHT
+def _mark(x: int, y: int, width: int, height: int, mark: Mark) -> str:
+    """Words beneath a box, and a frame around one in the foreground."""
     frame = (
-        f'<rect x="{x - 4}" y="{y - 4}" width="{width + 8}" height="{height + 8}" rx="12" '
-        'fill="none" stroke="#d55e00" stroke-width="4"/>'
+        f'<rect x="{x - 4}" y="{y - 4}" width="{width + 8}" height="{height + 8}" rx="12" class="frame"/>'
+        if mark.located
+        else ""
     )
-    place = f'x="{x + width / 2}" y="{y + height + 20}" text-anchor="middle"'
-    return f'{frame}<text {place} fill="#d55e00" font-size="14" font-weight="600">{escape(words)}</text>'
+    kind = "mark located" if mark.located else "mark"
+    dx, anchor = BESIDE.get((x, y), (0, "middle"))
+    place = f'x="{x + width / 2 + dx}" y="{y + height + 20}" style="text-anchor: {anchor}"'
+    return f'{frame}<text {place} class="{kind}">{escape(mark.words)}</text>'
 
 
 def _arrow(points: tuple[tuple[int, int], ...]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.bag_analysis import to_json
+from rthm_analysis.recording import Recording
 from rthm_analysis.report import tables
 from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
-from rthm_analysis.report.verdict import verdict
+from rthm_analysis.report.verdict import Fact, verdict
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 
@@ -144,23 +145,32 @@ def _row(plots: list[figure], places: Any) -> str:
 
 def _title(gathered: Gathered) -> str:
     kind = "Hybrid test" if gathered.spec and gathered.spec.is_loop else "Test of a plant"
-    path = gathered.recording.path.resolve()
-    return f"{kind}: {path.parent.name if path.name == 'bag' else path.name}"
+    return f"{kind}: {name_of(gathered.recording)}"
+
+
+def name_of(recording: Recording) -> str:
+    """Name of a recording: of its folder, or of the run that has it."""
+    path = recording.path.resolve()
+    return path.parent.name if path.name == "bag" else path.name
 
 
 def _header(gathered: Gathered) -> str:
     recording = gathered.recording
     begin = datetime.fromtimestamp(recording.start_ns / NS, UTC)
     when = f"from {begin:%Y-%m-%d %H:%M:%S} UTC" if begin.year > EARLIEST_YEAR else "in simulated time"
-    facts = "".join(
+    facts = fact_boxes(verdict(gathered.energy, gathered.timing))
+    words = f"{recording.duration:.3f} s {when}, {len(recording.plant)} samples of the plant"
+    return f"<header><h1>{escape(_title(gathered))}</h1><p>{words}</p>{facts}</header>"
+
+
+def fact_boxes(facts: Iterable[Fact]) -> str:
+    """Boxes with one figure each."""
+    boxes = "".join(
         f'<div class="fact {fact.level}" title="{escape(fact.words)}"><span>{escape(fact.label)}</span>'
         f"<b>{_unit_small(fact.value)}</b></div>"
-        for fact in verdict(gathered.energy, gathered.timing)
+        for fact in facts
     )
-    words = f"{recording.duration:.3f} s {when}, {len(recording.plant)} samples of the plant"
-    return (
-        f'<header><h1>{escape(_title(gathered))}</h1><p>{words}</p><div class="facts">{facts}</div></header>'
-    )
+    return f'<div class="facts">{boxes}</div>'
 
 
 def _unit_small(value: str) -> str:

@@ -1,0 +1,109 @@
+"""Tables of the page of a diagnosis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from rthm_analysis.diagnosis.result import Diagnosis, Physics, Value
+from rthm_analysis.report.tables import table
+
+
+def mismatches(diagnosis: Diagnosis) -> str:
+    """One row per block: its prediction error over noise."""
+    rows = [
+        [one.block, f"!{one.mismatch:.4g}" if one.significant else f"{one.mismatch:.4g}"]
+        for one in diagnosis.blocks
+    ]
+    return _folded(f"All {len(rows)} blocks", table(("block", "error over noise"), rows)) if rows else ""
+
+
+def physics(diagnosis: Diagnosis) -> str:
+    """One row per parameter of what was found."""
+    head = ("what", "where", "parameter", "value", "standard deviation", "unit", "share of the error")
+    rows = [row for one in diagnosis.physics for row in _physics(one)]
+    return table(head, rows) if rows else ""
+
+
+def _physics(one: Physics) -> list[list[str]]:
+    rows = []
+    for i, (name, value) in enumerate(one.parameters.items()):
+        where = f"{one.block} {one.place}" if one.place else one.block
+        head = [one.kind.replace("_", " "), where] if i == 0 else ["", ""]
+        told = [value, "", ""] if isinstance(value, str) else _value(value)
+        share = f"{100.0 * one.share:.3g} %" if i == 0 and math.isfinite(one.share) else ""
+        rows.append([*head, name.replace("_", " "), *told, share])
+    return rows
+
+
+def _value(value: Value) -> list[str]:
+    return [f"{value.value:.5g}", f"{value.std:.2g}", "" if value.unit == "1" else value.unit]
+
+
+def retuned(diagnosis: Diagnosis) -> str:
+    """One row per parameter that has another value than assumed."""
+    head = ("retuned", "as specified", "in this recording", "standard deviation", "change")
+    rows = [
+        [name, f"{one.nominal:.5g}", f"{one.value:.5g}", f"{one.std:.2g}", _change(one.nominal, one.value)]
+        for name, one in diagnosis.retuned.items()
+    ]
+    return table(head, rows) if rows else ""
+
+
+def _change(nominal: float, value: float) -> str:
+    return f"{100.0 * (value / nominal - 1.0):+.2f} %" if nominal else ""
+
+
+def fits(diagnosis: Diagnosis) -> str:
+    """One row per located block: errors on unseen data."""
+    head = ("signal", "unseen part", "free runs of", "as specified", "retuned", "explained", "noise")
+    rows = [
+        [
+            f"{one.signal} ({one.block})",
+            f"{one.held_out[0]:.4g} to {one.held_out[1]:.4g} s",
+            "all of it" if one.window is None else f"{one.window:.3g} s",
+            *(_percent(one.nrmse.get(name)) for name in ("nominal", "retuned", "explained", "noise_floor")),
+        ]
+        for one in diagnosis.fits
+    ]
+    words = '<p class="unit">Errors as parts of the signal\'s standard deviation there.</p>'
+    return table(head, rows) + words if rows else ""
+
+
+def _percent(part: float | None) -> str:
+    return "–" if part is None or not math.isfinite(part) else f"{100.0 * part:.3g} %"
+
+
+def alternatives(diagnosis: Diagnosis) -> str:
+    """One row per kind that was tried beside what was named."""
+    head = ("what", "where", "error on unseen data", "this recording")
+    rows = [
+        [
+            one.kind.replace("_", " "),
+            one.block,
+            _percent(one.held_out_nrmse),
+            "rules it out" if one.distinguishable else "!cannot tell it apart",
+        ]
+        for one in diagnosis.alternatives
+    ]
+    return table(head, rows) if rows else ""
+
+
+def limits(diagnosis: Diagnosis) -> str:
+    """One row per parameter of an effect that would have been seen, folded."""
+    rows = [
+        [*_effect(name), f"{one.value:.3g}", "" if one.unit == "1" else one.unit]
+        for name, one in sorted(diagnosis.detection_limits.items())
+    ]
+    head = ("effect", "parameter", "smallest", "unit")
+    return _folded(f"All {len(rows)} effects", table(head, rows)) if rows else ""
+
+
+def _effect(name: str) -> Sequence[str]:
+    """Effect and parameter of ``plant.coulomb_friction.force``."""
+    effect, _, parameter = name.rpartition(".")
+    return effect.replace("_", " "), parameter.replace("_", " ")
+
+
+def _folded(summary: str, html: str) -> str:
+    return f"<details><summary>{summary}</summary>{html}</details>"

@@ -1,0 +1,29 @@
+"""Averages of a force over the variable that explains it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.binned import BINS, binned
+
+
+def test_averages_bring_a_law_out_of_noise_that_hides_it() -> None:
+    random = np.random.default_rng(1)
+    v = random.uniform(-1.0, 1.0, 40_000)
+    at, mean, std, _ = binned(v, np.tanh(v / 0.2) + random.normal(0.0, 2.0, v.size))
+    assert at.size == BINS and np.all(np.diff(at) > 0.0)
+    np.testing.assert_allclose(std, 2.0 / np.sqrt(v.size / BINS), rtol=0.1)
+    assert np.abs((mean - np.tanh(at / 0.2)) / std).max() < 4.0
+
+
+def test_the_variable_that_a_force_depends_on_explains_most_of_it() -> None:
+    random = np.random.default_rng(2)
+    x, v = random.uniform(-1.0, 1.0, size=(2, 20_000))
+    force = 0.5 * x**3 + random.normal(0.0, 0.03, x.size)
+    assert binned(x, force)[3] > 0.9 and binned(v, force)[3] < 0.02
+
+
+def test_a_variable_that_stands_still_has_one_average() -> None:
+    at, mean, _, share = binned(np.full(500, 0.3), np.linspace(0.0, 1.0, 500))
+    np.testing.assert_allclose((at, mean), ([0.3], [0.5]))
+    assert share < 1e-12

@@ -39,6 +39,9 @@ VARIABLES = {
 }
 """Abscissae of a curve, in words."""
 
+SMALL = -6
+"""Power of ten from which an axis is labelled with powers."""
+
 SHOWN_SWINGS = 12
 """Swings of a signal that a plot shows at first."""
 
@@ -63,7 +66,7 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
         left.add(words, fit.time, fit.recorded - simulated, colour)
     shown.add("recorded", fit.time, fit.recorded, INK, line_width=1.0)
     for plot in (shown.plot, left.plot):
-        plot.yaxis.formatter = BasicTickFormatter(power_limit_low=-6)
+        plot.yaxis.formatter = BasicTickFormatter(power_limit_low=SMALL)
     yield shown.finish()
     yield left.finish()
 
@@ -90,6 +93,8 @@ def curve_plot(curve: Curve) -> figure:
     tips = [(curve.variable, "@at{0.000000}"), ("force", "@force{0.000000} +- @std{0.000000} N")]
     plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
     plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
+    for axis in (plot.xaxis, plot.yaxis):
+        axis.formatter = BasicTickFormatter(power_limit_low=SMALL)
     plot.legend.label_text_font, plot.legend.border_line_alpha = FONT, 0.0
     plot.legend.orientation, plot.legend.background_fill_alpha = "horizontal", 0.0
     plot.add_layout(plot.legend[0], "above")

@@ -76,7 +76,7 @@ def _percent(part: float | None) -> str:
 
 def alternatives(diagnosis: Diagnosis) -> str:
     """One row per kind that was tried beside what was named."""
-    head = ("what", "where", "error on unseen data", "this recording")
+    head = ("what", "where", "error of its own signal, unseen", "this recording")
     rows = [
         [
             one.kind.replace("_", " "),

@@ -34,6 +34,9 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["run", "--virtual", "--duration", "0"], "A virtual run without end is asked for"),
         (["run", "--virtual", "--plant", "external"], "A virtual run has only simulated parts"),
         (["run", "decay"], "and a run needs it"),
+        (["check-driver", "decay"], "the spec describes a plant alone"),
+        (["check-driver", "--seconds", "0"], "Invalid value for '--seconds'"),
+        (["check-driver", "--swing", "nan"], "The swing is nan m"),
         (["node", "cook"], "'cook' is no part of a test"),
         (["energy", "no_such_bag"], "no_such_bag"),
         (["timing", "no_such_bag"], "no_such_bag"),
@@ -67,7 +70,7 @@ def test_help_imports_nothing_heavy() -> None:
 
 def test_every_verb_has_help_that_names_its_options() -> None:
     listed = rthm("--help").stdout
-    for verb in ("run", "simulate", "energy", "timing", "report"):
+    for verb in ("run", "simulate", "energy", "timing", "report", "check-driver"):
         assert f"  {verb} " in listed
         assert "--json" in rthm(verb, "--help").stdout
 

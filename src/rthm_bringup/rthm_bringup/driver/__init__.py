@@ -1,0 +1,1 @@
+"""Whether a driver of somebody else keeps to what ``docs/driver.md`` asks of it."""

@@ -235,7 +235,7 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
     for one in in_order(tried):
         if _meaningful(one):
             best.setdefault(one.label, one)
-    return _simplest_first(in_order(list(best.values())), fitted)
+    return _simplest_first(fitting, in_order(list(best.values())), fitted)
 
 
 def _meaningful(tried: Tried) -> bool:
@@ -246,11 +246,18 @@ def _meaningful(tried: Tried) -> bool:
     return float(found["static_force"]) >= float(found["coulomb_force"])
 
 
-def _simplest_first(tried: list[Tried], without: Fitted) -> list[Tried]:
-    """Put that candidate first which has the fewest parameters of those that cannot be told from the best."""
-    equal = [t for t in tried if not distinguishable(tried[0], t) and better(t, without)]
-    if not equal:
+def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
+    """Put a simpler candidate before the best where neither reaches the noise and hardly anything is lost.
+
+    What is then left is no noise, against which a further parameter could be weighed.
+    """
+    noise = float(np.count_nonzero(fitting.weight))
+    if not tried or tried[0].error < CLOSE * noise:
         return tried
+    gain = float(without.left_out.sum()) - tried[0].error
+    equal = [
+        t for t in tried if t.error - tried[0].error < RELEVANT * gain and not distinguishable(tried[0], t)
+    ]
     first = min(equal, key=lambda t: len(t.fitted.model.parameters))
     return [first, *(t for t in tried if t is not first)]
 

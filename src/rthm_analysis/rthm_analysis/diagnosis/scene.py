@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -28,6 +28,10 @@ class Scene:
         Of the wire, m; empty where there is none.
     mass, stiffness : float
         Of the dof, and of the wire.
+    time : (s,) array
+        Of the samples, s.
+    left : (s,) array
+        What a linear wire leaves of the recorded force, N; empty where none was recorded.
     """
 
     place: str
@@ -38,6 +42,8 @@ class Scene:
     elongation: Floats
     mass: float
     stiffness: float
+    time: Floats
+    left: Floats = field(default_factory=lambda: np.empty(0))
 
     @property
     def frequency(self) -> float:
@@ -84,6 +90,7 @@ def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene
         np.empty(0),
         mass,
         0.0,
+        evidence.time,
     )
 
 
@@ -93,4 +100,11 @@ def wire_scene(spec: Spec, evidence: Evidence, motion: Motion, actuator: str) ->
     i = spec.actuator.names.index(actuator)
     at = dof_scene(spec, evidence, motion, spec.interface.plant_dof[i])
     d = motion.motor[:, i] - at.x
-    return Scene(actuator, at.x, at.v, at.a, motion.force[:, i], d, at.mass, float(spec.k_tot[i]))
+    k = float(spec.k_tot[i])
+    left = [
+        recorded - k * d
+        for one, recorded in zip(evidence.channels, evidence.measured.T, strict=True)
+        if one.family == "force" and one.place == actuator
+    ]
+    known = np.nan_to_num(left[0]) if left else np.empty(0)
+    return Scene(actuator, at.x, at.v, at.a, motion.force[:, i], d, at.mass, k, evidence.time, known)

@@ -14,6 +14,10 @@ import numpy as np
 
 from rthm_analysis.diagnosis.model import Added
 from rthm_analysis.diagnosis.scene import Scene, rms
+from rthm_core.compiled import Floats
+
+PEAK = 2.0
+"""Width over which a spectrum is averaged before its peaks are taken, rad/s."""
 
 SMALL = 0.02
 """Force of an effect in its trial replay, as a part of the force that drives the dof."""
@@ -239,15 +243,30 @@ def hardening(s: Scene) -> Iterator[Start]:
 
 
 def pulley_inertia(s: Scene) -> Iterator[Start]:
-    """A pulley of half a per cent of the dof's mass."""
-    yield _start(
-        s,
-        "wire",
-        "pulley_inertia",
-        ("mass", "damping"),
-        mass=5e-3 * s.mass,
-        damping=0.05 * np.sqrt(s.stiffness * s.mass) * 0.1,
-    )
+    """A pulley of half a per cent of the dof's mass, and those that would ring as the wire's force does."""
+    masses = [5e-3 * s.mass]
+    if s.left.size:
+        masses += [4.0 * s.stiffness / w**2 for w in peaks(s.time, s.left, 3.0 * s.frequency)]
+    for mass in masses:
+        damping = 0.05 * np.sqrt(s.stiffness * mass)
+        yield _start(s, "wire", "pulley_inertia", ("mass", "damping"), mass=mass, damping=damping)
+
+
+def peaks(time: Floats, signal: Floats, lowest: float, most: int = 2) -> list[float]:
+    """Frequencies above `lowest`, rad/s, at which a signal rings most; the spectrum is smoothed by PEAK."""
+    step = float(np.median(np.diff(time)))
+    even = np.interp(np.arange(time[0], time[-1], step), time, signal)
+    omega = 2.0 * np.pi * np.fft.rfftfreq(even.size, step)
+    width = max(int(PEAK / omega[1]), 1)
+    power = np.convolve(np.abs(np.fft.rfft(even - even.mean())) ** 2, np.ones(width), "same")
+    power[omega < lowest] = 0.0
+    found = []
+    for _ in range(most):
+        best = int(np.argmax(power))
+        if power[best] > 0.0:
+            found.append(float(omega[best]))
+        power[max(best - 2 * width, 0) : best + 2 * width] = 0.0
+    return found
 
 
 def pulley_friction(s: Scene) -> Iterator[Start]:

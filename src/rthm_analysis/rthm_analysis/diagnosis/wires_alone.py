@@ -25,6 +25,9 @@ PARABOLA = np.array([-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0]) / 21.0
 SEEN, PART = 3.0, 0.3
 """Standard deviations, or part of what is claimed, that must be seen of a wire's effect in its own force."""
 
+SURE = 4.0
+"""Standard deviations by which what is claimed must exceed all that is left of the force."""
+
 
 class WiresAlone:
     """One-block check of the wires of a recorded test; lets everything pass where forces were not measured.
@@ -50,7 +53,11 @@ class WiresAlone:
         self.experiment.begin_at(evidence.stamps_ns)
 
     def contradict(self, model: Model, added: Model) -> bool:
-        """Whether the forces deny the last effect of `added`, a wire's, that `model` does not have."""
+        """Whether the forces deny the last effect of `added`, a wire's, that `model` does not have.
+
+        They do when they show nothing of its shape, and when what is left of them has not even room for it:
+        the shape alone may be wrong before a fit.
+        """
         if not self.forces:
             return False
         here = self._predicted(model)
@@ -59,7 +66,9 @@ class WiresAlone:
         left = np.nan_to_num((measured - here) * self.weight)
         size = float(np.linalg.norm(claimed))
         seen = float(np.sum(left * claimed)) / max(size, 1e-300)
-        return np.isfinite(size) and seen < min(SEEN, PART * size)
+        count = np.count_nonzero(np.isfinite(measured))
+        room = max(float(np.sum(np.square(left))) - count, 0.0) + SURE * np.sqrt(2.0 * count)
+        return bool(size**2 > room and seen < min(SEEN, PART * size))
 
     def _predicted(self, model: Model) -> Floats:
         return self.experiment.predicted(model.spec, self.windows)[:, self.forces]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, Tried, in_order
@@ -9,6 +11,7 @@ from rthm_analysis.diagnosis.drive_starts import drive_starts
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.limits import Limits, motor_limits
 from rthm_analysis.diagnosis.model import Model
 from rthm_analysis.diagnosis.noise import noise_level
 from rthm_analysis.diagnosis.screening import best_of_each, screen
@@ -21,8 +24,27 @@ MOST_EFFECTS = 2
 PREFIX = "drive"
 
 
-def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> tuple[list[list[Tried]], Spec]:
-    """Effects of the motors, best first in each round, and the spec with those that were chosen.
+@dataclass(frozen=True)
+class Drives:
+    """What was found in the motors.
+
+    Attributes
+    ----------
+    rounds : list of list of Tried
+        Effects, best first in each round.
+    settled : Spec
+        With those that were chosen.
+    limits : dict
+        Sizes at which other kinds would have been seen.
+    """
+
+    rounds: list[list[Tried]]
+    settled: Spec
+    limits: Limits
+
+
+def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
+    """Find what the motors do beside what the spec says.
 
     Parameters
     ----------
@@ -37,16 +59,17 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> tuple[list[l
     n = len(spec.plant.dofs)
     runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
     rounds: list[list[Tried]] = []
-    model = Model(spec, prefix=PREFIX)
+    model, limits = Model(spec, prefix=PREFIX), {}
     for _ in range(MOST_EFFECTS):
         fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
         here = fitting.fit(model)
+        limits = limits or motor_limits(fitting, here, ENOUGH + PER_PARAMETER)
         tried = _tried(fitting, model, here, runs)
         if not tried or not _better(tried[0], here):
             break
         rounds.append(tried)
         model = tried[0].fitted.model
-    return rounds, model.spec
+    return Drives(rounds, model.spec, limits)
 
 
 def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:

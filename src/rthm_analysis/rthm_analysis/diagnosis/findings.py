@@ -6,12 +6,13 @@ import numpy as np
 
 from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, distinguishable
 from rthm_analysis.diagnosis.curves import force_curve
+from rthm_analysis.diagnosis.detection import detection_limits
 from rthm_analysis.diagnosis.evidence import Channel
 from rthm_analysis.diagnosis.fitting import Fitted
 from rthm_analysis.diagnosis.judged import Simulated, coloured, held_out_squares, nrmse, simulate_all
 from rthm_analysis.diagnosis.model import PROPERTIES, Model, nominal_values
 from rthm_analysis.diagnosis.physical import Physical
-from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Retuned, Value
+from rthm_analysis.diagnosis.result import Alternative, Fit, Mismatch, Part, Physics, Retuned, Value
 from rthm_analysis.diagnosis.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.wire_curves import wire_curve
 from rthm_analysis.diagnosis.words import physics_words
@@ -55,7 +56,7 @@ def physical_part(physical: Physical) -> Part:
         retuned=retuned,
         alternatives=_alternatives(physical),
         fits=_fits(physical, runs, located or ({"plant"} if retuned else set())),
-        detection_limits=_limits(physical),
+        detection_limits=detection_limits(physical),
         curves=(
             *force_curve(physical, runs["explained"].predicted, physics),
             *wire_curve(physical, physics),
@@ -261,16 +262,6 @@ def _fits(physical: Physical, runs: dict[str, Simulated], blocks: set[str]) -> t
             )
         )
     return tuple(fits)
-
-
-def _limits(physical: Physical) -> dict[str, Limit]:
-    limits = {}
-    for (block, kind, place), sizes in physical.choice.limits.items():
-        for key, size in sizes.items():
-            unit = effect(kind, block).unit(key, block)
-            many = len({p for b, k, p in physical.choice.limits if (b, k) == (block, kind)}) > 1
-            limits[f"{block}.{place}.{kind}.{key}" if many else f"{block}.{kind}.{key}"] = Limit(size, unit)
-    return limits
 
 
 def _changes(physical: Physical, retuned: dict[str, Retuned]) -> dict[str, float]:

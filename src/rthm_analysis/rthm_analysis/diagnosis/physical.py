@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.choosing import Choice, Tried, choose, doubt
-from rthm_analysis.diagnosis.drives import choose_drives
+from rthm_analysis.diagnosis.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.limits import Limits
 from rthm_analysis.diagnosis.model import Model, uncertain
 from rthm_analysis.diagnosis.noise import noise_level
 from rthm_analysis.diagnosis.windows import Windows, windows
@@ -53,6 +54,8 @@ class Physical:
         The settled spec as it stands.
     choice : Choice
         Retuned model, and what was added to it.
+    drive_limits : dict
+        Sizes at which other effects of the motors would have been seen.
     """
 
     spec: Spec
@@ -66,19 +69,20 @@ class Physical:
     fitting: Fitting
     nominal: Fitted
     choice: Choice
+    drive_limits: Limits
 
 
 def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], None]) -> Physical:
     """Find what the spec leaves out of motors, wires, plant and sensors."""
     train = int(TRAIN * evidence.stamps_ns.size)
     first = first_command(spec) if evidence.driven_by == "command" else np.empty(0)
-    drives: list[list[Tried]] = []
-    settled = spec
+    drives = Drives([], spec, {})
     if evidence.only("motor").channels:
         progress("checking the motors")
-        drives, settled = choose_drives(evidence.first(train).only("motor"), spec, first)
+        drives = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only("position", "velocity", "force")
     experiment, part = Experiment(seen, first), Experiment(seen.first(train), first)
+    settled = drives.settled
     runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
     experiment.begin_at(seen.stamps_ns[runs.start])
     progress("retuning what is uncertain")
@@ -89,7 +93,10 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
         fitting.doubt = doubt(fitting, retuned)
         retuned = fitting.fit(retuned.model)
     choice = choose(fitting, retuned)
-    return Physical(spec, seen, train, experiment, runs, sigma, drives, settled, fitting, nominal, choice)
+    return Physical(
+        spec, seen, train, experiment, runs, sigma, drives.rounds, settled, fitting, nominal, choice,
+        drives.limits,
+    )  # fmt: skip
 
 
 def _started(

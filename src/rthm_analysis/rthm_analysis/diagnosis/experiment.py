@@ -113,10 +113,14 @@ class Experiment:
             columns.append(sensed(self.evidence.time, true, _effects_on(spec, channel)))
         return np.stack(columns, axis=1)
 
+    @property
+    def _motors_alone(self) -> bool:
+        return all(channel.family == "motor" for channel in self.evidence.channels)
+
     def _moved(self, spec: Spec, windows: Windows) -> Motion:
         points, motor, load, seen = self._inputs(spec)
         n, m = load.shape[2], motor.shape[2]
-        if all(channel.family == "motor" for channel in self.evidence.channels):
+        if self._motors_alone:
             nothing = np.empty((seen.shape[0], 0))
             return Motion(nothing, nothing, nothing, seen)
         arrays = mechanics(spec, motor[0, 0])
@@ -153,7 +157,7 @@ class Experiment:
         m = e.commands.shape[1] if e.driven_by == "command" else 0
         fine = grid(np.concatenate([due, e.stamps_ns]), end, LONGEST_NS)
         points = fine
-        if m and not any(one.kind == "rate_limit" for one in spec.effects):
+        if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
             points = grid(np.concatenate([due, self.starts_ns]), end, LONGEST_NS)
         motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
         if m:

@@ -22,20 +22,20 @@ if TYPE_CHECKING:
 Limits = dict[tuple[str, str, str], dict[str, float]]
 """By block, kind and place: sizes of parameters."""
 
-HALVINGS = 12
+HALVINGS = 8
 
 COINCIDENT_NS = 10_000
 """A sample this near to a command's step sees it or not by chance."""
 
 MOTOR = {
-    "lag": ("time_constant", 1e-7, 10.0, {}),
-    "second_order": ("frequency", 1e5, 1e-1, {"damping_ratio": 0.7}),
-    "extra_delay": ("delay", 1e-8, 1.0, {}),
-    "rate_limit": ("rate", 1e5, 1e-6, {}),
-    "saturation": ("limit", 1e2, 1e-8, {}),
-    "quantisation": ("step", 1e-9, 1.0, {}),
+    "lag": ("time_constant", 1e-6, 0.1, {}),
+    "second_order": ("frequency", 1e5, 1.0, {"damping_ratio": 0.7}),
+    "extra_delay": ("delay", 1e-6, 0.1, {}),
+    "rate_limit": ("rate", 1e3, 1e-3, {}),
+    "saturation": ("limit", 1e1, 1e-5, {}),
+    "quantisation": ("step", 1e-8, 1e-1, {}),
 }
-"""Parameter of each kind, a value that does nothing, one that nobody could miss, and what else it needs."""
+"""Parameter of each kind, a value that hardly matters, one that nobody could miss, and what else it needs."""
 
 
 def just_seen(power: Callable[[float], float], harmless: float, gross: float, enough: float) -> float | None:

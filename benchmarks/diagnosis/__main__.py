@@ -1,0 +1,123 @@
+"""Time the diagnosis of a minute of the paper's loop: ``python -m benchmarks.diagnosis --out PATH``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from rthm_core.spec import Spec, apply, shipped_spec, write_spec
+
+RTHM = [sys.executable, "-m", "rthm_bringup"]
+NOMINAL = "paper_noisy"
+GUIDE = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.03}
+HIDDEN: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "dry friction of 0.03 N": {"effects": ["guide"], "guide": GUIDE},
+}
+
+
+def arguments(words: list[str] | None) -> argparse.Namespace:
+    """Parse the command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.diagnosis", description=__doc__)
+    parser.add_argument(
+        "--out", type=Path, required=True, help="path without ending: .json and .md are written"
+    )
+    parser.add_argument("--duration", type=float, default=60.0, help="length of the recordings, s")
+    parser.add_argument("--rounds", type=int, default=3, help="times that each is diagnosed")
+    return parser.parse_args(words)
+
+
+def recording(spec: Spec, folder: Path, duration: float) -> Path:
+    """Bag of a run of the node graph in simulated time."""
+    folder.mkdir()
+    (folder / "spec.yaml").write_text(write_spec(spec), encoding="utf-8")
+    words = ["run", str(folder / "spec.yaml"), "--virtual", "--duration", str(duration)]
+    done = subprocess.run(
+        [*RTHM, *words, "--out", str(folder / "out"), "--json", "-"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return Path(json.loads(done.stdout)["bag"])
+
+
+def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, str]:
+    """Wall time in s of the whole command, start and reading included, and what it found."""
+    begin = time.perf_counter()
+    done = subprocess.run(
+        [*RTHM, "diagnose", str(bag), "--spec", NOMINAL, "--json", "-"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+    )
+    seconds = time.perf_counter() - begin
+    said = json.loads(done.stdout)
+    return seconds, ", ".join(f"{one['block']} {one['kind']}" for one in said["physics"]) or said["verdict"]
+
+
+def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
+    """One row per recording; the first diagnosis of all compiles."""
+    environment = os.environ | {"RTHM_CACHE_DIR": str(folder / "cache")}
+    rows: list[dict[str, Any]] = []
+    for number, (name, changes) in enumerate(HIDDEN.items()):
+        bag = recording(apply(shipped_spec(NOMINAL), changes), folder / str(number), options.duration)
+        cold = diagnosed(bag, environment)[0] if not rows else None
+        rounds = [diagnosed(bag, environment) for _ in range(options.rounds)]
+        rows.append(
+            {"hidden": name, "found": rounds[0][1], "cold": cold, "warm": [seconds for seconds, _ in rounds]}
+        )
+        print(rows[-1], file=sys.stderr, flush=True)
+    return rows
+
+
+def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
+    """Page of the results."""
+    lines = [
+        "# Time of a diagnosis",
+        "",
+        f"{header['date']}, {header['machine']}; `rthm diagnose` of {header['duration']:g} s of {NOMINAL}, "
+        "wall time of the whole command: start, reading, every kind tried. First use: nothing is compiled.",
+        "Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time`.",
+        "",
+        "| hidden | found | first use | later, median | later, each |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows:
+        cold = f"{row['cold']:.1f} s" if row["cold"] else ""
+        each = ", ".join(f"{seconds:.1f}" for seconds in row["warm"])
+        lines.append(
+            f"| {row['hidden']} | {row['found']} | {cold} | {median(row['warm']):.1f} s | {each} s |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main(words: list[str] | None = None) -> int:
+    """Measure and write."""
+    options = arguments(words)
+    header = {
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "machine": f"{os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}",
+        "duration": options.duration,
+    }
+    with tempfile.TemporaryDirectory(prefix="diagnosis-") as folder:
+        rows = measured(options, Path(folder))
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.with_suffix(".json").write_text(json.dumps(header | {"rows": rows}, indent=1) + "\n")
+    options.out.with_suffix(".md").write_text(markdown(header, rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

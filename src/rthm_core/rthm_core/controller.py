@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated, compensation
-from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
 from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
@@ -104,17 +104,17 @@ def control(controller, now, position_part, force_part):  # type: ignore[no-unty
         force_part[i] /= controller.stiffness[i]
 
 
-@compiled
+@compiled_in_place
 def _latch_state(controller: ControllerState, stamp: int, position: Floats, velocity: Floats) -> None:
     latch_state(controller, stamp, position, velocity)
 
 
-@compiled
+@compiled_in_place
 def _latch_force(controller: ControllerState, stamp: int, force: Floats) -> None:
     latch_force(controller, stamp, force)
 
 
-@compiled
+@compiled_in_place
 def _command(controller: ControllerState, now: int, out: Floats, force: Floats) -> None:
     compensated(controller, now, out, force)
     for i in range(out.size):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
 from rthm_core.substructure import interface, substructure
 
 if TYPE_CHECKING:
@@ -201,13 +201,13 @@ def cubic(y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
     return y0 + r * (h * dy0 + r * (3.0 * d - h * (2.0 * dy0 + dy1) + r * (h * (dy0 + dy1) - 2.0 * d)))
 
 
-@compiled
+@compiled_in_place
 def powers_of(bodies: Bodies, at: Moment, out: Floats) -> None:
     """Powers of one moment (compiled face)."""
     powers(bodies, at, out)
 
 
-@compiled
+@compiled_in_place
 def total_energy_of(bodies: Bodies, x1: Floats, v1: Floats, x2: Floats, v2: Floats) -> float:
     """Kinetic and potential energy, in J (compiled face)."""
     return total_energy(bodies, x1, v1, x2, v2)  # type: ignore[no-any-return]

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 
 KEPT = 64
 """How many different intervals are kept as matrices."""
@@ -37,7 +37,7 @@ class LinearSystem(NamedTuple):
         Spectral radius of A, 1/s; one series covers at most ``1 / fastest``.
     kept_for, kept, count
         Intervals (s), their matrices ``(n, n + orders q)``, and their number.
-    work : (2, n) array
+    work, unit_inputs, unit : (2, n), (orders, q), (n,) arrays
         Scratch.
     """
 
@@ -48,6 +48,8 @@ class LinearSystem(NamedTuple):
     kept: Floats
     count: Integers  # type: ignore[assignment]
     work: Floats
+    unit_inputs: Floats
+    unit: Floats
 
     @property
     def a(self) -> Floats:
@@ -71,6 +73,8 @@ def linear_system(a: Floats, b: Floats, orders: int = 1) -> LinearSystem:
         np.zeros((KEPT, n, n + orders * q)),
         np.zeros(1, dtype=np.int64),
         np.zeros((2, n)),
+        np.zeros((orders, q)),
+        np.zeros(n),
     )
 
 
@@ -128,7 +132,7 @@ def _keep(system, slot, dt):  # type: ignore[no-untyped-def]
     """Fill `slot` with the matrix of a step of `dt`, column by column."""
     n = system.ab.shape[0]
     q = system.ab.shape[1] - n
-    inputs, y = np.zeros((system.orders, q)), np.zeros(n)
+    inputs, y = system.unit_inputs, system.unit
     for column in range(n + system.orders * q):
         for i in range(n):
             y[i] = 1.0 if i == column else 0.0
@@ -171,7 +175,7 @@ def step_linear(system, y, inputs, dt):  # type: ignore[no-untyped-def]
         y[i] = total
 
 
-@compiled
+@compiled_in_place
 def advance_linear(system: LinearSystem, y: Floats, inputs: Floats, dt: float) -> None:
     """Advance `y` by `dt` seconds in place (the compiled face of the exact step)."""
     step_linear(system, y, inputs, dt)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
@@ -116,12 +116,12 @@ def interface_force(numerical, motion, out):  # type: ignore[no-untyped-def]
         out[i] = -numerical.damping[i] * (motion[m + i] - v2) - numerical.stiffness[i] * (motion[i] - x2)
 
 
-@compiled
+@compiled_in_place
 def _advance(numerical: Numerical, to_ns: int) -> None:
     advance_numerical(numerical, to_ns)
 
 
-@compiled
+@compiled_in_place
 def _force(numerical: Numerical, out: Floats) -> None:
     interface_force(numerical, numerical.held, out)
 
@@ -174,6 +174,6 @@ class NumericalSide:
         return loads
 
 
-@compiled
+@compiled_in_place
 def _loads_now(numerical: Numerical) -> None:
     begin_numerical(numerical)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rthm_core.engine.linear import linear_rows
+from rthm_core.engine.linear import linear_blocks
 from rthm_core.engine.simulate import simulate, simulate_any
 from rthm_core.spec import apply, shipped_spec
 
@@ -44,7 +44,7 @@ def changed(name="paper", effects=(), **changes):
 @pytest.mark.parametrize("case", CASES)
 def test_fast_way_gives_the_same_motion(case):
     spec = changed(**CASES[case])
-    assert linear_rows(spec, 1_000_000, 1_000_000) is not None
+    assert linear_blocks(spec, 1_000_000, 1_000_000, energies=False) is not None
     fast = simulate(spec, 12.0, 0.0017, energies=False)
     slow = simulate_any(spec, 12_000_000_000, 1_700_000)
     counted = simulate(spec, 12.0, 0.0017)
@@ -59,4 +59,4 @@ def test_fast_way_gives_the_same_motion(case):
 
 def test_what_is_not_linear_takes_the_other_way():
     friction = {"block": "plant", "dof": "x1", "kind": "coulomb_friction", "force": 0.05}
-    assert linear_rows(changed(effects=[friction]), 1_000_000, 1_000_000) is None
+    assert linear_blocks(changed(effects=[friction]), 1_000_000, 1_000_000, energies=False) is None

@@ -20,8 +20,7 @@ from rthm_core.energy import total_energy
 from rthm_core.engine.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
-from rthm_core.physical.flow import FRICTION, POSITION
-from rthm_core.physical.laws import PLACE, SPLIT
+from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT
 
 COMMAND, TICK, SAMPLE = range(3)
 """What is recorded, in the order in which it takes place at one instant."""

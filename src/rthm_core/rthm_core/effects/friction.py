@@ -18,6 +18,7 @@ class CoulombFriction(PlantLaw):
     equation = "F = -F_f sign(v); |F| <= F_f at rest"
     words = "dry friction of {force} acts on {dof}"
     split = "friction"
+    constant = True
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

@@ -33,6 +33,8 @@ class PlantLaw(Effect):
 
     split: ClassVar[str] = "none"
     linear: ClassVar[bool] = False
+    constant: ClassVar[bool] = False
+    """Whether the force depends on the piece alone."""
 
     @staticmethod
     def force(x: float, v: float, z: list[float], t: float, p: list[float], piece: int) -> float:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_core.compiled import Floats, compiled
+from rthm_core.compiled import Floats, compiled_in_place
 from rthm_core.energy import TERMS, delay_matrices
 from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.linear_loop import Exosystem, exosystem, with_loads
@@ -64,7 +64,7 @@ def _further_load(spec: Spec) -> list[tuple[Load, int]]:
     return [(load(section), n1 + spec.loop().numerical.dofs.index(section.dof))]
 
 
-@compiled
+@compiled_in_place
 def _rows(side: Physical, step: int, out: Floats, listed: Floats) -> None:
     for row in range(out.shape[0]):
         advance_physical(side, row * step)

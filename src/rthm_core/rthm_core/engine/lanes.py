@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers, compiled, inlined, inlined_allocating
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 
 LANES = 64
@@ -62,7 +62,7 @@ def _product(a: Floats, b: Floats, out: Floats) -> None:
                     out[i, j, lane] += a[i, k, lane] * b[k, j, lane]
 
 
-@inlined
+@inlined_allocating
 def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) -> None:
     """``exp(a t) - 1`` of all lanes into `grown`, by scaling and squaring of the series."""
     n = a.shape[0]

@@ -129,21 +129,12 @@ LARGEST_JOINT = 16
 """Largest joint state of which works over many different lengths are tabulated."""
 
 
-def linear_rows(spec: Spec, end: int, step: int, *, energies: bool = False) -> Rows | None:
-    """Rows of a linear loop every `step` ns up to `end` ns; None where there is no fast way for it."""
-    blocks = linear_blocks(spec, end, step, energies=energies, span=end + 1)
-    if blocks is None:
-        return None
-    found = list(blocks)
-    return (
-        found[0] if len(found) == 1 else Rows(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-    )
-
-
 def linear_blocks(
     spec: Spec, end: int, step: int, *, energies: bool, span: int = CHUNK_NS
 ) -> Iterator[Rows] | None:
-    """The same, in blocks of about `span` ns one after the other."""
+    """Rows of a linear loop every `step` ns up to `end` ns, in blocks of about `span` ns; None where there is
+    no fast way for it.
+    """
     model = _model(spec, energies)
     if model is None:
         return None
@@ -162,7 +153,7 @@ def _block(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Rows, 
     return Rows(*(array[:-1] for array in rows)), start._replace(state=state)
 
 
-def _rows_within(begin: int, stop: int, step: int) -> int:
+def rows_within(begin: int, stop: int, step: int) -> int:
     """Number of rows in [begin, stop)."""
     return -(-stop // step) - -(-begin // step)
 
@@ -173,7 +164,7 @@ def _repeated(model: _Model, one: Prepared, start: Start, end: int, step: int, s
     passes = max(1, -(-span // period))
     start, further = copied(start), without_first_pass(one)
     for begin in range(0, end + 1, passes * period):
-        count = _rows_within(begin, min(begin + passes * period, end + 1), step)
+        count = rows_within(begin, min(begin + passes * period, end + 1), step)
         rows = _empty_rows(model.loop, count + 1, energies=one.works is not None)
         left = min(passes, (end - begin) // period + 1)
         operations = one.operations._replace(time=times + begin) if begin else one.operations
@@ -197,14 +188,14 @@ def _irregular(spec: Spec, model: _Model, end: int, step: int) -> Iterator[Rows]
             moved = operations.time[(operations.what != REFERENCE) | counting]
             since_then = (int(moved.max(initial=since[0])), since_then[1])
         one = prepared(model.loop, chosen, chosen, 0, model.ledger)
-        rows = _empty_rows(model.loop, _rows_within(begin, stop, step) + 1, energies=counting)
+        rows = _empty_rows(model.loop, rows_within(begin, stop, step) + 1, energies=counting)
         block, start = _block(one, start, 1, rows)
         yield block
         since = since_then
 
 
 def kernel_call(spec: Spec, end: int, step: int) -> Callable[[], Rows] | None:
-    """What `linear_rows` runs after all preparation, for measurements; None where nothing repeats."""
+    """What `linear_blocks` runs after all preparation, for measurements; None where nothing repeats."""
     model, repeating = _model(spec, False), _repeating(spec, step, False)
     if model is None or repeating is None:
         return None

@@ -125,9 +125,14 @@ def with_loads(ab: Floats, y: Floats, held: Floats, loads: Exosystem) -> Side:
 
 def linear_loop(spec: Spec) -> LinearLoop | None:
     """Matrices of a loop; None where something in it is not linear or not of constant coefficients."""
+    return linear_part(spec) if build(spec).model.laws is None else None
+
+
+def linear_part(spec: Spec) -> LinearLoop | None:
+    """The same without the plant's laws that are not linear; wires that are not linear have no force here."""
     physical, number, control = build(spec), numerical(as_built(spec, "numerical")), controller(spec)
     one, two = exosystem(physical.model.loads), exosystem(number.loads)
-    if one is None or two is None or control.compensation.code != NONE or not _is_linear(physical):
+    if one is None or two is None or control.compensation.code != NONE or _has_limits(physical):
         return None
     sides = interface(spec)
     plant = with_loads(physical.model.whole.ab, physical.state.whole, first_command(spec), one)
@@ -148,10 +153,10 @@ def linear_loop(spec: Spec) -> LinearLoop | None:
     )
 
 
-def _is_linear(physical: Physical) -> bool:
+def _has_limits(physical: Physical) -> bool:
+    """Whether commands are rounded or limited."""
     shape = physical.model.drive.conditioning
-    free = np.all(shape[QUANTUM] == 0.0) and np.all(np.isinf(shape[[LIMIT, RATE]]))
-    return physical.model.laws is None and bool(free)
+    return bool(np.any(shape[QUANTUM] != 0.0) or np.any(np.isfinite(shape[[LIMIT, RATE]])))
 
 
 def _samples(physical: Physical, side: Side) -> tuple[Floats, Floats, Sensors | None]:

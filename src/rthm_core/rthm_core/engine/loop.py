@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
 from rthm_core.controller import ControllerState, control, latch_force, latch_state
 from rthm_core.energy import total_energy
 from rthm_core.engine.ledger import Ledger, advance_counting
@@ -58,14 +58,12 @@ def _sample(loop, t, number):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _state_sample(rings, number):  # type: ignore[no-untyped-def]
-    return rings.sample[number % rings.sample.shape[0]] if number >= 0 else rings.first_sample
-
-
-@inlined
 def _reference(loop, number, state):  # type: ignore[no-untyped-def]
     """Tick of the numerical substructure: latch the plant's motion and give F_d."""
-    copy_into(loop.numerical.held, _state_sample(loop.rings, state))
+    samples = loop.rings.sample
+    copy_into(
+        loop.numerical.held, samples[state % samples.shape[0]] if state >= 0 else loop.rings.first_sample
+    )
     interface_force(
         loop.numerical, loop.numerical.held, loop.rings.reference[number % loop.rings.reference.shape[0]]
     )
@@ -76,7 +74,7 @@ def _command(loop, t, state, reference):  # type: ignore[no-untyped-def]
     """Update of the controller: latch what has arrived and give u_d in its two parts."""
     rings, m = loop.rings, loop.physical.model.m
     if state >= 0:
-        sample = _state_sample(rings, state)
+        sample = rings.sample[state % rings.sample.shape[0]]
         latch_state(loop.controller, state * loop.td1, sample[:m], sample[m:])
     if reference >= 0:
         latch_force(
@@ -119,7 +117,7 @@ def _output(loop, row):  # type: ignore[no-untyped-def]
     row[at + 6] = total_energy(loop.ledger.bodies, y1[:n1], y1[n1 : 2 * n1], y2[:n2], y2[n2:])
 
 
-@compiled
+@compiled_in_place
 def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
     """Execute `events` in order; row r of the outputs goes to ``out[r - first_row]``."""
     counting = loop.ledger.on

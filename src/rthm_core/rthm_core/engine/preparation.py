@@ -109,12 +109,13 @@ class Start(NamedTuple):
     joint: Floats
 
 
+def filled(row: Floats, needed: int) -> Floats:
+    """Memory of at least so many rows, all of them what has been there before the test."""
+    return np.tile(row, (1 << (needed + 1).bit_length(), 1))
+
+
 def start_of(loop: LinearLoop, samples: int, references: int) -> Start:
     """Start of a loop that looks back on so many samples and references."""
-
-    def filled(row: Floats, needed: int) -> Floats:
-        return np.tile(row, (1 << (needed + 1).bit_length(), 1))
-
     state = [vector(v) for side in (loop.plant, loop.numerical) for v in (side.state(0.0), side.held)]
     return Start(
         tuple(state),

@@ -14,8 +14,9 @@ from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.energy import TERMS
 from rthm_core.engine.coupled import simulate_coupled
+from rthm_core.engine.curved import curved_blocks
 from rthm_core.engine.ledger import ledger
-from rthm_core.engine.linear import Rows, linear_blocks, linear_rows
+from rthm_core.engine.linear import CHUNK_NS, Rows, linear_blocks
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 SYSTEMS = ("hybrid", "ideal", "taylor")
-CHUNK_NS = 10_000_000_000
-"""Span of time whose events are held at once; bounds the memory of a long run."""
 
 
 @dataclass
@@ -98,7 +97,7 @@ def simulate(
     step = _checked(spec, duration, sample, system)
     if system != "hybrid" or not spec.is_loop:
         return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
-    rows = linear_rows(spec, to_ns(duration), step, energies=energies)
+    rows = _fast_rows(spec, to_ns(duration), step, energies=energies)
     if rows is not None:
         return _of_rows(spec, rows, step)
     return simulate_any(spec, to_ns(duration), step, energies=energies, progress=progress)
@@ -113,7 +112,7 @@ def simulate_blocks(
     """
     step, end = _checked(spec, duration, sample, "hybrid"), to_ns(duration)
     n1, n2, m = len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
-    blocks = linear_blocks(spec, end, step, energies=energies)
+    blocks = fast_blocks(spec, end, step, energies=energies)
     first_row = 0
     if blocks is not None:
         for rows in blocks:
@@ -124,6 +123,24 @@ def simulate_blocks(
     for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7, None):
         yield _trajectory(block, step, n1, n2, m, energies=energies, first_row=first_row)
         first_row += block.shape[0]
+
+
+def fast_blocks(
+    spec: Spec, end: int, step: int, *, energies: bool, span: int = CHUNK_NS
+) -> Iterator[Rows] | None:
+    """Rows of a loop by the kernel of linear loops or by that of laws on the plant; None if neither fits."""
+    blocks = linear_blocks(spec, end, step, energies=energies, span=span)
+    return curved_blocks(spec, end, step, energies=energies, span=span) if blocks is None else blocks
+
+
+def _fast_rows(spec: Spec, end: int, step: int, *, energies: bool) -> Rows | None:
+    blocks = fast_blocks(spec, end, step, energies=energies, span=end + 1)
+    if blocks is None:
+        return None
+    found = list(blocks)
+    return (
+        found[0] if len(found) == 1 else Rows(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    )
 
 
 def simulate_any(

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
 from rthm_core.physical.drive import (
@@ -19,9 +19,9 @@ from rthm_core.physical.drive import (
     motor_velocity,
     settled,
 )
-from rthm_core.physical.flow import POSITION, VELOCITY, mechanics_rate, wire_force
+from rthm_core.physical.flow import mechanics_rate, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, Trace, Work, integrate, trace, work
-from rthm_core.physical.laws import DOF
+from rthm_core.physical.laws import DOF, POSITION, VELOCITY
 from rthm_core.physical.model import PhysicalModel, Resting
 from rthm_core.physical.sensors import measured
 
@@ -303,20 +303,20 @@ def present_rate(physical, dy):  # type: ignore[no-untyped-def]
     )
 
 
-@compiled
+@compiled_in_place
 def advance_to(physical: Physical, to_ns: int) -> None:
     """Advance to an instant (compiled face)."""
     advance_physical(physical, to_ns)
 
 
-@compiled
+@compiled_in_place
 def command_and_advance(physical: Physical, at_ns: int, command: Floats) -> None:
     """Advance to an instant and give the motors a command there (compiled face)."""
     advance_physical(physical, at_ns)
     set_command(physical, command)
 
 
-@compiled
+@compiled_in_place
 def advance_and_sample(physical: Physical, stamp: int, out: Floats) -> None:
     """Advance to an instant and measure everything there (compiled face)."""
     advance_physical(physical, stamp)

@@ -8,6 +8,7 @@ from rthm_core.compiled import copy_into, inlined
 from rthm_core.physical.laws import (
     CODE,
     DOF,
+    FRICTION,
     NONLINEAR,
     PLACE,
     SLACK,
@@ -21,9 +22,6 @@ from rthm_core.physical.laws import (
     wire_rate,
     wire_settle,
 )
-
-POSITION, VELOCITY, FRICTION = 1, 2, 3
-"""How the pieces of a law meet; indices into ``laws.SPLITS``."""
 
 
 @inlined

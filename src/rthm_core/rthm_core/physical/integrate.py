@@ -18,8 +18,9 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, copy_into, inlined
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.physical.drive import motor_position
-from rthm_core.physical.flow import FRICTION, POSITION, VELOCITY, mechanics_rate, settle_wires
-from rthm_core.physical.laws import PLACE, SPLIT
+from rthm_core.physical.flow import mechanics_rate, settle_wires
+from rthm_core.physical.laws import FRICTION, SPLIT
+from rthm_core.physical.switching import loose_piece, margin, switched
 
 RELATIVE_ERROR = 1e-11
 SMALLEST_SCALE = 1e-2
@@ -156,19 +157,9 @@ def _error(work, scale, h):  # type: ignore[no-untyped-def]
 @inlined
 def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its piece; negative: it has left it."""
-    laws = model.laws
-    if row >= laws.numbers.shape[0]:
+    if row >= model.laws.numbers.shape[0]:
         return piece * hold[row]
-    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
-    if split == POSITION:
-        above = laws.thresholds[row, piece] - y[dof] if piece < 2 else np.inf
-        below = y[dof] - laws.thresholds[row, piece - 1] if piece > 0 else np.inf
-        return min(above, below)
-    if split == FRICTION and piece == 0:
-        return laws.breakaway[row] - abs(hold[row])
-    if split in (VELOCITY, FRICTION):
-        return piece * y[model.n + dof]
-    return np.inf
+    return margin(model.laws, model.n, row, piece, y, hold[row])
 
 
 @inlined
@@ -207,28 +198,12 @@ def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _loose(hold):  # type: ignore[no-untyped-def]
-    """Piece of a friction that comes loose: the dof moves against the force that held it."""
-    return -1 if hold > 0.0 else 1
-
-
-@inlined
 def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
     """Put law `row` into the piece that is in force from here on."""
-    laws, pieces, y = model.laws, state.pieces, state.y
-    if row >= laws.numbers.shape[0]:
-        pieces[row] = -pieces[row]
-        return
-    split, piece, dof = laws.numbers[row, SPLIT], pieces[row], laws.numbers[row, PLACE]
-    if split == POSITION:
-        pieces[row] = piece + 1 if piece < 2 and y[dof] >= laws.thresholds[row, piece] else piece - 1
-    elif split == VELOCITY:
-        pieces[row] = -piece
-    elif piece == 0:
-        pieces[row] = _loose(work.hold[row])
+    if row >= model.laws.numbers.shape[0]:
+        state.pieces[row] = -state.pieces[row]
     else:
-        y[model.n + dof] = 0.0
-        pieces[row] = 0
+        state.pieces[row] = switched(model.laws, model.n, row, state.pieces[row], state.y, work.hold[row])
 
 
 @inlined
@@ -246,7 +221,7 @@ def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
                 loose = row
         if loose < 0:
             return
-        state.pieces[loose] = _loose(work.hold[loose])
+        state.pieces[loose] = loose_piece(work.hold[loose])
 
 
 @inlined

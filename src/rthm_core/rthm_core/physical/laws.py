@@ -23,6 +23,8 @@ SLACK = WIRE_LAWS.index(Slack)
 """Code of the law by which a wire goes slack."""
 
 SPLITS = ("none", "position", "velocity", "friction")
+NONE, POSITION, VELOCITY, FRICTION = range(4)
+"""How the pieces of a law meet; indices into `SPLITS`."""
 MOST_PARAMETERS = 8
 
 plant_force = chosen(

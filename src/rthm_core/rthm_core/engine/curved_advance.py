@@ -1,0 +1,391 @@
+"""Advance a loop whose plant has laws that are not linear, compiled.
+
+Over a step the forces of the laws are polynomials in time: constant, or of third degree through their
+values at the start and after each third (collocation, found by iteration). With such forces the motion is
+exact; where it would leave a piece on the way, the step ends at the root of the motion's own series.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers, inlined
+from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
+from rthm_core.engine.curved_steps import MOST_TERMS, ORDERS, at, fill, series
+from rthm_core.physical.laws import (
+    CODE,
+    FRICTION,
+    PLACE,
+    POSITION,
+    SPLIT,
+    STATE,
+    STATES,
+    plant_force,
+    plant_rate,
+)
+from rthm_core.physical.switching import loose_piece, margin, switched
+
+TOLERANCE = 1e-8
+"""What the neglected degree of a force may be, relative to the largest force that a law has had."""
+
+SETTLED = 1e-13
+"""Change of the forces, relative likewise, at which the iteration ends."""
+
+MOST_SWITCHES = 200
+"""Switches within one step that are followed."""
+
+SMALLEST = 1e-10
+"""Shortest step, in s, that is halved no further."""
+
+
+class Work(NamedTuple):
+    """Scratch, and what lasts from step to step.
+
+    Attributes
+    ----------
+    end : (d,) array
+        [y, held, g] at the end of a step.
+    y : (N,) array
+        State after a stage.
+    g : (4, G) array
+        Forces at the start and after each third.
+    polynomial : (orders, G) array
+        Their coefficients over the step.
+    terms : (MOST_TERMS + ORDERS, N) array
+        Series of the motion.
+    scale : (1,) array
+        Largest acceleration by a law.
+    pieces : (L,) array
+        In force.
+    moments : (d (d + 1) / 2,) array
+        Integrals of the products of [y, held, g] so far; empty where works are not counted.
+    """
+
+    end: Floats
+    y: Floats
+    g: Floats
+    polynomial: Floats
+    terms: Floats
+    scale: Floats
+    pieces: Integers
+    moments: Floats
+
+
+def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: bool) -> Work:
+    """Work at the start of a test."""
+    return Work(
+        np.zeros(d),
+        np.zeros(size),
+        np.zeros((4, g)),
+        np.zeros((orders, g)),
+        np.zeros((MOST_TERMS + ORDERS, size)),
+        np.full(1, 1e-2),
+        pieces.copy(),
+        np.zeros(d * (d + 1) // 2 if counting else 0),
+    )
+
+
+@inlined
+def _forces(laws, n, y, t, pieces, out):  # type: ignore[no-untyped-def]
+    """Forces of the laws and rates of their own states, at time `t` (s)."""
+    own = laws.numbers.shape[0]
+    for row in range(laws.numbers.shape[0]):
+        states = laws.numbers[row, STATES]
+        out[row] = 0.0
+        for i in range(own, own + states):
+            out[i] = 0.0
+        if laws.numbers[row, SPLIT] != FRICTION or pieces[row] != 0:
+            dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
+            p = laws.parameters[row]
+            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, pieces[row])
+            if states:
+                rates = out[own : own + states]
+                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, pieces[row], rates)
+        own += states
+
+
+@inlined
+def _set_of(bits, pieces):  # type: ignore[no-untyped-def]
+    """Number of the set of dofs that stick."""
+    number = 0
+    for row in range(bits.size):
+        if pieces[row] == 0:
+            number += bits[row]
+    return number
+
+
+@inlined
+def _product(row, z):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for j in range(row.size):
+        total += row[j] * z[j]
+    return total
+
+
+@inlined
+def _begin(curved, z, t, pieces):  # type: ignore[no-untyped-def]
+    """Forces at the start of a step, into `z`; what is held by more than its breakaway force comes loose.
+    Returns the number of the set that sticks.
+    """
+    first = z.size - curved.push.shape[1]
+    for _ in range(2 * pieces.size + 1):
+        _forces(curved.laws, curved.n, z, t, pieces, z[first:])
+        number, loose, hold = _set_of(curved.bits, pieces), -1, 0.0
+        if number == 0:
+            break
+        for row in range(pieces.size):
+            if curved.bits[row] and pieces[row] == 0:
+                held = _product(curved.holds[number, row], z)
+                if abs(held) > curved.laws.breakaway[row]:
+                    loose, hold = row, held
+        if loose < 0:
+            break
+        pieces[loose] = loose_piece(hold)
+    return number
+
+
+@inlined
+def _step(matrix, z, count, out):  # type: ignore[no-untyped-def]
+    """What the leading `count` rows of a matrix make of `z`."""
+    for i in range(matrix.shape[1]):
+        out[i] = matrix[0, i] * z[0]
+    for j in range(1, count):
+        for i in range(matrix.shape[1]):
+            out[i] += matrix[j, i] * z[j]
+
+
+@inlined
+def _fit(g, polynomial):  # type: ignore[no-untyped-def]
+    """Polynomial, in thirds of the step, through the forces."""
+    for j in range(g.shape[1]):
+        one, two = g[1, j] - g[0, j], g[2, j] - 2.0 * g[1, j] + g[0, j]
+        three = g[3, j] - 3.0 * g[2, j] + 3.0 * g[1, j] - g[0, j]
+        polynomial[0, j] = g[0, j]
+        polynomial[1, j] = one - two / 2.0 + three / 3.0
+        polynomial[2, j] = (two - three) / 2.0
+        polynomial[3, j] = three / 6.0
+
+
+@inlined
+def _neglected(weight, g):  # type: ignore[no-untyped-def]
+    """What a fourth degree of the forces would be, judged by how second and third follow one another."""
+    worst = 0.0
+    for j in range(g.shape[1]):
+        two = abs(g[2, j] - 2.0 * g[1, j] + g[0, j])
+        three = abs(g[3, j] - 3.0 * g[2, j] + 3.0 * g[1, j] - g[0, j])
+        if three > 0.0:
+            worst = max(worst, weight[j] * three * three / max(two, three))
+    return worst
+
+
+@inlined
+def _stage(matrix, z, first, polynomial, y):  # type: ignore[no-untyped-def]
+    """State after a stage of a step whose forces are known, into `y`."""
+    _step(matrix, z, first, y)
+    row = first
+    for r in range(polynomial.shape[0]):
+        for j in range(polynomial.shape[1]):
+            for i in range(y.size):
+                y[i] += matrix[row, i] * polynomial[r, j]
+            row += 1
+
+
+@inlined
+def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
+    """Step with forces that change, to ``work.end``; whether the iteration settled and the degree does."""
+    first, g, end = z.size - curved.push.shape[1], work.g, work.end
+    for j in range(g.shape[1]):
+        for stage in range(4):
+            g[stage, j] = z[first + j]
+    settled = False
+    for _ in range(12):
+        _fit(g, work.polynomial)
+        change = 0.0
+        for stage in range(3):
+            _stage(matrices[stage], z, first, work.polynomial, work.y)
+            after = t + length * (stage + 1) / 3.0
+            _forces(curved.laws, curved.n, work.y, after, work.pieces, end[first:])
+            for j in range(g.shape[1]):
+                change = max(change, abs(end[first + j] - g[stage + 1, j]) * curved.weight[j])
+                g[stage + 1, j] = end[first + j]
+        settled = change <= SETTLED * work.scale[0]
+        if settled:
+            break
+    for i in range(work.y.size):
+        end[i] = work.y[i]
+    return settled and _neglected(curved.weight, g) <= TOLERANCE * work.scale[0]
+
+
+@inlined
+def _try(curved, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
+    """Step of `length` from `z` to ``work.end``; whether it is good enough."""
+    first, end = z.size - curved.push.shape[1], work.end
+    for j in range(curved.systems.shape[1], z.size):
+        end[j] = z[j]
+    if not curved.steady:
+        for j in range(first, z.size):
+            work.scale[0] = max(work.scale[0], abs(z[j]) * curved.weight[j - first])
+        return _collocate(curved, work, matrices, z, t, length)
+    _step(matrices[0], z, z.size, end)
+    return True
+
+
+@inlined
+def _margin(curved, number, row, piece, z):  # type: ignore[no-untyped-def]
+    """Margin of a law, with the force that holds its dof if it sticks."""
+    hold = 0.0
+    if piece == 0 and curved.laws.numbers[row, SPLIT] == FRICTION:
+        hold = _product(curved.holds[number, row], z)
+    return margin(curved.laws, curved.n, row, piece, z, hold)
+
+
+@inlined
+def _turning(curved, number, row, z):  # type: ignore[no-untyped-def]
+    """What vanishes where the margin of a law is least: velocity, or acceleration, of its dof."""
+    velocity = curved.laws.numbers[row, PLACE] + curved.n
+    value = z[velocity]
+    if curved.laws.numbers[row, SPLIT] != POSITION:
+        value = _product(curved.systems[number, velocity], z)
+    return value
+
+
+@inlined
+def _dips(curved, number, row, piece, z, end):  # type: ignore[no-untyped-def]
+    """Whether a law may have left its piece and come back to it within the step."""
+    split = curved.laws.numbers[row, SPLIT]
+    if split == POSITION:
+        return _turning(curved, number, row, z) * _turning(curved, number, row, end) < 0.0
+    if split == 0 or piece == 0 or piece * _turning(curved, number, row, end) <= 0.0:
+        return False
+    return piece * _turning(curved, number, row, z) < 0.0
+
+
+@inlined
+def _least(curved, work, number, row, terms):  # type: ignore[no-untyped-def]
+    """Share of the step at which the margin of a law is least; the state there is left in ``work.end``."""
+    low, high = 0.0, 1.0
+    at(work.terms, terms, 1.0, work.end)
+    sign = 1.0 if _turning(curved, number, row, work.end) > 0.0 else -1.0
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        at(work.terms, terms, middle, work.end)
+        if sign * _turning(curved, number, row, work.end) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+@inlined
+def _root(curved, work, number, row, terms, high):  # type: ignore[no-untyped-def]
+    """First share of the step at which a law has left its piece, which it has at `high` (Illinois method)."""
+    piece, low, at_low = work.pieces[row], 0.0, 0.0
+    at(work.terms, terms, high, work.end)
+    at_high = _margin(curved, number, row, piece, work.end)
+    for _ in range(100):
+        if high - low <= 1e-14:
+            break
+        middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        at(work.terms, terms, middle, work.end)
+        value = _margin(curved, number, row, piece, work.end)
+        if value < 0.0:
+            at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
+            high, at_high = middle, value
+        else:
+            at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
+            low, at_low = middle, value
+    return high
+
+
+@inlined
+def _expand(curved, work, number, z, length):  # type: ignore[no-untyped-def]
+    """Series of the motion over the step just tried; its number of terms."""
+    factor, first = 1.0, z.size - curved.push.shape[1]
+    for r in range(work.polynomial.shape[0]):
+        for j in range(work.polynomial.shape[1]):
+            work.polynomial[r, j] = work.polynomial[r, j] * factor if not curved.steady else z[first + j]
+        factor *= 3.0
+    return series(curved.systems[number], curved.fastest, length, z, work.polynomial, work.terms)
+
+
+@inlined
+def _first_left(curved, work, number, z, length):  # type: ignore[no-untyped-def]
+    """First law that leaves its piece within the step just tried (-1: none), the share of the step at which
+    it does, and the number of terms of the series (0: not needed).
+    """
+    terms, law, share = 0, -1, 1.0
+    for row in range(work.pieces.size):
+        piece, end = work.pieces[row], 1.0
+        left = _margin(curved, number, row, piece, work.end) < 0.0
+        if not left and not _dips(curved, number, row, piece, z, work.end):
+            continue
+        if terms == 0:
+            terms = _expand(curved, work, number, z, length)
+        if not left:
+            end = _least(curved, work, number, row, terms)
+            left = _margin(curved, number, row, piece, work.end) < 0.0
+        if left:
+            root = _root(curved, work, number, row, terms, end)
+            if root < share or law < 0:
+                law, share = row, root
+        at(work.terms, terms, 1.0, work.end)
+    return law, share, terms
+
+
+@inlined
+def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-def]
+    """Add the moments over a share of the step whose series is known."""
+    first, point = z.size - curved.push.shape[1], work.end
+    for node in range(GAUSS_NODES.size):
+        s = share * GAUSS_NODES[node]
+        at(work.terms, terms, s, point)
+        for j in range(work.polynomial.shape[1]):
+            total = 0.0
+            for r in range(work.polynomial.shape[0] - 1, -1, -1):
+                total = total * s + work.polynomial[r, j]
+            point[first + j] = total
+        weight, pair = GAUSS_WEIGHTS[node] * share * length, 0
+        for i in range(z.size):
+            for j in range(i, z.size):
+                work.moments[pair] += weight * point[i] * point[j]
+                pair += 1
+
+
+@inlined
+def advance(curved, steps, work, z, k, t):  # type: ignore[no-untyped-def]
+    """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on."""
+    size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
+    done, length, switches = 0.0, whole, 0
+    while done < whole:
+        number = _begin(curved, z, t + done, work.pieces)
+        slot = number * lengths + k if length == whole else steps.filled.size - 1
+        if length != whole or not steps.filled[slot]:
+            fill(curved.systems[number], curved.fastest, steps, slot, length)
+            steps.filled[slot] = 1
+        if not _try(curved, work, steps.matrices[slot], z, t + done, length) and length > SMALLEST:
+            length *= 0.5
+            continue
+        law, share, terms = -1, 1.0, 0
+        if switches < MOST_SWITCHES:
+            law, share, terms = _first_left(curved, work, number, z, length)
+        if work.moments.size:
+            terms = terms if terms else _expand(curved, work, number, z, length)
+            _count(curved, work, terms, z, share, length)
+        if law >= 0:
+            at(work.terms, terms, share, work.end)
+        elif work.moments.size:
+            at(work.terms, terms, 1.0, work.end)
+        if law >= 0:
+            hold = _product(curved.holds[number, law], work.end)
+            piece = work.pieces[law]
+            work.pieces[law] = switched(curved.laws, curved.n, law, piece, work.end, hold)
+            switches += 1
+        for i in range(size):
+            z[i] = work.end[i]
+        done = whole if law < 0 and done + length >= whole else done + share * length
+        length = min(whole - done, 2.0 * length) if law < 0 else whole - done
+    _forces(curved.laws, curved.n, z, t + whole, work.pieces, z[z.size - curved.push.shape[1] :])

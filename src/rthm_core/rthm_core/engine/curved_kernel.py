@@ -1,0 +1,182 @@
+"""The compiled kernel of loops whose plant has laws that are not linear: executes a program."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.engine.curved_advance import Work, advance
+from rthm_core.engine.curved_loop import Curved
+from rthm_core.engine.curved_quiet import quiet_step
+from rthm_core.engine.curved_steps import Steps
+from rthm_core.engine.kernel import Memory
+from rthm_core.physical.sensors import Sensors, measured
+from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+
+
+class Looks(NamedTuple):
+    """What is seen of ``z = [y, held, g]``.
+
+    Attributes
+    ----------
+    sample, force, reference : (., N + M) arrays
+        Measured motion, forces in the wires, F_d.
+    motion : (2 n1 + 2 n2,) array
+        Places of x1, v1, x2, v2.
+    bias : (2 m,) array
+        Of the samples.
+    sensors : Sensors
+        Those of the samples; no rows where they add nothing.
+    k_tot : (m,) array
+        What the controller computes with, N/m.
+    forms : (7, d (d + 1) / 2) array
+        Works from the moments, and last the energy; empty where they are not counted.
+    """
+
+    sample: Floats
+    force: Floats
+    reference: Floats
+    motion: Integers
+    bias: Floats
+    sensors: Sensors
+    k_tot: Floats
+    forms: Floats
+
+
+class Operations(NamedTuple):
+    """Program: arrays (operations,), and (2, operations) for the first and for every further pass.
+
+    `length` is the number of the length since the operation before, -1: none.
+    """
+
+    what: Integers
+    time: Integers
+    length: Integers
+    sample: Integers
+    reference: Integers
+    period: int
+
+
+class Outputs(NamedTuple):
+    """Rows [x1, v1, F], [x2, v2], F_d in use, and works with the energy."""
+
+    plant: Floats
+    numerical: Floats
+    reference: Floats
+    works: Floats
+
+
+@inlined
+def _seen(matrix, z, out):  # type: ignore[no-untyped-def]
+    for i in range(matrix.shape[0]):
+        total = 0.0
+        for j in range(matrix.shape[1]):
+            total += matrix[i, j] * z[j]
+        out[i] = total
+
+
+@inlined
+def _sample(looks, z, stamp, out):  # type: ignore[no-untyped-def]
+    _seen(looks.sample, z, out)
+    for i in range(out.size):
+        out[i] += looks.bias[i]
+        if looks.sensors.key.size:
+            out[i] = measured(looks.sensors, i, out[i], looks.bias, stamp)
+
+
+@inlined
+def _works(forms, moments, z, out):  # type: ignore[no-untyped-def]
+    """Works so far, and the energy of the present state."""
+    last = forms.shape[0] - 1
+    for term in range(last):
+        total = 0.0
+        for pair in range(moments.size):
+            total += forms[term, pair] * moments[pair]
+        out[term] = total
+    energy, pair = 0.0, 0
+    for i in range(z.size):
+        for j in range(i, z.size):
+            energy += forms[last, pair] * z[i] * z[j]
+            pair += 1
+    out[last] = energy
+
+
+@compiled_in_place
+def run_curved(
+    curved: Curved,
+    steps: Steps,
+    work: Work,
+    looks: Looks,
+    operations: Operations,
+    memory: Memory,
+    z: Floats,
+    passes: int,
+    out: Outputs,
+) -> None:
+    """Execute a program `passes` times or until the rows `out` are full, from ``z = [y, held, g]`` on."""
+    samples, references, count = memory
+    s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
+    s, r, row = count[0], count[1], count[2]
+    size, m = curved.systems.shape[1], looks.k_tot.size
+    held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
+    motion, force = looks.motion, looks.force
+    plant, numerical, reference, works = out
+    x1v1 = plant.shape[1] - m
+    quick = curved.steady and not counting
+    systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
+    breakaway, pieces, end = curved.laws.breakaway, work.pieces, work.end
+    matrices, filled, lengths = steps.matrices, steps.filled, steps.lengths
+    for p in range(passes):
+        later = min(p, 1)
+        for e in range(operations.what.size):
+            what, k = operations.what[e], operations.length[later, e]
+            now = operations.time[e] + p * operations.period
+            quiet = quick and k >= 0
+            if quiet:
+                quiet = quiet_step(
+                    systems,
+                    holds,
+                    bits,
+                    places,
+                    curved.n,
+                    breakaway,
+                    matrices,
+                    filled,
+                    lengths,
+                    k,
+                    z,
+                    pieces,
+                    end,
+                )
+            if k >= 0 and not quiet:
+                advance(curved, steps, work, z, k, now * 1e-9 - lengths[k])
+            used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
+            if what == SAMPLE:
+                _sample(looks, z, now, samples[s & s_mask])
+                s += 1
+            elif what == REFERENCE:
+                for i in range(2 * m):
+                    z[held + i] = samples[used, i]
+                _seen(looks.reference, z, references[r & r_mask])
+                r += 1
+            elif what == MOTOR:
+                for i in range(m):
+                    force_part = references[asked, i] / looks.k_tot[i]
+                    if counting:
+                        z[size + i], z[size + m + i] = samples[used, i], force_part
+                    else:
+                        z[size + i] = samples[used, i] + force_part
+            elif what == OUTPUT:
+                for i in range(x1v1):
+                    plant[row, i] = z[motion[i]]
+                _seen(force, z, plant[row, x1v1:])
+                for i in range(numerical.shape[1]):
+                    numerical[row, i] = z[motion[x1v1 + i]]
+                for i in range(m):
+                    reference[row, i] = references[asked, i]
+                if counting:
+                    _works(looks.forms, work.moments, z, works[row])
+                row += 1
+                if row == plant.shape[0]:
+                    break
+    count[0], count[1], count[2] = s, r, row

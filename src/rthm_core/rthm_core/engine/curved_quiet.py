@@ -1,0 +1,65 @@
+"""Steps in which forces are constant and nothing switches, compiled: most steps of a loop with dry friction.
+
+Arrays are handed over one by one: compiled code counts the references to every array of a tuple, which costs
+more than such a step.
+"""
+
+from __future__ import annotations
+
+from rthm_core.compiled import inlined
+from rthm_core.physical.laws import PLACE
+
+
+@inlined
+def _holds_on(holds, limit, number, row, z, end):  # type: ignore[no-untyped-def]
+    """Whether a dof that sticks is held by at most `limit` at the start and the end of a step."""
+    before, after = 0.0, 0.0
+    for j in range(z.size):
+        before += holds[number, row, j] * z[j]
+        after += holds[number, row, j] * end[j]
+    return abs(before) <= limit and abs(after) <= limit
+
+
+@inlined
+def _moves_on(systems, number, velocity, piece, z, end):  # type: ignore[no-untyped-def]
+    """Whether a dof that slips still does so at the end of a step, and has not turned in between."""
+    if piece * end[velocity] < 0.0:
+        return False
+    after = 0.0
+    for j in range(z.size):
+        after += systems[number, velocity, j] * end[j]
+    if piece * after <= 0.0:
+        return True
+    before = 0.0
+    for j in range(z.size):
+        before += systems[number, velocity, j] * z[j]
+    return piece * before >= 0.0
+
+
+@inlined
+def quiet_step(systems, holds, bits, places, n, breakaway, matrices, filled, lengths, k, z, pieces, end):  # type: ignore[no-untyped-def]
+    """Step over length `k` from ``z = [y, held, g]`` on; whether it was taken, which it is not where anything
+    switches.
+    """
+    size, number = systems.shape[1], 0
+    for row in range(pieces.size):
+        number += bits[row] if pieces[row] == 0 else 0
+    slot = number * lengths.size + k
+    if not filled[slot]:
+        return False
+    for i in range(size):
+        total = 0.0
+        for j in range(z.size):
+            total += matrices[slot, 0, j, i] * z[j]
+        end[i] = total
+    for j in range(size, z.size):
+        end[j] = z[j]
+    for row in range(pieces.size):
+        piece, velocity = pieces[row], places[row, PLACE] + n
+        if piece == 0 and not _holds_on(holds, breakaway[row], number, row, z, end):
+            return False
+        if piece != 0 and not _moves_on(systems, number, velocity, piece, z, end):
+            return False
+    for i in range(size):
+        z[i] = end[i]
+    return True

@@ -1,0 +1,48 @@
+"""When a law leaves its piece, and which piece follows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_core.compiled import inlined
+from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT, VELOCITY
+
+
+@inlined
+def margin(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
+    """How far a law is from leaving its piece; negative: it has left it. `hold` is the force that holds the
+    dof, in N, where it sticks.
+    """
+    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+    left = np.inf
+    if split == POSITION:
+        if piece < 2:
+            left = laws.thresholds[row, piece] - y[dof]
+        if piece > 0:
+            left = min(left, y[dof] - laws.thresholds[row, piece - 1])
+    elif split == FRICTION and piece == 0:
+        left = laws.breakaway[row] - abs(hold)
+    elif split in (VELOCITY, FRICTION):
+        left = piece * y[n + dof]
+    return left
+
+
+@inlined
+def loose_piece(hold):  # type: ignore[no-untyped-def]
+    """Piece of a friction that comes loose: the dof moves against the force that held it."""
+    return -1 if hold > 0.0 else 1
+
+
+@inlined
+def switched(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
+    """Piece that follows the present one, which has just been left; a dof that begins to stick is stopped."""
+    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+    following = -piece
+    if split == POSITION:
+        following = piece + 1 if piece < 2 and y[dof] >= laws.thresholds[row, piece] else piece - 1
+    elif split == FRICTION and piece == 0:
+        following = loose_piece(hold)
+    elif split == FRICTION:
+        y[n + dof] = 0.0
+        following = 0
+    return following

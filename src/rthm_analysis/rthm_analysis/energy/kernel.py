@@ -91,10 +91,11 @@ def _bear(books, load):  # type: ignore[no-untyped-def]
 @inlined
 def _given(books, command):  # type: ignore[no-untyped-def]
     """Give the motors a command, and the ledger its two parts."""
-    fx, ff = books.ledger.fx, books.ledger.ff
+    fx, ff, both = books.ledger.fx, books.ledger.ff, books.ledger.parts[0]
     for i in range(fx.size):
         fx[i], ff[i] = command[i], command[fx.size + i]
-    set_command(books.physical, fx + ff)
+        both[i] = fx[i] + ff[i]
+    set_command(books.physical, both)
 
 
 @inlined

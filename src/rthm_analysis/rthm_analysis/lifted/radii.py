@@ -65,7 +65,7 @@ def moduli(loops: Stack, cycle: Cycle, units: Floats | None = None) -> Floats:
     return out
 
 
-@inlined
+@inlined_allocating
 def _fill_step(a, b, dt, step):  # type: ignore[no-untyped-def]
     """``[Phi, Gamma]`` (n, n + q) of a step of `dt`: a short Taylor series, then doubled."""
     n, q = a.shape[0], b.shape[1]

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numba
 
-from rthm_core.compiled import F, inlined
+from rthm_core.compiled import F, inlined, inlined_allocating
 from rthm_core.compiled import compiled as compiled_in_core
 
-__all__ = ["compiled", "inlined"]
+__all__ = ["compiled", "inlined", "inlined_allocating"]
 
 
 def _folder() -> str:

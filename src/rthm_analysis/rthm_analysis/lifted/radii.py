@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.lifted.compiled import compiled, inlined
+from rthm_analysis.lifted.compiled import compiled, inlined, inlined_allocating
 from rthm_analysis.lifted.cycle import Cycle
 from rthm_analysis.lifted.eigen import write_moduli
 from rthm_analysis.lifted.matrices import LinearLoop

@@ -106,6 +106,8 @@ class Schedule:
         self.links = {name: Link(spec, name) for name in ("tau1", "tau2", "tau3", "tau4")}
         motors = [e for e in spec.effects if e.block == "motor" and e.kind == "extra_delay"]
         self.motor_delay = to_ns(sum(float(e.parameters["delay"]) for e in motors))
+        none = np.empty(0, dtype=np.int64)
+        self._within_span, self._span = Commands(none, none, none, none), (0, 0)
 
     def ticks(self, period: int, begin: int, end: int) -> Integers:
         """Numbers of the ticks of a clock in [begin, end)."""
@@ -120,8 +122,16 @@ class Schedule:
         """Commands in [begin, end): on every tick of the controller, and when a reference changes between two
         of them.
         """
+        if self._span[0] <= begin and end <= self._span[1]:
+            within = slice(*np.searchsorted(self._within_span.time, [begin, end]))
+            return Commands(*(column[within] for column in self._within_span))
+        self._within_span, self._span = self._commands(begin, end), (begin, end)
+        return self._within_span
+
+    def _commands(self, begin: int, end: int) -> Commands:
         regular = self.ticks(self.td3, begin, end) * self.td3
-        extra = np.setdiff1d(self._reference_changes(begin, end), regular)
+        changes = self._reference_changes(begin, end)
+        extra = changes[changes % self.td3 != 0]
         time = np.concatenate([regular, extra])
         order = np.argsort(time, kind="stable")
         time, is_extra = time[order], (np.arange(time.size) >= regular.size)[order]
@@ -141,13 +151,14 @@ class Schedule:
         link = self.links["tau3"]
         numbers = self.ticks(self.td2, begin - 2 * link.reach_ns - self.td2, end)
         due = link.due_all(numbers * self.td2)
-        due = np.unique(due[overtaking(due)])
-        return due[(due >= begin) & (due < end)]
+        due = due[overtaking(due)]
+        first = np.diff(due, prepend=-1) > 0
+        return due[first & (due >= begin) & (due < end)]
 
     def arrivals(self, begin: int, end: int) -> tuple[Integers, Commands]:
         """Instants in [begin, end) at which a command becomes the input of a motor, and these commands."""
         link = self.links["tau4"]
-        sent = self.commands(begin - 2 * link.reach_ns - self.motor_delay - self.td3, end)
+        sent = self.commands(self._earliest(begin), end)
         due = link.due_all(sent.time)
         due = np.where(due < NEVER, due + self.motor_delay, NEVER)
         used = overtaking(due)
@@ -158,6 +169,7 @@ class Schedule:
         """Everything that happens in [begin, end), in order; with `output`, a row is written every `output`
         ns.
         """
+        self.commands(self._earliest(begin), self._latest(end))
         numbers, numerical_state = self.references(begin, end)
         commands = self.commands(begin, end)
         due, arriving = self.arrivals(begin, end)
@@ -185,13 +197,21 @@ class Schedule:
         columns += [np.concatenate([part[k] for part in parts]) for k in (3, 4, 5)]
         return Events(time[order], *(column[order].astype(np.int64) for column in columns))
 
+    def _earliest(self, begin: int) -> int:
+        """Instant of the first command that can arrive at or after `begin`."""
+        return begin - 2 * self.links["tau4"].reach_ns - self.motor_delay - self.td3
+
+    def _latest(self, end: int) -> int:
+        """Instant up to which samples taken before `end` can still be used."""
+        links = (self.links["tau1"], self.links["tau2"])
+        lost = 200 * self.td1 if any(link.loss for link in links) else 0
+        return end + max(link.reach_ns for link in links) + 2 * max(self.td2, self.td3) + lost
+
     def samples(self, begin: int, end: int) -> Integers:
         """Numbers of the samples taken in [begin, end) that anybody uses later."""
-        ahead = (
-            end + max(self.links["tau1"].reach_ns, self.links["tau2"].reach_ns) + 2 * max(self.td2, self.td3)
-        )
-        if self.links["tau1"].loss or self.links["tau2"].loss:
-            ahead += 200 * self.td1
-        states = [self.commands(begin, ahead).state, self.references(begin, ahead)[1]]
-        used = np.unique(np.concatenate(states))
-        return used[(used * self.td1 >= begin) & (used * self.td1 < end)]
+        ahead = self._latest(end)
+        first, stop = -(-begin // self.td1), -(-end // self.td1)
+        taken = np.zeros(max(stop - first, 0), dtype=bool)
+        for used in (self.commands(begin, ahead).state, self.references(begin, ahead)[1]):
+            taken[used[(used >= first) & (used < stop)] - first] = True
+        return np.flatnonzero(taken) + first

@@ -8,19 +8,20 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
+from rthm_core.engine.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.curved_advance import Work, work
 from rthm_core.engine.curved_kernel import Looks, Operations, Outputs, run_curved
 from rthm_core.engine.curved_loop import CurvedLoop, curved_loop
 from rthm_core.engine.curved_steps import LONGEST, ORDERS, Steps
+from rthm_core.engine.digits import LONGEST as LONGEST_LENGTH
+from rthm_core.engine.digits import digit_lengths, digit_works, in_digits
 from rthm_core.engine.kept import kept
 from rthm_core.engine.kernel import ROWS, Memory
-from rthm_core.engine.linear import CHUNK_NS, Rows, rows_within
+from rthm_core.engine.linear_ledger import LinearLedger, work_tables
 from rthm_core.engine.preparation import filled
 from rthm_core.engine.program import (
-    FEW_LENGTHS,
     STEP,
     Program,
-    in_digits,
     period_ns,
     program,
     reach_ns,
@@ -76,7 +77,23 @@ def _looks(loop: CurvedLoop) -> Looks:
     )
 
 
-def _steps(loop: CurvedLoop, lengths_ns: Integers) -> Steps | None:
+def _works(loop: CurvedLoop, lengths_ns: Integers | None) -> Floats:
+    """Tables of the works for every set of sticking dofs and length, or for every digit of a length; empty
+    where they are not counted or forces change within a step.
+    """
+    size, d = loop.curved.systems.shape[1:]
+    if not (loop.forms.size and loop.curved.steady):
+        return np.empty((0, 0, 0))
+    ledgers = [
+        LinearLedger(loop.linear, np.vstack([system, np.zeros((d - size, d))]), loop.forms)
+        for system in loop.curved.systems
+    ]
+    if lengths_ns is None:
+        return np.concatenate([digit_works(one)[:-1] for one in ledgers])
+    return np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers])
+
+
+def _steps(loop: CurvedLoop, lengths_ns: Integers, works: Floats) -> Steps | None:
     """Memory for the matrices of all lengths; None where it would be too much."""
     sets, n, d = loop.curved.systems.shape
     g, steady = loop.curved.push.shape[1], loop.curved.steady
@@ -91,6 +108,7 @@ def _steps(loop: CurvedLoop, lengths_ns: Integers) -> Steps | None:
         np.empty((slots, stages, rows, n)),
         np.zeros(slots, dtype=np.int64),
         np.asarray(lengths_ns * 1e-9, dtype=float),
+        works,
         np.empty((2, rows, n)),
         np.empty((d + 1, n)),
     )
@@ -143,8 +161,15 @@ def _repeating(spec: Spec, step: int, energies: bool) -> _Prepared | None:
     chosen, further = _split(operations, lengths, _longest(loop))
     first = np.where(chosen.time <= 0, 0, further)
     numbered, different = _operations(chosen, first, further, period)
-    steps = _steps(loop, different)
+    steps = _steps(loop, different, _works(loop, different))
     return None if steps is None else _Prepared(numbered, steps)
+
+
+@kept
+def _digit_steps(spec: Spec, energies: bool) -> Steps | None:
+    """Memory for the steps over every digit of a length."""
+    loop = _loop(spec, energies)
+    return None if loop is None else _steps(loop, digit_lengths(), _works(loop, None))
 
 
 def _start(loop: CurvedLoop, samples: int, references: int) -> _State:
@@ -174,11 +199,8 @@ def curved_blocks(
     repeating = _repeating(spec, step, energies)
     if repeating is not None:
         return _repeated(loop, repeating, end, step, span)
-    return (
-        _irregular(spec, loop, end, step)
-        if _steps(loop, np.zeros(3 * 256, dtype=np.int64)) is not None
-        else None
-    )
+    steps = _digit_steps(spec, energies)
+    return None if steps is None or step >= LONGEST_LENGTH else _irregular(spec, loop, steps, end, step)
 
 
 def _repeated(loop: CurvedLoop, one: _Prepared, end: int, step: int, span: int) -> Iterator[Rows]:
@@ -195,7 +217,7 @@ def _repeated(loop: CurvedLoop, one: _Prepared, end: int, step: int, span: int) 
         yield _block(loop, chosen, one.steps, state, left, count)
 
 
-def _irregular(spec: Spec, loop: CurvedLoop, end: int, step: int) -> Iterator[Rows]:
+def _irregular(spec: Spec, loop: CurvedLoop, steps: Steps, end: int, step: int) -> Iterator[Rows]:
     schedule, since = Schedule(spec), 0
     reach = reach_ns(schedule)
     state = _start(loop, reach // schedule.td1, reach // schedule.td2)
@@ -205,14 +227,11 @@ def _irregular(spec: Spec, loop: CurvedLoop, end: int, step: int) -> Iterator[Ro
         if operations.time.size == 0:
             continue
         lengths = np.diff(operations.time, prepend=since)
+        split, _ = _split(operations, lengths, _longest(loop))
+        chosen = in_digits(split, since)
         since = int(operations.time[-1])
-        if np.unique(lengths).size > FEW_LENGTHS:
-            operations = in_digits(operations, since - int(lengths.sum()), jointly=True)
-            lengths = operations.plant
-        chosen, split = _split(operations, lengths, _longest(loop))
-        numbered, different = _operations(chosen, split, split, 0)
-        steps = _steps(loop, different)
-        assert steps is not None
+        numbers = np.stack([chosen.plant, chosen.plant])
+        numbered = Operations(chosen.what, chosen.time, numbers, chosen.sample, chosen.reference, 0)
         yield _block(loop, numbered, steps, state, 1, rows_within(begin, stop, step))
 
 

@@ -47,30 +47,37 @@ class Work(NamedTuple):
     ----------
     end : (d,) array
         [y, held, g] at the end of a step.
-    y : (N,) array
-        State after a stage.
+    y, base : (N,), (3, N) arrays
+        State after a stage, and its part that does not depend on the forces.
     g : (4, G) array
         Forces at the start and after each third.
     polynomial : (orders, G) array
         Their coefficients over the step.
     terms : (MOST_TERMS + ORDERS, N) array
         Series of the motion.
+    slope : (G,) array
+        Rate of the forces at the end of the last step, from which the next iteration begins.
     scale : (1,) array
         Largest acceleration by a law.
     pieces : (L,) array
         In force.
     moments : (d (d + 1) / 2,) array
-        Integrals of the products of [y, held, g] so far; empty where works are not counted.
+        Integrals of the products of [y, held, g] over the last steps; empty where works are not counted.
+    sums : (8,) array
+        Works so far.
     """
 
     end: Floats
     y: Floats
+    base: Floats
     g: Floats
     polynomial: Floats
     terms: Floats
+    slope: Floats
     scale: Floats
     pieces: Integers
     moments: Floats
+    sums: Floats
 
 
 def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: bool) -> Work:
@@ -78,12 +85,15 @@ def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: 
     return Work(
         np.zeros(d),
         np.zeros(size),
+        np.zeros((3, size)),
         np.zeros((4, g)),
         np.zeros((orders, g)),
         np.zeros((MOST_TERMS + ORDERS, size)),
+        np.zeros(g),
         np.full(1, 1e-2),
         pieces.copy(),
         np.zeros(d * (d + 1) // 2 if counting else 0),
+        np.zeros(8),
     )
 
 
@@ -181,10 +191,11 @@ def _neglected(weight, g):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stage(matrix, z, first, polynomial, y):  # type: ignore[no-untyped-def]
+def _stage(matrix, base, first, polynomial, y):  # type: ignore[no-untyped-def]
     """State after a stage of a step whose forces are known, into `y`."""
-    _step(matrix, z, first, y)
     row = first
+    for i in range(y.size):
+        y[i] = base[i]
     for r in range(polynomial.shape[0]):
         for j in range(polynomial.shape[1]):
             for i in range(y.size):
@@ -198,13 +209,15 @@ def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped
     first, g, end = z.size - curved.push.shape[1], work.g, work.end
     for j in range(g.shape[1]):
         for stage in range(4):
-            g[stage, j] = z[first + j]
+            g[stage, j] = z[first + j] + work.slope[j] * length * stage / 3.0
+    for stage in range(3):
+        _step(matrices[stage], z, first, work.base[stage])
     settled = False
     for _ in range(12):
         _fit(g, work.polynomial)
         change = 0.0
         for stage in range(3):
-            _stage(matrices[stage], z, first, work.polynomial, work.y)
+            _stage(matrices[stage], work.base[stage], first, work.polynomial, work.y)
             after = t + length * (stage + 1) / 3.0
             _forces(curved.laws, curved.n, work.y, after, work.pieces, end[first:])
             for j in range(g.shape[1]):
@@ -215,6 +228,8 @@ def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped
             break
     for i in range(work.y.size):
         end[i] = work.y[i]
+    for j in range(g.shape[1]):
+        work.slope[j] = (5.5 * g[3, j] - 9.0 * g[2, j] + 4.5 * g[1, j] - g[0, j]) / length if settled else 0.0
     return settled and _neglected(curved.weight, g) <= TOLERANCE * work.scale[0]
 
 

@@ -85,15 +85,20 @@ def _sample(looks, z, stamp, out):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _works(forms, moments, z, out):  # type: ignore[no-untyped-def]
+def _add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
+    """Turn the moments into works."""
+    for pair in range(moments.size):
+        for term in range(forms.shape[0] - 1):
+            sums[term] += forms[term, pair] * moments[pair]
+        moments[pair] = 0.0
+
+
+@inlined
+def _works(forms, sums, z, out):  # type: ignore[no-untyped-def]
     """Works so far, and the energy of the present state."""
-    last = forms.shape[0] - 1
+    last, energy, pair = forms.shape[0] - 1, 0.0, 0
     for term in range(last):
-        total = 0.0
-        for pair in range(moments.size):
-            total += forms[term, pair] * moments[pair]
-        out[term] = total
-    energy, pair = 0.0, 0
+        out[term] = sums[term]
     for i in range(z.size):
         for j in range(i, z.size):
             energy += forms[last, pair] * z[i] * z[j]
@@ -122,10 +127,11 @@ def run_curved(
     motion, force = looks.motion, looks.force
     plant, numerical, reference, works = out
     x1v1 = plant.shape[1] - m
-    quick = curved.steady and not counting
+    matrices, filled, lengths, tables = steps.matrices, steps.filled, steps.lengths, steps.works
+    sums = work.sums
+    quick = curved.steady and (tables.shape[0] > 0 or not counting)
     systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
     breakaway, pieces, end = curved.laws.breakaway, work.pieces, work.end
-    matrices, filled, lengths = steps.matrices, steps.filled, steps.lengths
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
@@ -134,22 +140,12 @@ def run_curved(
             quiet = quick and k >= 0
             if quiet:
                 quiet = quiet_step(
-                    systems,
-                    holds,
-                    bits,
-                    places,
-                    curved.n,
-                    breakaway,
-                    matrices,
-                    filled,
-                    lengths,
-                    k,
-                    z,
-                    pieces,
-                    end,
-                )
+                    systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, tables,
+                    k, z, pieces, end, sums,
+                )  # fmt: skip
             if k >= 0 and not quiet:
                 advance(curved, steps, work, z, k, now * 1e-9 - lengths[k])
+                _add_moments(looks.forms, work.moments, sums)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:
                 _sample(looks, z, now, samples[s & s_mask])
@@ -175,7 +171,7 @@ def run_curved(
                 for i in range(m):
                     reference[row, i] = references[asked, i]
                 if counting:
-                    _works(looks.forms, work.moments, z, works[row])
+                    _works(looks.forms, sums, z, works[row])
                 row += 1
                 if row == plant.shape[0]:
                     break

@@ -1,7 +1,6 @@
 """Steps in which forces are constant and nothing switches, compiled: most steps of a loop with dry friction.
 
-Arrays are handed over one by one: compiled code counts the references to every array of a tuple, which costs
-more than such a step.
+Arrays are handed over one by one, which compiles to less than tuples of them.
 """
 
 from __future__ import annotations
@@ -37,9 +36,23 @@ def _moves_on(systems, number, velocity, piece, z, end):  # type: ignore[no-unty
 
 
 @inlined
-def quiet_step(systems, holds, bits, places, n, breakaway, matrices, filled, lengths, k, z, pieces, end):  # type: ignore[no-untyped-def]
+def _count(table, z, sums):  # type: ignore[no-untyped-def]
+    """Add the works of a step from `z` on."""
+    pair = 0
+    for i in range(z.size):
+        for j in range(i, z.size):
+            product = z[i] * z[j]
+            for column in range(sums.size):
+                sums[column] += table[pair, column] * product
+            pair += 1
+
+
+@inlined
+def quiet_step(  # type: ignore[no-untyped-def]
+    systems, holds, bits, places, n, breakaway, matrices, filled, lengths, works, k, z, pieces, end, sums
+):
     """Step over length `k` from ``z = [y, held, g]`` on; whether it was taken, which it is not where anything
-    switches.
+    switches. Works are added to `sums` (8,) where they are counted.
     """
     size, number = systems.shape[1], 0
     for row in range(pieces.size):
@@ -60,6 +73,8 @@ def quiet_step(systems, holds, bits, places, n, breakaway, matrices, filled, len
             return False
         if piece != 0 and not _moves_on(systems, number, velocity, piece, z, end):
             return False
+    if works.shape[0]:
+        _count(works[slot], z, sums)
     for i in range(size):
         z[i] = end[i]
     return True

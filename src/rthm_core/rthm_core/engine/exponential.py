@@ -12,7 +12,7 @@ _TERMS = 20
 """Terms of the series: exact to rounding where ``spectral radius * length <= 1/2``."""
 
 
-def exponentials(a: Floats, lengths_ns: Integers) -> Floats:
+def exponentials(a: Floats, lengths_ns: Integers | Floats) -> Floats:
     """Step matrices ``exp(a t)`` of the system ``dy/dt = a y``.
 
     Scaling and squaring of the Taylor series, on ``exp(a t) - 1`` so that slow modes stay exact to rounding

@@ -55,7 +55,8 @@ class Tables(NamedTuple):
 class Operations(NamedTuple):
     """Program for the kernel; arrays (2, operations): row 0 is the first pass, row 1 every further one.
 
-    `plant`, `numerical` and `work` say which of the matrices an operation takes, -1: none.
+    `plant`, `numerical` and `work` say which of the matrices an operation takes, -1: none; where works are
+    counted, both sides take a step, or none does.
     """
 
     what: Integers
@@ -262,15 +263,16 @@ def run(
                 s += 1
                 continue
             used, asked = (s - sample_back[e]) & s_mask, (r - reference_back[e]) & r_mask
-            if counting is not None:
+            step1, step2 = plant_at[later + e], numerical_at[later + e]
+            if counting is not None and step1 >= 0:
                 k = work_at[later + e]
                 works = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
                 for i in range(8):
                     counting.sums[i] += works[i]
-            if counting is not None or kind != REFERENCE:
-                plant = moved(plant_step, plant_at[later + e], plant, command, scratch1)
-            if counting is not None or kind == REFERENCE:
-                numerical = moved(numerical_step, numerical_at[later + e], numerical, held, scratch2)
+            if step1 >= 0:
+                plant = moved(plant_step, step1, plant, command, scratch1)
+            if step2 >= 0:
+                numerical = moved(numerical_step, step2, numerical, held, scratch2)
             if kind == REFERENCE:
                 for i in range(len(held)):
                     held = put(held, i, samples[used, i])

@@ -3,79 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats
+from rthm_core.engine.blocks import CHUNK_NS, Rows, empty_rows, rows_within, run_block, run_program
+from rthm_core.engine.digits import LONGEST, in_digits
 from rthm_core.engine.kept import kept
-from rthm_core.engine.kernel import ROWS, Counting, run
-from rthm_core.engine.linear_ledger import COLUMNS, LinearLedger, linear_ledger
+from rthm_core.engine.linear_ledger import LinearLedger, linear_ledger
 from rthm_core.engine.linear_loop import LinearLoop, linear_loop
 from rthm_core.engine.preparation import (
     Prepared,
     Start,
     copied,
+    digit_operations,
     prepared,
+    prepared_digits,
     start_of,
-    widths,
     without_first_pass,
 )
 from rthm_core.engine.program import (
     FEW_LENGTHS,
     Program,
-    in_digits,
     last_changes,
     period_ns,
     program,
     reach_ns,
     with_lengths,
 )
-from rthm_core.schedule import REFERENCE, Schedule
+from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-class Rows(NamedTuple):
-    """What the kernel writes, N rows each.
-
-    Plant (N, 2 n1 + m), numerical side (N, 2 n2), F_d in use (N, m), works and energy (N, 8), which has no
-    rows when they are not counted.
-    """
-
-    plant: Floats
-    numerical: Floats
-    reference: Floats
-    works: Floats
-
-
-def _empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
-    plant, numerical, reference = (np.empty((count, width)) for width in widths(loop))
-    return Rows(plant, numerical, reference, np.empty((count if energies else 0, COLUMNS)))
-
-
-def _run(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Any, ...]:
-    """Run a program from a start, whose memory it changes; the state at its end."""
-    counting = None if one.works is None else Counting(one.works, start.works, start.joint)
-    plant, commands, numerical, held = start.state
-    return run(
-        one.tables,
-        one.operations,
-        start.memory,
-        start.sensors,
-        counting,
-        plant,
-        commands,
-        numerical,
-        held,
-        passes,
-        tuple(rows),
-        start.widths,
-    )
-
-
-class _Model(NamedTuple):
+class Model(NamedTuple):
     """A linear loop, and its ledger if works are counted."""
 
     loop: LinearLoop
@@ -83,13 +45,13 @@ class _Model(NamedTuple):
 
 
 @kept
-def _model(spec: Spec, energies: bool) -> _Model | None:
+def _model(spec: Spec, energies: bool) -> Model | None:
     """Matrices of a spec; None where it is not linear."""
     loop = linear_loop(spec)
     if loop is None or not energies:
-        return None if loop is None else _Model(loop, None)
+        return None if loop is None else Model(loop, None)
     ledger = linear_ledger(spec, loop)
-    return _Model(ledger.loop, ledger)
+    return Model(ledger.loop, ledger)
 
 
 def repeating_program(spec: Spec, step: int, *, jointly: bool = False) -> tuple[Program, Program, int] | None:
@@ -122,9 +84,6 @@ def _repeating(spec: Spec, step: int, energies: bool) -> tuple[Prepared, Start] 
     return prepared(model.loop, first, further, period, model.ledger), start
 
 
-CHUNK_NS = 10_000_000_000
-"""Span of time that is held at once where a run is given in blocks, or where nothing repeats."""
-
 LARGEST_JOINT = 16
 """Largest joint state of which works over many different lengths are tabulated."""
 
@@ -141,57 +100,48 @@ def linear_blocks(
     repeating = _repeating(spec, step, energies)
     if repeating is not None:
         return _repeated(model, *repeating, end, step, span)
-    if model.ledger is not None and model.ledger.joint.shape[0] > LARGEST_JOINT:
+    large = model.ledger is not None and model.ledger.joint.shape[0] > LARGEST_JOINT
+    if large or step >= LONGEST:
         return None
     return _irregular(spec, model, end, step)
 
 
-def _block(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Rows, Start]:
-    """Run a program and leave its last row, which is beyond the block: a full block would end the run."""
-    start.memory.count[ROWS] = 0
-    state = _run(one, start, passes, rows)
-    return Rows(*(array[:-1] for array in rows)), start._replace(state=state)
-
-
-def rows_within(begin: int, stop: int, step: int) -> int:
-    """Number of rows in [begin, stop)."""
-    return -(-stop // step) - -(-begin // step)
-
-
-def _repeated(model: _Model, one: Prepared, start: Start, end: int, step: int, span: int) -> Iterator[Rows]:
+def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, span: int) -> Iterator[Rows]:
     """Blocks of a loop whose events repeat."""
     period, times = one.operations.period, one.operations.time
     passes = max(1, -(-span // period))
     start, further = copied(start), without_first_pass(one)
     for begin in range(0, end + 1, passes * period):
         count = rows_within(begin, min(begin + passes * period, end + 1), step)
-        rows = _empty_rows(model.loop, count + 1, energies=one.works is not None)
+        rows = empty_rows(model.loop, count + 1, energies=one.works is not None)
         left = min(passes, (end - begin) // period + 1)
         operations = one.operations._replace(time=times + begin) if begin else one.operations
-        block, start = _block(one._replace(operations=operations), start, left, rows)
+        block, start = run_block(one._replace(operations=operations), start, left, rows)
         yield block
         one = further
 
 
-def _irregular(spec: Spec, model: _Model, end: int, step: int) -> Iterator[Rows]:
+@kept
+def _digits(spec: Spec, energies: bool) -> Prepared:
+    """Matrices over the lengths of every digit, without a program."""
+    model = _model(spec, energies)
+    assert model is not None
+    return prepared_digits(model.loop, model.ledger)
+
+
+def _irregular(spec: Spec, model: Model, end: int, step: int) -> Iterator[Rows]:
     """Blocks of a loop whose events do not repeat."""
-    counting, schedule, since = model.ledger is not None, Schedule(spec), (0, 0)
+    schedule, since, one = Schedule(spec), 0, _digits(spec, model.ledger is not None)
     reach = reach_ns(schedule)
     start = start_of(model.loop, reach // schedule.td1, reach // schedule.td2)
     for begin in range(0, end + 1, CHUNK_NS):
         stop = min(begin + CHUNK_NS, end + 1)
         operations = program(schedule, begin, stop, step)
-        chosen = with_lengths(operations, since, jointly=counting)
-        since_then = last_changes(operations, since, jointly=counting)
-        if np.unique(chosen.plant).size > FEW_LENGTHS:
-            chosen = in_digits(chosen, since[0], jointly=counting)
-            moved = operations.time[(operations.what != REFERENCE) | counting]
-            since_then = (int(moved.max(initial=since[0])), since_then[1])
-        one = prepared(model.loop, chosen, chosen, 0, model.ledger)
-        rows = _empty_rows(model.loop, rows_within(begin, stop, step) + 1, energies=counting)
-        block, start = _block(one, start, 1, rows)
+        chosen = one._replace(operations=digit_operations(in_digits(operations, since)))
+        rows = empty_rows(model.loop, rows_within(begin, stop, step) + 1, energies=model.ledger is not None)
+        block, start = run_block(chosen, start, 1, rows)
         yield block
-        since = since_then
+        since = int(operations.time.max(initial=since))
 
 
 def kernel_call(spec: Spec, end: int, step: int) -> Callable[[], Rows] | None:
@@ -200,10 +150,10 @@ def kernel_call(spec: Spec, end: int, step: int) -> Callable[[], Rows] | None:
     if model is None or repeating is None:
         return None
     one, start = repeating
-    rows = _empty_rows(model.loop, end // step + 1, energies=False)
+    rows = empty_rows(model.loop, end // step + 1, energies=False)
 
     def call() -> Rows:
-        _run(one, copied(start), end // one.operations.period + 1, rows)
+        run_program(one, copied(start), end // one.operations.period + 1, rows)
         return rows
 
     return call

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
 from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.ledger import nothing_added
@@ -119,28 +119,39 @@ def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floa
     return forms
 
 
-def work_tables(ledger: LinearLedger, lengths_ns: Floats, *, with_energy: bool) -> Floats:
+def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool) -> Floats:
     """Works over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
     products ``z_i z_j``, i <= j, of the state at its start.
     """
-    lengths = np.asarray(lengths_ns, dtype=float)
-    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max()) * float(lengths.max(initial=0.0)) * 1e-9
+    size = ledger.joint.shape[0]
+    forms = np.array([works_over(ledger, int(length)) for length in lengths_ns]).reshape(-1, 6, size, size)
+    if not with_energy:
+        return packed(forms)
+    ends = exponentials(ledger.joint, lengths_ns)
+    energy = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
+    return packed(np.concatenate([forms, energy[:, None]], axis=1))
+
+
+def works_over(ledger: LinearLedger, length_ns: int) -> Floats:
+    """Works (6, d, d) over one length as forms of the state at its start."""
+    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max()) * length_ns * 1e-9
     parts = max(1, math.ceil(fastest))
     nodes, weights = np.polynomial.legendre.leggauss(8)
     at = ((np.arange(parts)[:, None] + 0.5 * (nodes + 1.0)) / parts).ravel()
-    weight = np.tile(0.5 * weights / parts, parts)
-    upper = np.triu_indices(ledger.joint.shape[0])
+    weight = np.tile(0.5 * weights / parts, parts) * (length_ns * 1e-9)
+    steps = exponentials(ledger.joint, length_ns * at)
+    works = np.zeros((len(TERMS), *ledger.joint.shape))
+    for term in range(len(TERMS)):
+        if ledger.forms[term].any():
+            power = np.swapaxes(steps, 1, 2) @ (ledger.forms[term] @ steps)
+            works[term] = np.tensordot(weight, power, axes=1)
+    return works
+
+
+def packed(forms: Floats) -> Floats:
+    """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the works, and the energy if it is there."""
+    upper = np.triu_indices(forms.shape[-1])
     double = np.where(upper[0] == upper[1], 1.0, 2.0)
-    tables = np.zeros((lengths.size, upper[0].size, COLUMNS))
-    for k, length in enumerate(lengths):
-        steps = exponentials(ledger.joint, length * at)
-        for term in range(len(TERMS)):
-            if ledger.forms[term].any():
-                power = np.swapaxes(steps, 1, 2) @ (ledger.forms[term] @ steps)
-                work = np.tensordot(weight, power, axes=1) * (length * 1e-9)
-                tables[k, :, term] = work[upper] * double
-    if with_energy:
-        ends = exponentials(ledger.joint, lengths)
-        energy = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
-        tables[:, :, len(TERMS)] = energy[:, upper[0], upper[1]] * double
+    tables = np.zeros((forms.shape[0], upper[0].size, COLUMNS))
+    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., upper[0], upper[1]] * double, 1, 2)
     return tables

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
+from rthm_core.engine.digits import digit_lengths, digit_works
 from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.kernel import Memory, Operations, Tables, vector
 from rthm_core.engine.linear_ledger import COLUMNS, LinearLedger, work_tables
@@ -87,6 +88,36 @@ def prepared(
         work_tables(ledger, rows, with_energy=True),
     ]
     return Prepared(operations, tables, np.concatenate(works))
+
+
+def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:
+    """Matrices over the lengths of every digit, for a program that is given later; what is looked at has just
+    been moved.
+    """
+    one, two = loop.plant, loop.numerical
+    n1, n2, lengths = one.a.shape[0], two.a.shape[0], digit_lengths()
+    none = np.zeros(0, dtype=np.int64)
+    eye1, eye2 = np.eye(n1 + one.b.shape[1])[None], np.eye(n2 + two.b.shape[1])[None]
+    tables = Tables(
+        _seen_through(np.eye(n1, n1 + one.b.shape[1]), _steps(one, lengths)),
+        _seen_through(np.eye(n2, n2 + two.b.shape[1]), _steps(two, lengths)),
+        _seen_through(loop.sample, eye1),
+        _seen_through(loop.rows, eye1),
+        _seen_through(np.eye(two.y.size, n2 + two.b.shape[1]), eye2),
+        np.ascontiguousarray(loop.reference.T[None]),
+        loop.bias,
+        loop.k_tot,
+    )
+    nothing = Operations(none, none, none, none, none, none, 0, none)
+    return Prepared(nothing, tables, None if ledger is None else digit_works(ledger))
+
+
+def digit_operations(chosen: Program) -> Operations:
+    """Operations of a program in digits."""
+    looks = (chosen.what == SAMPLE) | (chosen.what == OUTPUT)
+    step = np.where(looks, 0, chosen.plant)
+    work = np.where(chosen.what == OUTPUT, digit_lengths().size, chosen.plant)
+    return Operations(chosen.what, chosen.time, step, step, chosen.sample, chosen.reference, 0, work)
 
 
 def without_first_pass(one: Prepared) -> Prepared:

@@ -29,8 +29,7 @@ LONGEST_PERIOD_OPERATIONS = 20_000
 """Longest hyperperiod, in operations, that is worth a program of its own."""
 
 FEW_LENGTHS = 512
-"""Up to so many different step lengths each has its own matrix; beyond, a length is put together from its
-digits to the base 256."""
+"""Up to so many different step lengths each has its own matrix."""
 
 
 class Program(NamedTuple):
@@ -133,29 +132,3 @@ def _latest(time: Integers, changes: Any, since: int) -> Integers:
     """Instant of the last change before each operation."""
     latest = np.maximum.accumulate(np.where(changes, time, since))
     return np.concatenate([[since], latest[:-1]])[: time.size].astype(np.int64)
-
-
-def in_digits(operations: Program, since: int, *, jointly: bool) -> Program:
-    """The same program with the plant's side, last moved at `since`, moved to whatever looks at it.
-
-    Each length is put together from few lengths, by `STEP`. `jointly`, the numerical side goes with it.
-    """
-    time, what = operations.time, operations.what
-    moves = (what != REFERENCE) | jointly
-    lengths = np.where(moves, time - _latest(time, moves, since), 0)
-    digits = np.stack([lengths >> 16 << 16, lengths & 0xFF00, lengths & 0xFF], axis=1)
-    keep = np.concatenate([digits > 0, np.ones((time.size, 1), dtype=bool)], axis=1).ravel()
-
-    def spread(own: Integers, step: Integers | int = 0) -> Integers:
-        steps = np.broadcast_to(np.asarray(step), (time.size, 3))
-        return np.asarray(np.concatenate([steps, own[:, None]], axis=1).ravel()[keep], dtype=np.int64)
-
-    none = np.zeros_like(time)
-    return Program(
-        spread(what, STEP),
-        spread(time, time[:, None]),
-        spread(none, digits),
-        spread(none, digits) if jointly else spread(operations.numerical),
-        spread(operations.sample),
-        spread(operations.reference),
-    )

@@ -13,10 +13,11 @@ from rthm_core.compensators import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.energy import TERMS
+from rthm_core.engine.blocks import CHUNK_NS, Rows
 from rthm_core.engine.coupled import simulate_coupled
 from rthm_core.engine.curved import curved_blocks
 from rthm_core.engine.ledger import ledger
-from rthm_core.engine.linear import CHUNK_NS, Rows, linear_blocks
+from rthm_core.engine.linear import linear_blocks
 from rthm_core.engine.loop import Loop, rings, run
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical

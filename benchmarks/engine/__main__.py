@@ -20,7 +20,7 @@ from benchmarks.engine.dde import delayed
 from benchmarks.engine.limit import NoCompilerError, event_engine
 from benchmarks.engine.others import Entry, pade, restarted, runge_kutta
 from benchmarks.engine.reference import reference
-from benchmarks.engine.scale import long_run, per_loop, starts
+from benchmarks.engine.scale import long_run, per_one, stability_checks, starts, with_delays, with_masses
 from benchmarks.engine.table import markdown
 
 from rthm_core.clock import to_ns
@@ -90,10 +90,12 @@ def beyond(spec: Spec, rounds: int) -> list[Row]:
     calls: dict[str, Callable[[], Any]] = {}
     with suppress(NoCompilerError):
         calls[LIMIT] = _c_engine(spec, DURATION, SAMPLE)[0]
-    for name, other in ours.further(spec).items():
+    for name, other in (ours.further(spec) | ours.nonlinear(spec)).items():
         calls[name] = ours.whole(other, DURATION, SAMPLE)[0]
         calls[name + ", with energies"] = ours.whole(other, DURATION, SAMPLE, energies=True)[0]
     rows = {name: Row(name) for name in calls}
+    for name, other in ours.nonlinear(spec).items():
+        rows[name].error = ours.refinement(other, DURATION, SAMPLE)
     _time(rows, calls, max(3, rounds // 5))
     return list(rows.values())
 
@@ -102,12 +104,12 @@ def scaled(spec: Spec) -> dict[str, float]:
     """Many loops, a long loop, and the start of the program."""
     hour, added = long_run(spec, 3600.0, SAMPLE)
     first, later = starts()
-    found = {"per_loop": per_loop(spec, DURATION, 1.0), "hour": hour, "hour_added_mb": added}
-    found |= {"first_start": first, "later_start": later}
+    found = {"hour": hour, "hour_added_mb": added, "first_start": first, "later_start": later}
+    seldom, often = None, None
     with suppress(NoCompilerError):
-        call = _c_engine(spec, DURATION, 1.0)[0]
-        found["per_loop_ratio"] = found["per_loop"] / interleaved({LIMIT: call}, 51, {})[LIMIT]
-    return found
+        seldom, often = (_c_engine(spec, DURATION, sample)[0] for sample in (1.0, SAMPLE))
+    ensembles = {"per_loop": with_masses(spec, DURATION, 1.0), "own_delays": with_delays(spec, DURATION, 1.0)}
+    return found | per_one(ensembles, seldom) | per_one({"check": stability_checks(spec)}, often)
 
 
 def _time(rows: dict[str, Row], calls: dict[str, Callable[[], Any]], rounds: int) -> None:

@@ -15,6 +15,16 @@ from rthm_core.spec import Spec, apply, shipped_spec
 
 WAVE = {"dof": "x1", "kind": "harmonic", "amplitude": 1.0, "frequency": 2.4, "phase": 0.3}
 FRICTION = {"block": "plant", "dof": "x1", "kind": "coulomb_friction", "force": 0.05}
+STRIBECK = {
+    "block": "plant",
+    "dof": "x1",
+    "kind": "stribeck_friction",
+    "coulomb_force": 0.05,
+    "static_force": 0.1,
+    "stribeck_velocity": 0.05,
+}
+CUBIC = {"block": "plant", "dof": "x1", "kind": "cubic_stiffness", "coefficient": 8.0}
+HARDENING = {"block": "wire", "actuator": "a1", "kind": "hardening", "coefficient": 100.0}
 SHAKY = {"block": "link.tau4", "kind": "jitter", "std": 0.001}
 
 
@@ -72,5 +82,22 @@ def further(paper: Spec) -> dict[str, Spec]:
         "n = 10, m = 3": chain(10, 3),
         "jitter in tau4": apply(paper, {"effects": ["shaky"], "shaky": SHAKY}),
         "sensor noise": apply(paper, {"noise.position": 1e-4, "noise.velocity": 2e-3}),
-        "Coulomb friction": apply(paper, {"effects": ["guide"], "guide": FRICTION}),
     }
+
+
+def nonlinear(paper: Spec) -> dict[str, Spec]:
+    """Loops with a plant that is not linear, by what it has."""
+    parts = {
+        "Coulomb friction": {"guide": FRICTION},
+        "Stribeck friction": {"guide": STRIBECK},
+        "Coulomb friction, cubic spring": {"guide": FRICTION, "spring": CUBIC},
+        "wire that hardens": {"wire": HARDENING},
+    }
+    return {name: apply(paper, {"effects": list(part), **part}) for name, part in parts.items()}
+
+
+def refinement(spec: Spec, duration: float, sample: float) -> float:
+    """Largest difference of x1, in m, from a run with ten times the rows, each of which ends a step."""
+    found, refined = (simulate(spec, duration, one, energies=False) for one in (sample, sample / 10.0))
+    rows = refined.plant_position[::10][: found.t.size]
+    return float(np.abs(found.plant_position - rows).max())

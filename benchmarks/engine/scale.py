@@ -8,29 +8,56 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from benchmarks.engine.clock import interleaved
 
+from rthm_analysis.lifted.commensurate import period_of
+from rthm_analysis.lifted.matrices import linear_loop
+from rthm_analysis.stability.rates import of_scale
 from rthm_core.engine import simulate_blocks, simulate_many
 from rthm_core.spec import Spec
 
+COUNT = 1024
+"""How many loops or checks are done together."""
 
-def per_loop(spec: Spec, duration: float, sample: float, count: int = 1024) -> float:
-    """CPU seconds per loop of an ensemble with masses and stiffnesses of their own, best of three."""
+
+def with_masses(spec: Spec, duration: float, sample: float) -> Callable[[], object]:
+    """Loops with masses and stiffnesses of their own."""
     chance = np.random.default_rng(1)
     varied = {
-        "plant.mass": chance.uniform(1.0, 2.0, count),
-        "numerical.stiffness": chance.uniform(4.0, 8.0, count),
-        "actuator.stiffness": chance.uniform(30.0, 50.0, count),
+        "plant.mass": chance.uniform(1.0, 2.0, COUNT),
+        "numerical.stiffness": chance.uniform(4.0, 8.0, COUNT),
+        "actuator.stiffness": chance.uniform(30.0, 50.0, COUNT),
     }
-    simulate_many(spec, varied, duration, sample)
-    times = []
-    for _ in range(3):
-        begin = time.process_time()
-        simulate_many(spec, varied, duration, sample)
-        times.append(time.process_time() - begin)
-    return min(times) / count
+    return lambda: simulate_many(spec, varied, duration, sample)
+
+
+def with_delays(spec: Spec, duration: float, sample: float) -> Callable[[], object]:
+    """Loops with delays of their own, to the nanosecond."""
+    chance = np.random.default_rng(2)
+    factors = {name: chance.uniform(0.5, 1.5, COUNT) for name in ("tau1", "tau2", "tau3", "tau4")}
+    varied = {f"timing.{name}": getattr(spec.timing, name) * factor for name, factor in factors.items()}
+    return lambda: simulate_many(spec, varied, duration, sample)
+
+
+def stability_checks(spec: Spec) -> Callable[[], object]:
+    """Checks of loops whose clocks and delays grow together."""
+    factors = np.linspace(0.1, 3.0, COUNT)
+    rates = of_scale(linear_loop(spec), period_of(spec).cycle)
+    return lambda: rates(factors)
+
+
+def per_one(calls: dict[str, Callable[[], object]], unit: Callable[[], object] | None) -> dict[str, float]:
+    """CPU seconds for one of the `COUNT` of each call; as ``..._ratio``, in units of a call of `unit`."""
+    every = calls | ({"unit": lambda: [unit() for _ in range(100)]} if unit else {})
+    times = interleaved(every, 7, {})
+    found = {name: times[name] / COUNT for name in calls}
+    if unit:
+        found |= {f"{name}_ratio": found[name] / (times["unit"] / 100) for name in calls}
+    return found
 
 
 def long_run(spec: Spec, duration: float, sample: float) -> tuple[float, float]:

@@ -18,9 +18,10 @@ difference of x1 from the same events in 50-digit arithmetic.
 """
 BEYOND = """
 Loops beyond the paper's, by what they add, `simulate()` as a whole; the unit is still the paper's loop in C.
+Error, for plants that are not linear: largest difference of x1 from a run in steps a tenth as long.
 
-| loop | CPU | ratio |
-|---|---|---|
+| loop | CPU | ratio | error of x1 |
+|---|---|---|---|
 """
 
 SCALE = """
@@ -29,6 +30,8 @@ Many loops (`simulate_many`), a long loop (`simulate_blocks`), and the start of 
 | what | measured |
 |---|---|
 | one of 1024 loops of {duration:g} s side by side, a row every second | {per_loop}, {ratio} of C |
+| one of 1024 loops of {duration:g} s with delays of their own, a row every second | {own}, {own_ratio} of C |
+| one of 1024 stability checks | {check}, {check_ratio} of {duration:g} s in C |
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |
@@ -57,12 +60,17 @@ def markdown(found: dict[str, Any]) -> str:
             text += f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} | {error} |\n"
     text += BEYOND
     for row in found["beyond"]:
-        text += f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} |\n"
+        error = "" if row["error"] is None else _number(row["error"], " m")
+        text += f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} | {error} |\n"
     scale = found["scale"]
     return text + SCALE.format(
         duration=found["duration"],
         per_loop=_time(scale["per_loop"]),
         ratio=_number(scale.get("per_loop_ratio")),
+        own=_time(scale["own_delays"]),
+        own_ratio=_number(scale.get("own_delays_ratio")),
+        check=_time(scale["check"]),
+        check_ratio=_number(scale.get("check_ratio")),
         hour=_time(scale["hour"]),
         added=scale["hour_added_mb"],
         first=_time(scale["first_start"]),

@@ -42,10 +42,41 @@ def test_loops_side_by_side_move_like_each_alone():
             assert np.abs(getattr(together, name)[i] - getattr(alone, name)).max() < 1e-12
 
 
-def test_loops_with_their_own_delays_run_one_after_the_other():
+DELAYS = ("timing.tau1", "timing.tau2", "timing.tau3", "timing.tau4")
+CLOCKS = ("timing.td1", "timing.td2", "timing.td3")
+
+
+@pytest.mark.parametrize("name", ["paper", "three_mass"])
+@pytest.mark.parametrize("keys", [DELAYS, CLOCKS, (*DELAYS, *CLOCKS)], ids=["delays", "clocks", "both"])
+def test_loops_with_times_of_their_own_move_like_each_alone(name, keys):
+    chance, spec = np.random.default_rng(7), shipped_spec(name)
+    values = {
+        key: np.round(getattr(spec.timing, key[-4:].strip(".")) * chance.uniform(0.5, 1.5, 4), 6)
+        for key in keys
+    }
+    values["plant.mass"] = np.array(spec.plant.mass) * chance.uniform(0.9, 1.2, (4, 1))
+    together = simulate_many(spec, values, 5.0, 0.0034)
+    for i in range(4):
+        own = {key: one[i].tolist() for key, one in values.items()}
+        alone = simulate(apply(spec, own), 5.0, 0.0034, energies=False)
+        for signal in SIGNALS:
+            assert np.abs(getattr(together, signal)[i] - getattr(alone, signal)).max() < 1e-11
+
+
+def test_delays_of_zero_pass_at_once_in_a_loop_with_times_of_its_own():
     spec = shipped_spec("paper")
-    together = simulate_many(spec, {"timing.tau1": [0.004, 0.006]}, 2.0, 0.01)
-    slower = simulate(apply(spec, {"timing.tau1": 0.006}), 2.0, 0.01, energies=False)
+    values = {key: [0.0, 0.004] for key in DELAYS[:3]}
+    together = simulate_many(spec, values, 3.0, 0.01)
+    for i in range(2):
+        alone = simulate(apply(spec, {key: one[i] for key, one in values.items()}), 3.0, 0.01, energies=False)
+        for signal in SIGNALS:
+            assert np.abs(getattr(together, signal)[i] - getattr(alone, signal)).max() < 1e-12
+
+
+def test_loops_that_no_kernel_takes_together_run_one_after_the_other():
+    spec = shipped_spec("paper")
+    together = simulate_many(spec, {"timing.tau4": [0.0, 0.006]}, 2.0, 0.01)
+    slower = simulate(apply(spec, {"timing.tau4": 0.006}), 2.0, 0.01, energies=False)
     assert np.array_equal(together.plant_position[1], slower.plant_position)
 
 

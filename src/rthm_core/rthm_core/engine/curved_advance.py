@@ -13,19 +13,19 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, inlined
 from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
-from rthm_core.engine.curved_steps import MOST_TERMS, ORDERS, at, fill, series
+from rthm_core.engine.curved_steps import MOST_TERMS, ORDERS, at, fill
+from rthm_core.engine.curved_switch import expand, first_left, product
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
     PLACE,
-    POSITION,
     SPLIT,
     STATE,
     STATES,
     plant_force,
     plant_rate,
 )
-from rthm_core.physical.switching import loose_piece, margin, switched
+from rthm_core.physical.switching import loose_piece, switched
 
 TOLERANCE = 1e-8
 """What the neglected degree of a force may be, relative to the largest force that a law has had."""
@@ -127,14 +127,6 @@ def _set_of(bits, pieces):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _product(row, z):  # type: ignore[no-untyped-def]
-    total = 0.0
-    for j in range(row.size):
-        total += row[j] * z[j]
-    return total
-
-
-@inlined
 def _begin(curved, z, t, pieces):  # type: ignore[no-untyped-def]
     """Forces at the start of a step, into `z`; what is held by more than its breakaway force comes loose.
     Returns the number of the set that sticks.
@@ -147,7 +139,7 @@ def _begin(curved, z, t, pieces):  # type: ignore[no-untyped-def]
             break
         for row in range(pieces.size):
             if curved.bits[row] and pieces[row] == 0:
-                held = _product(curved.holds[number, row], z)
+                held = product(curved.holds[number, row], z)
                 if abs(held) > curved.laws.breakaway[row]:
                     loose, hold = row, held
         if loose < 0:
@@ -248,110 +240,6 @@ def _try(curved, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _margin(curved, number, row, piece, z):  # type: ignore[no-untyped-def]
-    """Margin of a law, with the force that holds its dof if it sticks."""
-    hold = 0.0
-    if piece == 0 and curved.laws.numbers[row, SPLIT] == FRICTION:
-        hold = _product(curved.holds[number, row], z)
-    return margin(curved.laws, curved.n, row, piece, z, hold)
-
-
-@inlined
-def _turning(curved, number, row, z):  # type: ignore[no-untyped-def]
-    """What vanishes where the margin of a law is least: velocity, or acceleration, of its dof."""
-    velocity = curved.laws.numbers[row, PLACE] + curved.n
-    value = z[velocity]
-    if curved.laws.numbers[row, SPLIT] != POSITION:
-        value = _product(curved.systems[number, velocity], z)
-    return value
-
-
-@inlined
-def _dips(curved, number, row, piece, z, end):  # type: ignore[no-untyped-def]
-    """Whether a law may have left its piece and come back to it within the step."""
-    split = curved.laws.numbers[row, SPLIT]
-    if split == POSITION:
-        return _turning(curved, number, row, z) * _turning(curved, number, row, end) < 0.0
-    if split == 0 or piece == 0 or piece * _turning(curved, number, row, end) <= 0.0:
-        return False
-    return piece * _turning(curved, number, row, z) < 0.0
-
-
-@inlined
-def _least(curved, work, number, row, terms):  # type: ignore[no-untyped-def]
-    """Share of the step at which the margin of a law is least; the state there is left in ``work.end``."""
-    low, high = 0.0, 1.0
-    at(work.terms, terms, 1.0, work.end)
-    sign = 1.0 if _turning(curved, number, row, work.end) > 0.0 else -1.0
-    while high - low > 1e-9:
-        middle = 0.5 * (low + high)
-        at(work.terms, terms, middle, work.end)
-        if sign * _turning(curved, number, row, work.end) > 0.0:
-            high = middle
-        else:
-            low = middle
-    return low
-
-
-@inlined
-def _root(curved, work, number, row, terms, high):  # type: ignore[no-untyped-def]
-    """First share of the step at which a law has left its piece, which it has at `high` (Illinois method)."""
-    piece, low, at_low = work.pieces[row], 0.0, 0.0
-    at(work.terms, terms, high, work.end)
-    at_high = _margin(curved, number, row, piece, work.end)
-    for _ in range(100):
-        if high - low <= 1e-14:
-            break
-        middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-        at(work.terms, terms, middle, work.end)
-        value = _margin(curved, number, row, piece, work.end)
-        if value < 0.0:
-            at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
-            high, at_high = middle, value
-        else:
-            at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
-            low, at_low = middle, value
-    return high
-
-
-@inlined
-def _expand(curved, work, number, z, length):  # type: ignore[no-untyped-def]
-    """Series of the motion over the step just tried; its number of terms."""
-    factor, first = 1.0, z.size - curved.push.shape[1]
-    for r in range(work.polynomial.shape[0]):
-        for j in range(work.polynomial.shape[1]):
-            work.polynomial[r, j] = work.polynomial[r, j] * factor if not curved.steady else z[first + j]
-        factor *= 3.0
-    return series(curved.systems[number], curved.fastest, length, z, work.polynomial, work.terms)
-
-
-@inlined
-def _first_left(curved, work, number, z, length):  # type: ignore[no-untyped-def]
-    """First law that leaves its piece within the step just tried (-1: none), the share of the step at which
-    it does, and the number of terms of the series (0: not needed).
-    """
-    terms, law, share = 0, -1, 1.0
-    for row in range(work.pieces.size):
-        piece, end = work.pieces[row], 1.0
-        left = _margin(curved, number, row, piece, work.end) < 0.0
-        if not left and not _dips(curved, number, row, piece, z, work.end):
-            continue
-        if terms == 0:
-            terms = _expand(curved, work, number, z, length)
-        if not left:
-            end = _least(curved, work, number, row, terms)
-            left = _margin(curved, number, row, piece, work.end) < 0.0
-        if left:
-            root = _root(curved, work, number, row, terms, end)
-            if root < share or law < 0:
-                law, share = row, root
-        at(work.terms, terms, 1.0, work.end)
-    return law, share, terms
-
-
-@inlined
 def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-def]
     """Add the moments over a share of the step whose series is known."""
     first, point = z.size - curved.push.shape[1], work.end
@@ -386,16 +274,16 @@ def advance(curved, steps, work, z, k, t):  # type: ignore[no-untyped-def]
             continue
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
-            law, share, terms = _first_left(curved, work, number, z, length)
+            law, share, terms = first_left(curved, work, number, z, length)
         if work.moments.size:
-            terms = terms if terms else _expand(curved, work, number, z, length)
+            terms = terms if terms else expand(curved, work, number, z, length)
             _count(curved, work, terms, z, share, length)
         if law >= 0:
             at(work.terms, terms, share, work.end)
         elif work.moments.size:
             at(work.terms, terms, 1.0, work.end)
         if law >= 0:
-            hold = _product(curved.holds[number, law], work.end)
+            hold = product(curved.holds[number, law], work.end)
             piece = work.pieces[law]
             work.pieces[law] = switched(curved.laws, curved.n, law, piece, work.end, hold)
             switches += 1

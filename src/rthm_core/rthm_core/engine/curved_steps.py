@@ -46,7 +46,7 @@ class Steps(NamedTuple):
 
 
 @inlined
-def _terms(x):  # type: ignore[no-untyped-def]
+def terms_of(x):  # type: ignore[no-untyped-def]
     """How many terms of the exponential series of `x` count."""
     terms, size = 3, 1.0
     while size > 1e-18 and terms < MOST_TERMS - 1:
@@ -129,7 +129,7 @@ def fill(system, fastest, steps, slot, length):  # type: ignore[no-untyped-def]
     halvings = max(0, math.ceil(math.log2(2.0 * fastest * unit))) if fastest * unit > 0.5 else 0
     part = unit * 0.5**halvings
     small, double, target = steps.work[0], steps.work[1], steps.matrices[slot]
-    _taylor(system, part, unit, _terms(fastest * part), steps.term, small)
+    _taylor(system, part, unit, terms_of(fastest * part), steps.term, small)
     for _ in range(halvings):
         _compose(small, part / unit, small, d, double)
         _copy(double, small)
@@ -145,7 +145,7 @@ def series(system, fastest, length, z, g, out):  # type: ignore[no-untyped-def]
     ``g[r]`` the coefficients of the forces in the same unit. Returns the number of terms.
     """
     n, d = system.shape
-    first, terms = d - g.shape[1], _terms(fastest * length) + g.shape[0]
+    first, terms = d - g.shape[1], terms_of(fastest * length) + g.shape[0]
     for i in range(n):
         out[0, i] = z[i]
     for k in range(terms - 1):

@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers
+from rthm_core.engine.delayed import Clocks, Loops, memories, moving, run_each
 from rthm_core.engine.kernel import vector
-from rthm_core.engine.lanes import LANES, Lanes, lane_steps, run_lanes
+from rthm_core.engine.lanes import LANES, Lanes, lane_steps, run_lanes, working
 from rthm_core.engine.linear import repeating_program
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
@@ -29,7 +30,11 @@ VARIED = (
     "interface.damping",
     "actuator.stiffness",
 )
-"""What may differ between loops that run side by side; anything else has them run one after the other."""
+"""What may differ between loops that run side by side."""
+
+TIMES = tuple(f"timing.{name}" for name in Clocks._fields)
+"""What may differ, too, between loops that run one after the other in one kernel; anything else has each
+prepared by itself."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +87,16 @@ def simulate_many(
         )
     count = sizes.pop()
     step = to_ns(spec.loop().timing.td1 if sample is None else sample)
-    program = repeating_program(spec, step) if _is_plain(spec) and set(arrays) <= set(VARIED) else None
-    if program is None:
-        return _one_after_the_other(spec, arrays, count, duration, step)
-    _check(spec, arrays)
-    return _side_by_side(spec, arrays, count, to_ns(duration), step, *program)
+    plain = _is_plain(spec) and set(arrays) <= {*VARIED, *TIMES}
+    program = repeating_program(spec, step) if plain and set(arrays) <= set(VARIED) else None
+    if plain:
+        _check(spec, arrays)
+    if program is not None:
+        return _side_by_side(spec, arrays, count, to_ns(duration), step, *program)
+    clocks = _clocks(spec, arrays, count)
+    if plain and spec.loop().timing.td4 == 0.0 and clocks[:, -1].min() > 0:
+        return _each_with_its_delays(spec, arrays, count, to_ns(duration), step, clocks)
+    return _one_after_the_other(spec, arrays, count, duration, step)
 
 
 def _is_plain(spec: Spec) -> bool:
@@ -128,7 +138,7 @@ def _check(spec: Spec, arrays: dict[str, Floats]) -> None:
             lowest = np.linalg.eigvalsh(flat.reshape(-1, size, size)).min(axis=1)
             suspects.add(int(lowest.argmin()))
         for i in suspects:
-            apply(spec, {key: flat[i].tolist()})
+            apply(spec, {key: float(flat[i, 0]) if key in TIMES else flat[i].tolist()})
 
 
 def _entry(spec: Spec, arrays: dict[str, Floats], key: str, *shape: int) -> Floats:
@@ -166,7 +176,35 @@ def _side_by_side(
         steps = (steps1, np.ascontiguousarray(steps1[:, :, seen]), steps2)
         memory = _memory(lanes, first, n1, n2)
         out = found[begin : begin + LANES]
-        run_lanes(lanes, steps, operations, *memory, end // period + 1, out, like)
+        work = working(lanes, out.shape[2])
+        run_lanes(lanes, steps, operations, *memory, end // period + 1, out, like, work)
+    ends = np.cumsum([n1 // 2, n1 // 2, n2 // 2, n2 // 2, m])
+    return Ensemble(np.arange(rows, dtype=float) * (step * 1e-9), *np.split(found, ends, axis=2))
+
+
+def _clocks(spec: Spec, arrays: dict[str, Floats], count: int) -> Integers:
+    """Periods and delays (L, 7) in ns."""
+    seconds = [_entry(spec, arrays, key).reshape(-1) for key in TIMES]
+    return np.rint(np.stack([np.broadcast_to(one, count) for one in seconds], axis=1) * 1e9).astype(np.int64)
+
+
+def _each_with_its_delays(
+    spec: Spec, arrays: dict[str, Floats], count: int, end: int, step: int, clocks: Integers
+) -> Ensemble:
+    stacked = _stacked(spec, arrays, count)
+    m, rows = stacked.dof1.size, end // step + 1
+    n1, n2 = stacked.y1.shape[0] - m, stacked.y2.shape[0] - 2 * m
+    found = np.empty((count, rows, n1 + n2 + 2 * m))
+    dynamics = (stacked.a1[:n1, :n1], stacked.a2[:n2, :n2])
+    modes = [np.linalg.eigvals(np.moveaxis(a, 2, 0)) for a in dynamics]
+    fastest = np.stack([np.abs(own).max(axis=1) for own in modes], axis=1)
+    a1, a2, y1, y2, k_tot, stiffness, damping = (
+        np.ascontiguousarray(np.moveaxis(part, -1, 0)) for part in stacked[:7]
+    )
+    like = tuple(vector(np.zeros(size)) for size in (n1, m, n2, 2 * m))
+    loops = Loops(a1, a2, y1, y2, k_tot, stiffness, damping, fastest, clocks)
+    sides = (moving(n1, m), moving(n2, 2 * m))
+    run_each(loops, (stacked.dof1, stacked.dof2), sides, memories(clocks, m), like, step, found)
     ends = np.cumsum([n1 // 2, n1 // 2, n2 // 2, n2 // 2, m])
     return Ensemble(np.arange(rows, dtype=float) * (step * 1e-9), *np.split(found, ends, axis=2))
 

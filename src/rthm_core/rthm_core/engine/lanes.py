@@ -10,15 +10,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined, inlined_allocating
+from rthm_core.compiled import (
+    Floats,
+    Integers,
+    compiled,
+    compiled_in_place,
+    inlined,
+    inlined_allocating,
+)
+from rthm_core.engine.curved_steps import terms_of
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 
-LANES = 64
+LANES = 128
 """How many loops run side by side; kernels take it from their arrays, since a short loop of fixed length is
 written out before it could be put into wide registers."""
-
-TERMS = 18
-"""Terms of the series: exact to rounding where the norm of its argument is at most 1/2."""
 
 BUFFER = 32
 """Rows that are kept before they are written to each loop's own memory."""
@@ -51,6 +56,28 @@ class Lanes(NamedTuple):
     dof2: Integers
 
 
+class Working(NamedTuple):
+    """States and held inputs of both sides, 1 / k_tot, scratch, and rows that are not yet written."""
+
+    y1: Floats
+    y2: Floats
+    compliance: Floats
+    scratch: Floats
+    buffer: Floats
+
+
+def working(lanes: Lanes, columns: int) -> Working:
+    """Start of loops side by side, for rows of so many columns."""
+    longest = max(lanes.y1.shape[0], lanes.y2.shape[0])
+    return Working(
+        lanes.y1.copy(),
+        lanes.y2.copy(),
+        1.0 / lanes.k_tot,
+        np.empty((1, longest, LANES)),
+        np.empty((BUFFER, columns, LANES)),
+    )
+
+
 @inlined
 def _product(a: Floats, b: Floats, out: Floats) -> None:
     """Matrix products of all lanes, added to `out`."""
@@ -75,8 +102,9 @@ def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) ->
             largest = max(largest, total * t)
     halvings = max(0, math.ceil(math.log2(2.0 * largest))) if largest > 0.5 else 0
     x[:] = a * (t * 0.5**halvings)
-    grown[:] = x / TERMS
-    for k in range(TERMS - 1, 0, -1):
+    terms = terms_of(largest * 0.5**halvings)
+    grown[:] = x / terms
+    for k in range(terms - 1, 0, -1):
         work[:] = x
         _product(x, grown, work)
         grown[:] = work / k
@@ -146,7 +174,7 @@ def _unload(buffer: Floats, rows: int, out: Floats, first: int) -> None:
                 out[lane, first + row, i] = buffer[row, i, lane]
 
 
-@compiled
+@compiled_in_place
 def run_lanes(
     lanes: Lanes,
     steps: tuple[Floats, Floats, Floats],
@@ -156,6 +184,7 @@ def run_lanes(
     passes: int,
     out: Floats,
     like: Any,
+    work: Working,
 ) -> None:
     """Execute a program on all lanes.
 
@@ -176,11 +205,12 @@ def run_lanes(
         Motion of the plant, motion of the numerical side, F_d in use, wire force.
     like : tuple
         Vectors as long as the states and all that moves them, of both sides, and as the actuators.
+    work : Working
+        What is changed on the way.
     """
-    y1, y2, compliance = lanes.y1.copy(), lanes.y2.copy(), 1.0 / lanes.k_tot
+    y1, y2, compliance, scratch, buffer = work
     made1, of1, made2, of2, actuators, latched = like
     n1, n2, m = len(made1), len(made2), len(actuators)
-    scratch, buffer = np.empty((1, max(n1, n2), LANES)), np.empty((BUFFER, out.shape[2], LANES))
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row, unloaded = 0, 0, 0, 0
     for p in range(passes):

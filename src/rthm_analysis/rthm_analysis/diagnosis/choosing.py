@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from rthm_analysis.diagnosis.candidates import candidates
-from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.model import Model
 from rthm_analysis.diagnosis.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.starts import Start
 from rthm_analysis.diagnosis.tones import harmonic_starts
@@ -47,6 +48,9 @@ HEATS = ((2, 0), (3, 6), (8, 2))
 REFINED, MOST_EFFECTS = 10, 3
 REACH = 10.0
 """How much further from the noise than the best a candidate may be that is fitted any longer."""
+
+PARTS = (1.0, 0.5, 0.25, 0.1)
+"""Parts of a candidate's estimated size from which its fit may begin."""
 
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
@@ -223,7 +227,7 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
     tried = []
     for one in promising:
-        model = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
+        model = _begun(fitting, fitted.model, one)
         new = _fit(fitting, Tried(one.start, replace(fitted, model=model), np.inf), known, HEATS[0][0])
         if np.isfinite(new.error):
             tried.append(new)
@@ -236,6 +240,22 @@ def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Sc
         if _meaningful(one):
             best.setdefault(one.label, one)
     return _simplest_first(fitting, in_order(list(best.values())), fitted)
+
+
+def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
+    """Where the fit of a candidate begins: where it is large, what the model has already moves with it.
+
+    The size was found as if everything were linear, so parts of it are tried as well.
+    """
+    whole = model.plus(one.start.added, one.start.free, one.start.scales)
+    if fitting.doubt < WRONG or not one.shift.size:
+        return whole
+    begun = []
+    for part in PARTS:
+        start = one.start.sized(part)
+        moved = model.at(model.values + part * one.shift)
+        begun.append(moved.plus(start.added, start.free, one.start.scales))
+    return min([whole, *begun], key=fitting.squares)
 
 
 def _meaningful(tried: Tried) -> bool:
@@ -255,6 +275,8 @@ def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> li
     if not tried or tried[0].error < CLOSE * noise:
         return tried
     gain = float(without.left_out.sum()) - tried[0].error
+    if gain <= 0.0:
+        return tried
     equal = [
         t for t in tried if t.error - tried[0].error < RELEVANT * gain and not distinguishable(tried[0], t)
     ]

@@ -169,6 +169,12 @@ class Fitting:
         predicted = self.experiment.predicted(model.spec, windows or self.windows)
         return np.asarray(((self.measured - predicted) * self.weight).ravel())
 
+    def squares(self, model: Model) -> float:
+        """Squared error of a model as it stands, in units of the noise; inf where it diverges."""
+        residual = self.residual(model)
+        bases = self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
+        return self._cost(model, residual, bases)
+
     def _prepare_states(self) -> None:
         self._states = self.states(self.base, self.residual(self.base))
         self._bases = self.bases(self._states)

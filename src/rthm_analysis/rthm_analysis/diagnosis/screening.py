@@ -7,7 +7,7 @@ parameters in play already explain is taken out; the rest, against the residual,
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,11 +32,14 @@ class Screened:
         Part of the squared error that it would remove, in units of the noise.
     std : float
         Standard deviation of the first amplitude, in its unit; inf where there is none.
+    shift : (p,) array
+        How far the parameters that the model has already should move with it.
     """
 
     start: Start
     gain: float
     std: float
+    shift: Floats = field(default_factory=lambda: np.empty(0))
 
 
 def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Start]) -> list[Screened]:
@@ -85,8 +88,9 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         factor = float(rest @ cleared) / size
         if factor < 0.0 and not start.signed:
             return Screened(start, 0.0, start.trial * size**-0.5)
-        limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR)
-        return Screened(start.sized(limited or 1e-3), factor * factor * size, start.trial * size**-0.5)
+        limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR) or 1e-3
+        shift = -limited * (inverse @ (known @ change)) if known.size else np.empty(0)
+        return Screened(start.sized(limited), factor * factor * size, start.trial * size**-0.5, shift)
 
     def two(start: Start, change: Floats, rest: Floats, cleared: Floats) -> Screened | None:
         """Sizes of two parameters at once; None where the simulation diverges."""

@@ -18,7 +18,7 @@ setup(
     python_requires=">=3.11",
     package_dir={"": "."},  # an editable install is then one path entry, not an import hook
     packages=find_packages(exclude=["test", "test.*"]),
-    package_data={"": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js", "**/*.csv"]},
+    package_data={"": ["py.typed", "**/*.yaml", "**/*.html", "**/*.css", "**/*.js", "**/*.csv", "**/*.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),

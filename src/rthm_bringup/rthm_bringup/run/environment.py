@@ -17,6 +17,13 @@ from pathlib import Path
 from rthm_core.errors import InputError
 
 GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+MIDDLEWARE = {
+    "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
+    "FASTRTPS_DEFAULT_PROFILES_FILE": str(Path(__file__).with_name("discovery.xml")),
+}
+"""Settings of Fast DDS that a user's own replace. Messages go through sockets: a process that is killed while
+it holds a lock in shared memory leaves others waiting for it."""
+
 SOURCED = ("AMENT_PREFIX_PATH", "AMENT_CURRENT_PREFIX", "COLCON_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 
 
@@ -90,8 +97,9 @@ class Network:
             )
 
     def variables(self) -> dict[str, str]:
-        """Environment variables that say this to ROS; a range that the user has set there stays."""
+        """Environment variables that say this to ROS; what the user has set of range and middleware stays."""
         found = {"ROS_DOMAIN_ID": str(self.domain)}
+        found |= {name: os.environ.get(name) or value for name, value in MIDDLEWARE.items()}
         if self.open or self.peers:
             found["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
         else:

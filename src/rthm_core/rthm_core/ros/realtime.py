@@ -76,6 +76,7 @@ class RealTime:
         while self.now() < due:
             pass
         self._meet(due)
+        self._catch_up()
         return True
 
     def alone(self, seconds: float, done: Callable[[], bool]) -> None:
@@ -88,12 +89,15 @@ class RealTime:
                 self._meet(due)
 
     def _meet(self, due: int) -> None:
-        """Do all events of this instant; far behind, let one message in before the next instant."""
+        """Do all events of this instant."""
         while self._agenda.next().at == due:
             began = self.now()
             _, entry = self._agenda.run(began)
             entry.judge(due, began, self.now())
         self._ports.flush()
+
+    def _catch_up(self) -> None:
+        """Far behind, let one message in before the next instant."""
         if self._agenda.next().at < self.now() - NS // 1000:
             self._executor.spin_once(timeout_sec=0)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -39,6 +40,12 @@ FLEXIBLE = {
 CLOSE = 1.2
 """Doubt below which a model is near the noise, so that what is still missing is small."""
 
+UNFINISHED = 1.02
+"""Doubt above which the fit of an effect goes on, before more is looked for."""
+
+FINISHING = 24
+"""Steps for which it goes on."""
+
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
@@ -54,6 +61,11 @@ PARTS = (1.0, 0.5, 0.25, 0.1)
 
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
+
+
+def never(doubt: float) -> bool:
+    """Look for more as long as there is something to be found."""
+    return False
 
 
 @dataclass(frozen=True)
@@ -90,15 +102,28 @@ class Choice:
     limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
 
 
-def choose(fitting: Fitting, base: Fitted) -> Choice:
-    """Explain what is left of the residual by effects."""
-    choice = Choice(base, base)
-    known = _known(fitting, base)
+def choose(
+    fitting: Fitting, base: Fitted, stop: Callable[[float], bool] = never, begun: Choice | None = None
+) -> Choice:
+    """Explain what is left of the residual by effects.
+
+    Parameters
+    ----------
+    fitting : Fitting
+    base : Fitted
+        Retuned model.
+    stop : callable
+        Whether to leave it at what was found, given the doubt that is left.
+    begun : Choice, optional
+        What was found before, to go on with.
+    """
+    choice = begun or Choice(base, base)
+    known = _known(fitting, choice.best)
     screened: list[Screened] = []
     while len(choice.rounds) < MOST_EFFECTS:
         said = "looking for physics that was left out" if not choice.rounds else "looking for more"
         fitting.progress(said)
-        if not choice.rounds or fitting.doubt > CLOSE:
+        if not screened or fitting.doubt > CLOSE:
             screened = _screened(fitting, choice.best, known)
         else:
             screened = screen(fitting, choice.best, known, _others(screened, choice))
@@ -111,10 +136,15 @@ def choose(fitting: Fitting, base: Fitted) -> Choice:
         tried = _refined(fitting, choice.best, known, promising)
         if not tried or not better(tried[0], choice.best) or not _relevant(fitting, tried[0], choice):
             break
+        fitting.doubt = doubt(fitting, tried[0].fitted)
+        if fitting.doubt > UNFINISHED:
+            tried[0] = _fit(fitting, tried[0], known, FINISHING, least=1e-5)
+            fitting.doubt = doubt(fitting, tried[0].fitted)
         choice.rounds.append(tried)
         choice.best = tried[0].fitted
-        fitting.doubt = doubt(fitting, choice.best)
         known = _known(fitting, choice.best)
+        if stop(fitting.doubt):
+            return choice
     return _reconsidered(fitting, choice)
 
 
@@ -123,12 +153,14 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
 
     A flexible kind that came first may have imitated what two plain ones do together.
     """
-    kinds = {tried[0].label[1] for tried in choice.rounds}
-    if len(choice.rounds) < 2 or (len(choice.rounds) == 2 and not kinds & FLEXIBLE):
+    if len(choice.rounds) < 2:
         return choice
-    fitting.progress("looking for a simpler explanation")
+    others = [tried[0] for tried in choice.rounds]
+    if len(others) == 2:  # the second was the best companion of the first
+        others = others[1:] if others[0].label[1] in FLEXIBLE else []
     best = choice
-    for kept in reversed([tried[0] for tried in choice.rounds]):
+    for kept in reversed(others):
+        fitting.progress("looking for a simpler explanation")
         model = choice.base.model.plus(kept.start.added, kept.start.free, kept.start.scales)
         try:
             alone = fitting.fit(model)
@@ -215,8 +247,11 @@ def _promising(screened: list[Screened]) -> list[Screened]:
     near = [s for s in screened if s.gain > max(0.6 * ENOUGH, NEAR * best)]
     firsts = best_of_each(near, 1)[:REFINED]
     kinds = {_kind(s) for s in firsts[:5]}
-    seconds = [s for s in best_of_each(near, 2) if s not in firsts and _kind(s) in kinds]
-    return firsts + seconds
+    chosen = list(firsts)
+    for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
+        if _kind(one) in kinds and not any(one is other for other in chosen):
+            chosen.append(one)
+    return chosen
 
 
 def _kind(screened: Screened) -> tuple[str, str]:
@@ -291,10 +326,10 @@ def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
     return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
 
 
-def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int) -> Tried:
-    """Go on fitting for some steps."""
+def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int, least: float = 3e-4) -> Tried:
+    """Go on fitting for some steps, as long as each brings at least this part."""
     try:
-        fitted = fitting.fit(tried.fitted.model, known, steps)
+        fitted = fitting.fit(tried.fitted.model, known, steps, least)
         return Tried(tried.start, fitted, float(fitted.left_out.sum()))
     except (InputError, np.linalg.LinAlgError):
         return tried

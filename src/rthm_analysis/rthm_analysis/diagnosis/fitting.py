@@ -206,12 +206,14 @@ class Fitting:
 
     def state_correction(self, fitted: Fitted) -> Floats:
         """Change (2 n,) of the initial state of a run over everything that fits best; zero in windows."""
-        states = self.states(fitted.model, fitted.residual)
+        unchanged = np.zeros(self.windows.state.shape[1])
         if self.windows.length is not None:
-            return np.zeros(states.shape[0])
-        if not np.isfinite(fitted.residual).all() or not np.isfinite(states).all():
-            return np.zeros(states.shape[0])
-        return np.asarray(np.linalg.lstsq(states.T, fitted.residual, rcond=1e-10)[0])
+            return unchanged
+        residual = self.residual(fitted.model)
+        states = self.states(fitted.model, residual)
+        if not np.isfinite(residual).all() or not np.isfinite(states).all():
+            return unchanged
+        return np.asarray(np.linalg.lstsq(states.T, residual, rcond=1e-10)[0])
 
     def columns(self, model: Model, residual: Floats, which: Iterable[int]) -> Floats:
         """Change of the prediction with some parameters (p, s k), over the noise."""
@@ -243,7 +245,7 @@ class Fitting:
         squares = np.array([float(residual[b] @ residual[b]) for b in self.blocks])
         return Sums(hessian, gradient, squares, precision, pull)
 
-    def fit(self, model: Model, known: Floats | None = None, most: int = 8) -> Fitted:
+    def fit(self, model: Model, known: Floats | None = None, most: int = 8, least: float = 3e-4) -> Fitted:
         """Levenberg-Marquardt from the model's present values.
 
         Parameters
@@ -253,6 +255,8 @@ class Fitting:
             Columns of the first q parameters, which then are not computed anew.
         most : int
             Largest number of steps.
+        least : float
+            Part of the squared error below which a step gains too little to go on.
         """
         anew = known is None or self.doubt > WRONG
         kept = 0 if anew or known is None else known.shape[0]
@@ -275,7 +279,7 @@ class Fitting:
                     model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
                     break
                 damping = max(damping * 10.0, 1e-3)
-            if before - best < max(0.1, 3e-4 * best):
+            if before - best < max(0.1, least * best):
                 break
             if self.doubt > WRONG:
                 bases = self.bases(self.states(model, residual))
@@ -291,11 +295,10 @@ class Fitting:
     @staticmethod
     def _moved(model: Model, sums: Sums, damping: float) -> Floats:
         """Values after a damped step; what is positive moves by factors, and stays positive."""
-        values = model.values
+        values, directions = model.values, _directions(model)
         positive = np.array([p.positive for p in model.parameters])
-        scale = np.where(positive, values, [p.scale for p in model.parameters])
-        whole = (sums.hessian.sum(0) + np.diag(sums.precision)) * np.outer(scale, scale)
-        gradient = (sums.gradient.sum(0) + sums.pull) * scale
+        whole = directions.T @ (sums.hessian.sum(0) + np.diag(sums.precision)) @ directions
+        gradient = directions.T @ (sums.gradient.sum(0) + sums.pull)
         stuck = np.array([_leaves(p, g) for p, g in zip(model.parameters, gradient, strict=True)])
         diagonal = np.diag(whole).copy()
         whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
@@ -303,7 +306,24 @@ class Fitting:
         whole[stuck, stuck] = 1.0
         step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
         factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
-        return np.asarray(np.where(positive, values * factor, values + step * scale))
+        moved = np.where(positive, values * factor, values + step * np.diag(directions))
+        for i, p in enumerate(model.parameters):
+            if p.along is not None:
+                moved[i] *= factor[p.along]
+        return np.asarray(moved)
+
+
+def _directions(model: Model) -> Floats:
+    """Change of the parameters (p, p) with the steps of a fit.
+
+    What is positive moves by factors; what moves along with another keeps its ratio to it.
+    """
+    scale = [p.value if p.positive else p.scale for p in model.parameters]
+    directions = np.diag(np.array(scale, dtype=float))
+    for i, p in enumerate(model.parameters):
+        if p.along is not None:
+            directions[i, p.along] = p.value
+    return directions
 
 
 def _leaves(parameter: Parameter, gradient: float) -> bool:

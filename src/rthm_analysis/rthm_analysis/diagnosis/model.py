@@ -24,6 +24,10 @@ PROPERTIES = {
 """Properties that a spec can call uncertain, and their units."""
 
 
+ALONG = {("bouc_wen", "gamma"): "beta"}
+"""Parameters of either sign that are sizes in the same unit as a positive one; a fit moves their ratio."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number of the model that may move.
@@ -38,6 +42,8 @@ class Parameter:
         Bounds.
     prior : (float, float) or None
         Mean and standard deviation that the spec states.
+    along : int or None
+        Place among the parameters of a positive one in whose proportion it moves.
     """
 
     key: str
@@ -46,6 +52,7 @@ class Parameter:
     low: float = -np.inf
     high: float = np.inf
     prior: tuple[float, float] | None = None
+    along: int | None = None
 
     @property
     def positive(self) -> bool:
@@ -112,7 +119,10 @@ class Model:
             low = low if quantity.above is None else quantity.above + 1e-12
             high = np.inf if quantity.maximum is None else quantity.maximum
             value = float(one.parameters[key])
-            new.append(Parameter(f"{name}.{key}", value, scales.get(key, abs(value) or 1.0), low, high))
+            along = ALONG.get((one.kind, key))
+            place = len(self.parameters) + free.index(along) if along in free else None
+            scale = scales.get(key, abs(value) or 1.0)
+            new.append(Parameter(f"{name}.{key}", value, scale, low, high, along=place))
         return replace(self, parameters=(*self.parameters, *new), added=(*self.added, one), checked=[])
 
     def name(self, index: int) -> str:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.choosing import Choice, Tried, choose, doubt
+from rthm_analysis.diagnosis.choosing import FINISHING, Choice, Tried, choose, doubt
 from rthm_analysis.diagnosis.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
-from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits
 from rthm_analysis.diagnosis.model import Model, uncertain
 from rthm_analysis.diagnosis.noise import noise_level
@@ -26,6 +26,10 @@ from rthm_core.spec import Spec
 
 TRAIN = 2.0 / 3.0
 """Part of a recording from its start that fits and choices may see."""
+
+LOST = 5.0
+"""Squared error per sample, in units of the noise, of the best single effect in a run over everything, from
+which effects are looked for in short runs."""
 
 NEAR = 10.0
 """Squared error per sample, in units of the noise, from which longer windows would only drift further."""
@@ -85,18 +89,58 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
     settled = drives.settled
     runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
     experiment.begin_at(seen.stamps_ns[runs.start])
-    progress("retuning what is uncertain")
-    base = Model(settled, uncertain(settled))
-    fitting.doubt = doubt(fitting, nominal)
-    retuned = fitting.fit(base)
-    if fitting.doubt > 1.5:
-        fitting.doubt = doubt(fitting, retuned)
-        retuned = fitting.fit(retuned.model)
-    choice = choose(fitting, retuned)
+    retuned = _retuned(fitting, nominal, settled)
+    if runs.length is not None:
+        choice = choose(fitting, retuned)
+    else:
+        choice = choose(fitting, retuned, lambda doubt: doubt > LOST)
+        if fitting.doubt > LOST:
+            progress("looking in short runs, where a wrong model stays near")
+            short = windows(seen, settled, seen.driven_by == "command", short=True)
+            closer = Fitting(part, short.first(train), sigma, Model(settled), progress)
+            choice, there = _led_by(closer, fitting, retuned, choice)
+            if there is not None:
+                runs, fitting, nominal = short, closer, there
     return Physical(
         spec, seen, train, experiment, runs, sigma, drives.rounds, settled, fitting, nominal, choice,
         drives.limits,
     )  # fmt: skip
+
+
+def _led_by(
+    closer: Fitting, fitting: Fitting, retuned: Fitted, choice: Choice
+) -> tuple[Choice, Fitted | None]:
+    """Go on with a choice that was lost, led by what short runs show.
+
+    Returns
+    -------
+    Choice
+    Fitted or None
+        The nominal model in short runs, when the choice was left to them.
+    """
+    settled = closer.base.spec
+    nominal = closer.fit(Model(settled))
+    near = _retuned(closer, nominal, settled)
+    again = choose(closer, near, lambda doubt: doubt < WRONG)
+    if closer.doubt >= WRONG:
+        return choose(fitting, retuned, begun=choice), None
+    whole = fitting.fit(again.best.model, most=FINISHING)
+    fitting.doubt = doubt(fitting, whole)
+    if fitting.doubt < WRONG:
+        begun = Choice(retuned, whole, again.rounds, choice.limits)
+        return choose(fitting, retuned, begun=begun), None
+    return choose(closer, near, begun=again), nominal
+
+
+def _retuned(fitting: Fitting, nominal: Fitted, spec: Spec) -> Fitted:
+    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
+    fitting.progress("retuning what is uncertain")
+    fitting.doubt = doubt(fitting, nominal)
+    retuned = fitting.fit(Model(spec, uncertain(spec)))
+    if fitting.doubt > 1.5:
+        fitting.doubt = doubt(fitting, retuned)
+        retuned = fitting.fit(retuned.model)
+    return retuned
 
 
 def _started(

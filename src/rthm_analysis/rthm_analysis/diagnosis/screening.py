@@ -113,13 +113,13 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
     return sorted(found, key=lambda s: -s.gain)
 
 
-def best_of_each(screened: list[Screened], most: int) -> list[Screened]:
-    """Best `most` starts of each kind at each place, in order."""
-    count: dict[tuple[str, str, str], int] = {}
+def best_of_each(screened: list[Screened], most: int, apart: str = "") -> list[Screened]:
+    """Best `most` starts of each kind at each place, in order; and of each value of the parameter `apart`."""
+    count: dict[tuple[object, ...], int] = {}
     kept = []
     for one in screened:
         added = one.start.added
-        key = (added.block, added.kind, added.place)
+        key = (added.block, added.kind, added.place, added.parameters.get(apart))
         count[key] = count.get(key, 0) + 1
         if count[key] <= most:
             kept.append(one)

@@ -20,7 +20,6 @@ PERIODS = 0.015
 
 FEWEST_SAMPLES = 60
 
-
 DRIFT = 5.0
 """A motion that decays by less than exp(-DRIFT) over the recording without swinging back drifts."""
 
@@ -62,8 +61,10 @@ class Windows:
         return Windows(self.start, state, self.length)
 
 
-def windows(evidence: Evidence, spec: Spec, known_start: bool, longer: float = 1.0) -> Windows:
-    """Free runs for a spec: windows where it drifts or is unstable.
+def windows(
+    evidence: Evidence, spec: Spec, known_start: bool, longer: float = 1.0, short: bool = False
+) -> Windows:
+    """Free runs for a spec: windows where it drifts or is unstable, or where short ones are asked for.
 
     Parameters
     ----------
@@ -73,11 +74,15 @@ def windows(evidence: Evidence, spec: Spec, known_start: bool, longer: float = 1
         Whether the test began at rest in the spec's initial state; else the state is estimated.
     longer : float
         Length of windows over the shortest.
+    short : bool
+        Windows of one period of the motion, in which a wrong model stays near where it would not for long.
     """
     assert spec.plant is not None
     duration = float(evidence.time[-1])
     drifts = _drifts(spec, duration)
     length = min(longer * _shortest(evidence, duration), duration) if drifts else None
+    if short:
+        length = _period(evidence)
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)
     start = np.searchsorted(evidence.time, instants)
     state = np.array([_state(evidence, spec, int(s)) for s in start])
@@ -100,11 +105,15 @@ def _drifts(spec: Spec, duration: float) -> bool:
 
 
 def _shortest(evidence: Evidence, duration: float) -> float:
+    shortest = FEWEST_SAMPLES * duration / evidence.time.size
+    return float(min(max(PERIODS * _period(evidence), shortest), duration))
+
+
+def _period(evidence: Evidence) -> float:
+    """Mean period of the recorded motion, s."""
     position = np.nan_to_num(evidence.measured[:, 0])
     rate = np.gradient(position, evidence.time)
-    period = 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
-    shortest = FEWEST_SAMPLES * duration / evidence.time.size
-    return float(min(max(PERIODS * period, shortest), duration))
+    return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
 
 
 def _state(evidence: Evidence, spec: Spec, sample: int) -> Floats:

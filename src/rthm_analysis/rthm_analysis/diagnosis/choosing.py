@@ -198,7 +198,11 @@ def doubt(fitting: Fitting, fitted: Fitted) -> float:
 
 
 def _known(fitting: Fitting, fitted: Fitted) -> Floats:
-    columns = fitting.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+    """Projected columns of a model's parameters; none where a small change of one makes it diverge."""
+    try:
+        columns = fitting.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+    except np.linalg.LinAlgError:
+        return np.empty((0, fitted.residual.size))
     return fitting.projected(columns)
 
 

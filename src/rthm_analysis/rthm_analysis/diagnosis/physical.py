@@ -124,7 +124,10 @@ def _led_by(
     again = choose(closer, near, lambda doubt: doubt < WRONG)
     if closer.doubt >= WRONG:
         return choose(fitting, retuned, begun=choice), None
-    whole = fitting.fit(again.best.model, most=FINISHING)
+    try:
+        whole = fitting.fit(again.best.model, most=FINISHING)
+    except np.linalg.LinAlgError:  # over the whole recording it diverges
+        return choose(closer, near, begun=again), nominal
     fitting.doubt = doubt(fitting, whole)
     if fitting.doubt < WRONG:
         begun = Choice(retuned, whole, again.rounds, choice.limits)

@@ -11,22 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from benchmarks.concealed.__main__ import main
+from benchmarks.concealed.amounts import Scene
+from benchmarks.concealed.case import make_case, spec_text
+from benchmarks.concealed.kinds import CATALOGUE, family, make_effect
+from benchmarks.concealed.loads import load, tabulate
+from benchmarks.concealed.loop import SEEN, TRUE, Recording
+from benchmarks.concealed.plan import plan
+from benchmarks.concealed.score import score
+from benchmarks.concealed.simulate import replay, run
+from benchmarks.concealed.visibility import visibility
+from benchmarks.concealed.world import HybridTest, ns
 from rosbags.highlevel import AnyReader
 
 ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
-
-from benchmarks.concealed.__main__ import main  # noqa: E402
-from benchmarks.concealed.amounts import Scene  # noqa: E402
-from benchmarks.concealed.case import make_case, spec_text  # noqa: E402
-from benchmarks.concealed.kinds import CATALOGUE, family, make_effect  # noqa: E402
-from benchmarks.concealed.loads import load, tabulate  # noqa: E402
-from benchmarks.concealed.loop import SEEN, TRUE, Recording  # noqa: E402
-from benchmarks.concealed.plan import plan  # noqa: E402
-from benchmarks.concealed.score import score  # noqa: E402
-from benchmarks.concealed.simulate import replay, run  # noqa: E402
-from benchmarks.concealed.visibility import visibility  # noqa: E402
-from benchmarks.concealed.world import HybridTest, ns  # noqa: E402
 
 SINES = np.array([[0.6, 1.7, 0.3], [0.5, 4.4, 1.9], [0.4, 9.1, 4.0], [0.4, 17.0, 2.2]])
 MEMBERS = {"link.*": ("link.tau1", "link.tau2", "link.tau3", "link.tau4"),

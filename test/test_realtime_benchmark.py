@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
+from benchmarks.realtime.__main__ import main
+from benchmarks.realtime.judge import judge_real_time, judge_simulated_time
 
 from rthm_bringup.run.environment import Network
-
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
-
-from benchmarks.realtime.__main__ import main  # noqa: E402
-from benchmarks.realtime.judge import judge_real_time, judge_simulated_time  # noqa: E402
 
 REAL = {
     "priority": True,

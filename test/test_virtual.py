@@ -12,15 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from benchmarks.realtime.compare import payloads, worst_difference
 
 from rthm_analysis.recording import read_recording
 from rthm_core.schedule import Schedule
 from rthm_core.spec import parameters, read_spec, shipped_spec, spec_from_parameters, write_spec
-
-ROOT = Path(__file__).parents[1]
-sys.path.insert(0, str(ROOT))
-
-from benchmarks.realtime.compare import payloads, worst_difference  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("nothing_left")
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]

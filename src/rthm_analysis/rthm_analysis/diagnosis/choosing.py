@@ -161,7 +161,7 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
     best = choice
     for kept in reversed(others):
         fitting.progress("looking for a simpler explanation")
-        model = choice.base.model.plus(kept.start.added, kept.start.free, kept.start.scales)
+        model = kept.start.added_to(choice.base.model)
         try:
             alone = fitting.fit(model)
             known = _known(fitting, alone)
@@ -224,7 +224,7 @@ def _denied(fitting: Fitting, fitted: Fitted, one: Screened) -> bool:
     """Whether a wire that would explain the motion is denied by its own force."""
     if one.start.added.block != "wire" or one.gain < 0.6 * ENOUGH:
         return False
-    with_it = fitted.model.plus(one.start.added, one.start.free, one.start.scales)
+    with_it = one.start.added_to(fitted.model)
     try:
         return fitting.wires_alone.contradict(fitted.model, with_it)
     except InputError:
@@ -253,7 +253,7 @@ def _promising(screened: list[Screened]) -> list[Screened]:
     kinds = {_kind(s) for s in firsts[:5]}
     chosen = list(firsts)
     for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
-        if _kind(one) in kinds and not any(one is other for other in chosen):
+        if _kind(one) in kinds and one not in chosen:
             chosen.append(one)
     return chosen
 
@@ -286,7 +286,7 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
 
     The size was found as if everything were linear, so parts of it are tried as well.
     """
-    whole = model.plus(one.start.added, one.start.free, one.start.scales)
+    whole = one.start.added_to(model)
     if fitting.doubt < WRONG or not one.shift.size:
         return whole
     begun = []

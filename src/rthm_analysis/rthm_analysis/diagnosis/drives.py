@@ -93,7 +93,7 @@ def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[
     best: dict[tuple[str, str, str], Tried] = {}
     for one in best_of_each(promising, 2):
         try:
-            fitted = fitting.fit(model.plus(one.start.added, one.start.free, one.start.scales), None, 12)
+            fitted = fitting.fit(one.start.added_to(model), None, 12)
         except (InputError, np.linalg.LinAlgError):
             continue
         new = Tried(one.start, fitted, float(fitted.left_out.sum()))

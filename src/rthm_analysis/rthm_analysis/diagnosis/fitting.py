@@ -172,8 +172,7 @@ class Fitting:
     def squares(self, model: Model) -> float:
         """Squared error of a model as it stands, in units of the noise; inf where it diverges."""
         residual = self.residual(model)
-        bases = self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
-        return self._cost(model, residual, bases)
+        return self._cost(model, residual, self._bases_of(model, residual))
 
     def _prepare_states(self) -> None:
         self._states = self.states(self.base, self.residual(self.base))
@@ -261,7 +260,7 @@ class Fitting:
         anew = known is None or self.doubt > WRONG
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
-        bases = self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
+        bases = self._bases_of(model, residual)
         best, damping = self._cost(model, residual, bases), 1e-4
         columns = np.empty((0, residual.size))
         for _ in range(most):
@@ -282,9 +281,13 @@ class Fitting:
             if before - best < max(0.1, least * best):
                 break
             if self.doubt > WRONG:
-                bases = self.bases(self.states(model, residual))
+                bases = self._bases_of(model, residual)
                 best = self._cost(model, residual, bases)
         return Fitted(model, best, self.sums(model, self.projected(residual, bases), columns), residual)
+
+    def _bases_of(self, model: Model, residual: Floats) -> Bases:
+        """What initial states can explain: of this model as long as models are wrong, else of the base."""
+        return self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
 
     def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
         priors = [(p.value - p.prior[0]) / p.prior[1] for p in model.parameters if p.prior]

@@ -90,17 +90,15 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
     runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
     experiment.begin_at(seen.stamps_ns[runs.start])
     retuned = _retuned(fitting, nominal, settled)
-    if runs.length is not None:
-        choice = choose(fitting, retuned)
-    else:
-        choice = choose(fitting, retuned, lambda doubt: doubt > LOST)
-        if fitting.doubt > LOST:
-            progress("looking in short runs, where a wrong model stays near")
-            short = windows(seen, settled, seen.driven_by == "command", short=True)
-            closer = Fitting(part, short.first(train), sigma, Model(settled), progress)
-            choice, there = _led_by(closer, fitting, retuned, choice)
-            if there is not None:
-                runs, fitting, nominal = short, closer, there
+    lost = LOST if runs.length is None else np.inf
+    choice = choose(fitting, retuned, lambda left: left > lost)
+    if fitting.doubt > lost:
+        progress("looking in short runs, where a wrong model stays near")
+        short = windows(seen, settled, seen.driven_by == "command", short=True)
+        closer = Fitting(part, short.first(train), sigma, Model(settled), progress)
+        choice, there = _led_by(closer, fitting, retuned, choice)
+        if there is not None:
+            runs, fitting, nominal = short, closer, there
     return Physical(
         spec, seen, train, experiment, runs, sigma, drives.rounds, settled, fitting, nominal, choice,
         drives.limits,
@@ -121,14 +119,14 @@ def _led_by(
     settled = closer.base.spec
     nominal = closer.fit(Model(settled))
     near = _retuned(closer, nominal, settled)
-    again = choose(closer, near, lambda doubt: doubt < WRONG)
+    again = choose(closer, near, lambda left: left < WRONG)
     if closer.doubt >= WRONG:
         return choose(fitting, retuned, begun=choice), None
     try:
         whole = fitting.fit(again.best.model, most=FINISHING)
+        fitting.doubt = doubt(fitting, whole)
     except np.linalg.LinAlgError:  # over the whole recording it diverges
-        return choose(closer, near, begun=again), nominal
-    fitting.doubt = doubt(fitting, whole)
+        fitting.doubt = np.inf
     if fitting.doubt < WRONG:
         begun = Choice(retuned, whole, again.rounds, choice.limits)
         return choose(fitting, retuned, begun=begun), None

@@ -39,7 +39,7 @@ class Screened:
     start: Start
     gain: float
     std: float
-    shift: Floats = field(default_factory=lambda: np.empty(0))
+    shift: Floats = field(default_factory=lambda: np.empty(0), compare=False)
 
 
 def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Start]) -> list[Screened]:
@@ -69,7 +69,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
 
     def one(start: Start) -> Screened | None:
         try:
-            model = fitted.model.plus(start.added, start.free, start.scales)
+            model = start.added_to(fitted.model)
             there = fitting.projected(fitting.residual(model))
         except (InputError, np.linalg.LinAlgError):
             return None
@@ -94,8 +94,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
 
     def two(start: Start, change: Floats, rest: Floats, cleared: Floats) -> Screened | None:
         """Sizes of two parameters at once; None where the simulation diverges."""
-        other = start.doubled
-        model = fitted.model.plus(other.added, other.free, other.scales)
+        model = start.doubled.added_to(fitted.model)
         more = cleaned(here - fitting.projected(fitting.residual(model)) - change)
         if not np.isfinite(more).all():
             return None

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.model import Added
+from rthm_analysis.diagnosis.model import Added, Model
 from rthm_analysis.diagnosis.scene import Scene, rms
 from rthm_core.compiled import Floats
 
@@ -34,6 +34,10 @@ class Start:
     signed: bool = False
     neutral: float = 0.0
     also: str | None = None
+
+    def added_to(self, model: Model) -> Model:
+        """A model with this effect, as large as it is here."""
+        return model.plus(self.added, self.free, self.scales)
 
     @property
     def doubled(self) -> Start:

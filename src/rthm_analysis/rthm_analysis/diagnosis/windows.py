@@ -79,10 +79,11 @@ def windows(
     """
     assert spec.plant is not None
     duration = float(evidence.time[-1])
-    drifts = _drifts(spec, duration)
-    length = min(longer * _shortest(evidence, duration), duration) if drifts else None
+    length = None
     if short:
         length = _period(evidence)
+    elif _drifts(spec, duration):
+        length = min(longer * _shortest(evidence, duration), duration)
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)
     start = np.searchsorted(evidence.time, instants)
     state = np.array([_state(evidence, spec, int(s)) for s in start])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rthm_core.compiled import inlined
 from rthm_core.engine.curved_steps import at, series
 from rthm_core.physical.laws import FRICTION, NONE, PLACE, POSITION, SPLIT
-from rthm_core.physical.switching import margin
+from rthm_core.physical.switching import between, margin, narrowed
 
 
 @inlined
@@ -72,17 +72,10 @@ def _root(curved, work, number, row, terms, high):  # type: ignore[no-untyped-de
     for _ in range(100):
         if high - low <= 1e-14:
             break
-        middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
+        middle = between(low, high, at_low, at_high)
         at(work.terms, terms, middle, work.end)
         value = _margin(curved, number, row, piece, work.end)
-        if value < 0.0:
-            at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
-            high, at_high = middle, value
-        else:
-            at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
-            low, at_low = middle, value
+        low, high, at_low, at_high = narrowed(low, high, at_low, at_high, middle, value)
     return high
 
 

@@ -178,8 +178,13 @@ def _side_by_side(
         out = found[begin : begin + LANES]
         work = working(lanes, out.shape[2])
         run_lanes(lanes, steps, operations, *memory, end // period + 1, out, like, work)
+    return _ensemble(found, step, n1, n2, m)
+
+
+def _ensemble(found: Floats, step: int, n1: int, n2: int, m: int) -> Ensemble:
+    """Rows (L, N, n1 + n2 + 2 m) that a kernel filled, one every `step` ns, by signal."""
     ends = np.cumsum([n1 // 2, n1 // 2, n2 // 2, n2 // 2, m])
-    return Ensemble(np.arange(rows, dtype=float) * (step * 1e-9), *np.split(found, ends, axis=2))
+    return Ensemble(np.arange(found.shape[1], dtype=float) * (step * 1e-9), *np.split(found, ends, axis=2))
 
 
 def _clocks(spec: Spec, arrays: dict[str, Floats], count: int) -> Integers:
@@ -205,8 +210,7 @@ def _each_with_its_delays(
     loops = Loops(a1, a2, y1, y2, k_tot, stiffness, damping, fastest, clocks)
     sides = (moving(n1, m), moving(n2, 2 * m))
     run_each(loops, (stacked.dof1, stacked.dof2), sides, memories(clocks, m), like, step, found)
-    ends = np.cumsum([n1 // 2, n1 // 2, n2 // 2, n2 // 2, m])
-    return Ensemble(np.arange(rows, dtype=float) * (step * 1e-9), *np.split(found, ends, axis=2))
+    return _ensemble(found, step, n1, n2, m)
 
 
 def _memory(lanes: Lanes, program: Program, n1: int, n2: int) -> tuple[Floats, Floats]:

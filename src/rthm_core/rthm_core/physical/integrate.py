@@ -20,7 +20,7 @@ from rthm_core.linear import polynomial, step_linear
 from rthm_core.physical.drive import motor_position
 from rthm_core.physical.flow import mechanics_rate, settle_wires
 from rthm_core.physical.laws import FRICTION, SPLIT
-from rthm_core.physical.switching import loose_piece, margin, switched
+from rthm_core.physical.switching import between, loose_piece, margin, narrowed, switched
 
 RELATIVE_ERROR = 1e-11
 SMALLEST_SCALE = 1e-2
@@ -182,17 +182,10 @@ def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
     for _ in range(100):
         if high - low <= 1e-15 or high - low <= 1e-14 * h:
             break
-        middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
+        middle = between(low, high, at_low, at_high)
         _try(model, state, work, t0, s, middle)
         value = _margin(model, row, piece, trial, work.hold)
-        if value < 0.0:
-            at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
-            high, at_high = middle, value
-        else:
-            at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
-            low, at_low = middle, value
+        low, high, at_low, at_high = narrowed(low, high, at_low, at_high, middle, value)
     _try(model, state, work, t0, s, high)
     return high
 

@@ -1,4 +1,4 @@
-"""When a law leaves its piece, and which piece follows."""
+"""When a law leaves its piece, how that is narrowed down, and which piece follows."""
 
 from __future__ import annotations
 
@@ -46,3 +46,22 @@ def switched(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
         y[n + dof] = 0.0
         following = 0
     return following
+
+
+@inlined
+def between(low, high, at_low, at_high):  # type: ignore[no-untyped-def]
+    """Where a margin is looked at next; it is `at_low` (0: unknown) and `at_high` < 0 at the ends."""
+    middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
+    return middle if low < middle < high else 0.5 * (low + high)
+
+
+@inlined
+def narrowed(low, high, at_low, at_high, middle, value):  # type: ignore[no-untyped-def]
+    """Interval and margins at its ends after `value` was found at `middle` (Illinois method)."""
+    if value < 0.0:
+        at_low = 0.5 * at_low if high - middle < 0.01 * (high - low) else at_low
+        high, at_high = middle, value
+    else:
+        at_high = 0.5 * at_high if middle - low < 0.01 * (high - low) else at_high
+        low, at_low = middle, value
+    return low, high, at_low, at_high

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from rthm_analysis.diagnosis.candidates import candidates
-from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.model import Model
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.refining import (
+    CLEAR,
+    CLOSE,
+    PER_PARAMETER,
+    RELEVANT,
+    Tried,
+    fit_further,
+    refined,
+)
 from rthm_analysis.diagnosis.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.starts import Start
 from rthm_analysis.diagnosis.tones import harmonic_starts
@@ -19,12 +27,6 @@ from rthm_core.errors import InputError
 ENOUGH = 16.0
 """Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
 some hundred candidates."""
-
-PER_PARAMETER = 4.0
-"""Further gain that every further parameter has to bring."""
-
-CLEAR = 6.0
-"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
 
 FLEXIBLE = {
     "bouc_wen",
@@ -37,27 +39,13 @@ FLEXIBLE = {
 }
 """Kinds with enough freedom to imitate others."""
 
-CLOSE = 1.2
-"""Doubt below which a model is near the noise, so that what is still missing is small."""
-
 UNFINISHED = 1.02
 """Doubt above which the fit of an effect goes on, before more is looked for."""
 
 FINISHING = 24
 """Steps for which it goes on."""
 
-RELEVANT = 0.03
-"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
-
-HEATS = ((2, 0), (3, 6), (8, 2))
-"""Steps of the fits of one heat, and how many candidates get into it."""
-
 REFINED, MOST_EFFECTS = 10, 3
-REACH = 10.0
-"""How much further from the noise than the best a candidate may be that is fitted any longer."""
-
-PARTS = (1.0, 0.5, 0.25, 0.1)
-"""Parts of a candidate's estimated size from which its fit may begin."""
 
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
@@ -66,20 +54,6 @@ NEAR = 0.15
 def never(doubt: float) -> bool:
     """Look for more as long as there is something to be found."""
     return False
-
-
-@dataclass(frozen=True)
-class Tried:
-    """A candidate that was refined."""
-
-    start: Start
-    fitted: Fitted
-    error: float
-
-    @property
-    def label(self) -> tuple[str, str, str]:
-        """Block, kind and place."""
-        return self.start.added.block, self.start.added.kind, self.start.added.place
 
 
 @dataclass
@@ -133,12 +107,12 @@ def choose(
         if not promising:
             break
         fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in promising))}")
-        tried = _refined(fitting, choice.best, known, promising)
+        tried = refined(fitting, choice.best, known, promising)
         if not tried or not better(tried[0], choice.best) or not _relevant(fitting, tried[0], choice):
             break
         fitting.doubt = doubt(fitting, tried[0].fitted)
         if fitting.doubt > UNFINISHED:
-            tried[0] = _fit(fitting, tried[0], known, FINISHING, least=1e-5)
+            tried[0] = fit_further(fitting, tried[0], known, FINISHING, least=1e-5)
             fitting.doubt = doubt(fitting, tried[0].fitted)
         choice.rounds.append(tried)
         choice.best = tried[0].fitted
@@ -165,7 +139,7 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
         try:
             alone = fitting.fit(model)
             known = _known(fitting, alone)
-            tried = _refined(fitting, alone, known, _promising(_screened(fitting, alone, known)))
+            tried = refined(fitting, alone, known, _promising(_screened(fitting, alone, known)))
         except (InputError, np.linalg.LinAlgError):
             continue
         if tried and _merit(tried[0].fitted) < _merit(best.best) - CLEAR:
@@ -262,88 +236,6 @@ def _kind(screened: Screened) -> tuple[str, str]:
     return screened.start.added.block, screened.start.added.kind
 
 
-def _refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
-    """Fit the promising candidates, the better the longer; best first by what data left out say."""
-    tried = []
-    for one in promising:
-        model = _begun(fitting, fitted.model, one)
-        new = _fit(fitting, Tried(one.start, replace(fitted, model=model), np.inf), known, HEATS[0][0])
-        if np.isfinite(new.error):
-            tried.append(new)
-    for steps, most in HEATS[1:]:
-        tried.sort(key=lambda t: t.fitted.squares)
-        most = min(most, _within_reach(fitting, tried))
-        tried = [_fit(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
-    best: dict[tuple[str, str, str], Tried] = {}
-    for one in in_order(tried):
-        if _meaningful(one):
-            best.setdefault(one.label, one)
-    return _simplest_first(fitting, in_order(list(best.values())), fitted)
-
-
-def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
-    """Where the fit of a candidate begins: where it is large, what the model has already moves with it.
-
-    The size was found as if everything were linear, so parts of it are tried as well.
-    """
-    whole = one.start.added_to(model)
-    if fitting.doubt < WRONG or not one.shift.size:
-        return whole
-    begun = []
-    for part in PARTS:
-        start = one.start.sized(part)
-        moved = model.at(model.values + part * one.shift)
-        begun.append(moved.plus(start.added, start.free, one.start.scales))
-    return min([whole, *begun], key=fitting.squares)
-
-
-def _meaningful(tried: Tried) -> bool:
-    """Whether the parameters are those of the kind; friction that rises with speed is not Stribeck's."""
-    if tried.label[1] != "stribeck_friction":
-        return True
-    found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
-    return float(found["static_force"]) >= float(found["coulomb_force"])
-
-
-def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
-    """Put a simpler candidate before the best where neither reaches the noise and hardly anything is lost.
-
-    What is then left is no noise, against which a further parameter could be weighed.
-    """
-    noise = float(np.count_nonzero(fitting.weight))
-    if not tried or tried[0].error < CLOSE * noise:
-        return tried
-    gain = float(without.left_out.sum()) - tried[0].error
-    if gain <= 0.0:
-        return tried
-    equal = [
-        t for t in tried if t.error - tried[0].error < RELEVANT * gain and not distinguishable(tried[0], t)
-    ]
-    first = min(equal, key=lambda t: len(t.fitted.model.parameters))
-    return [first, *(t for t in tried if t is not first)]
-
-
-def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
-    """Of candidates in the order of their errors, how many may still become the best."""
-    noise = float(np.count_nonzero(fitting.weight))
-    best = tried[0].fitted.squares if tried else 0.0
-    return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
-
-
-def _fit(fitting: Fitting, tried: Tried, known: Floats, steps: int, least: float = 3e-4) -> Tried:
-    """Go on fitting for some steps, as long as each brings at least this part."""
-    try:
-        fitted = fitting.fit(tried.fitted.model, known, steps, least)
-        return Tried(tried.start, fitted, float(fitted.left_out.sum()))
-    except (InputError, np.linalg.LinAlgError):
-        return tried
-
-
-def in_order(tried: list[Tried]) -> list[Tried]:
-    """Smallest error first, where every parameter has to earn its place."""
-    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
-
-
 def better(new: Tried, old: Fitted) -> bool:
     """Whether an effect predicts unseen data better than chance and the scatter between parts would."""
     gains = old.left_out - new.fitted.left_out
@@ -359,10 +251,3 @@ def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
     gain = before - after
     start = float(choice.base.left_out.sum()) - noise
     return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
-
-
-def distinguishable(best: Tried, other: Tried) -> bool:
-    """Whether the recording tells two refined candidates apart."""
-    differences = other.fitted.left_out - best.fitted.left_out
-    scatter = float(np.sqrt(differences.size) * differences.std())
-    return float(differences.sum()) > max(CLEAR, scatter)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER
+from rthm_analysis.diagnosis.choosing import ENOUGH
 from rthm_analysis.diagnosis.limits import Limits, rounding_limits, slack_limits
 from rthm_analysis.diagnosis.physical import Physical
+from rthm_analysis.diagnosis.refining import PER_PARAMETER
 from rthm_analysis.diagnosis.result import Limit
 from rthm_analysis.diagnosis.rounding import MATTERS
 from rthm_core.effects import effect

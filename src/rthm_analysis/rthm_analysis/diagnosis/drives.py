@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, Tried, in_order
+from rthm_analysis.diagnosis.choosing import ENOUGH
 from rthm_analysis.diagnosis.drive_starts import drive_starts
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits, motor_limits
 from rthm_analysis.diagnosis.model import Model
 from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.refining import PER_PARAMETER, Tried, in_order
 from rthm_analysis.diagnosis.screening import best_of_each, screen
 from rthm_analysis.diagnosis.windows import Windows
 from rthm_core.compiled import Floats

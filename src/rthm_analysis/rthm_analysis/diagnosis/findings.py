@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.choosing import ENOUGH, PER_PARAMETER, distinguishable
+from rthm_analysis.diagnosis.choosing import ENOUGH
 from rthm_analysis.diagnosis.curves import force_curve
 from rthm_analysis.diagnosis.detection import detection_limits
 from rthm_analysis.diagnosis.evidence import Channel
@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.fitting import Fitted
 from rthm_analysis.diagnosis.judged import Simulated, coloured, held_out_squares, nrmse, simulate_all
 from rthm_analysis.diagnosis.model import PROPERTIES, Model, nominal_values
 from rthm_analysis.diagnosis.physical import Physical
+from rthm_analysis.diagnosis.refining import PER_PARAMETER, distinguishable
 from rthm_analysis.diagnosis.result import Alternative, Fit, Mismatch, Part, Physics, Retuned, Value
 from rthm_analysis.diagnosis.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.wire_curves import wire_curve

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.choosing import FINISHING, Choice, Tried, choose, doubt
+from rthm_analysis.diagnosis.choosing import FINISHING, Choice, choose, doubt
 from rthm_analysis.diagnosis.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits
 from rthm_analysis.diagnosis.model import Model, uncertain
 from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.refining import Tried
 from rthm_analysis.diagnosis.windows import Windows, windows
 from rthm_core.compiled import Floats
 from rthm_core.physical.side import first_command

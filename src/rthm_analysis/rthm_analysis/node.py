@@ -11,7 +11,6 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -26,9 +25,11 @@ from rthm_analysis.energy import rehearse
 from rthm_analysis.live import JOINT_STATE, TOPICS, LiveLedger
 from rthm_analysis.report.verdict import BAD, verdict
 from rthm_core.errors import InputError
+from rthm_core.ros import system
 from rthm_core.ros.diagnostics import ERROR, OK, WARN, Diagnostics
 from rthm_core.ros.managed import ManagedNode
 from rthm_core.ros.messages import JointStateWriter
+from rthm_core.ros.polling import Mailbox
 from rthm_core.ros.process import run
 from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
@@ -55,7 +56,7 @@ class AnalysisNode(ManagedNode):
         words = "recording to analyse; empty: the one that the recorder has closed"
         self.declare_parameter("bag", "", ParameterDescriptor(description=words))
         self._ledger: LiveLedger | None = None
-        self._listening: dict[str, Any] = {}
+        self._mailboxes: dict[str, Mailbox] = {}
         self._closed = self._analysed = ""
         self._counted, self._told = 0, dict[str, float]()
         self._write = JointStateWriter(TERMS, ["effort"]).bytes
@@ -70,10 +71,11 @@ class AnalysisNode(ManagedNode):
     def configure(self, spec: Spec) -> None:
         """Listen to the loop."""
         rehearse(spec)
+        if self.value("virtual"):
+            system.prepare_virtual()
         for topic, kind in TOPICS.items():
             message = JointState if kind == JOINT_STATE else TimeReference
-            take = partial(self._take, topic)
-            self._listening[topic] = self.create_subscription(message, topic, take, samples(DEPTH), raw=True)
+            self._mailboxes[topic] = Mailbox(self, message, topic, samples(DEPTH))
 
     def activate(self, spec: Spec) -> None:
         """Open the books."""
@@ -82,18 +84,20 @@ class AnalysisNode(ManagedNode):
 
     def deactivate(self) -> None:
         """Count what is left and close the books."""
+        self._take()
         self._count(final=True)
         self._ledger = None
 
     def release(self) -> None:
         """Leave all topics."""
-        for subscription in self._listening.values():
-            self.destroy_subscription(subscription)
-        self._listening.clear()
+        for mailbox in self._mailboxes.values():
+            mailbox.close()
+        self._mailboxes.clear()
 
     def turn(self) -> None:
         """Serve the executor, and count and report when it is time; called again and again."""
         self.executor.spin_once(timeout_sec=PERIOD / 2)
+        self._take()
         now = time.monotonic()
         if now >= self._next_energy:
             self._next_energy = now + PERIOD
@@ -112,9 +116,12 @@ class AnalysisNode(ManagedNode):
             if self.spec is not None:
                 self.trigger_activate()
 
-    def _take(self, topic: str, message: bytes) -> None:
-        if self._ledger is not None:
-            self._ledger.take(topic, message)
+    def _take(self) -> None:
+        """Keep what has arrived; outside of a test nothing of it is needed."""
+        for topic, mailbox in self._mailboxes.items():
+            for message, _ in mailbox.take():
+                if self._ledger is not None:
+                    self._ledger.take(topic, message)
 
     def _count(self, *, final: bool = False) -> None:
         """Move the books on and publish them."""
@@ -176,15 +183,12 @@ class AnalysisNode(ManagedNode):
 
     def _ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Service ``~/ready``: whether everybody who publishes a state is connected."""
-        waiting = [topic for topic, listener in self._listening.items() if not self._matched(topic, listener)]
+        waiting = [
+            topic for topic, box in self._mailboxes.items() if not box.matched(0 if "links/" in topic else 1)
+        ]
         response.success = self.spec is not None and not waiting
         response.message = f"waits for {', '.join(waiting)}" if waiting else "ready"
         return response
-
-    def _matched(self, topic: str, subscription: Any) -> bool:
-        known = self.count_publishers(subscription.topic_name)
-        needed = 0 if topic.startswith("links/") else 1
-        return bool(subscription.get_publisher_count() >= max(needed, known))
 
     def _report(self) -> None:
         terms = {f"{name} [J]": f"{value:.6g}" for name, value in self._told.items()}

@@ -10,7 +10,6 @@ import gc
 import signal
 import sys
 import time
-from functools import partial
 from typing import Any
 
 import rclpy
@@ -18,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import String
@@ -32,12 +31,15 @@ from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions
+from rthm_core.ros.polling import Mailbox, PollingNode
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
+TAKE = 0.01
+"""Time between two looks at what has arrived, s."""
 
 PARAMETERS: dict[str, tuple[Any, str]] = {
     "bag": ("", "folder of the recording; it must not exist, or be empty"),
@@ -51,7 +53,7 @@ PARAMETERS: dict[str, tuple[Any, str]] = {
 }
 
 
-class Recorder(LifecycleNode):
+class Recorder(PollingNode):
     """Lifecycle node around `Intake`."""
 
     def __init__(self) -> None:
@@ -62,7 +64,7 @@ class Recorder(LifecycleNode):
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._intake: Intake | None = None
         self._observer: Observer | None = None
-        self._subscriptions_: dict[str, Any] = {}
+        self._mailboxes: dict[str, Mailbox] = {}
         self.failure: str | None = None
         self.create_service(Trigger, "~/ready", self._ready)
         self.create_service(Trigger, "~/complete", self._complete)
@@ -83,12 +85,15 @@ class Recorder(LifecycleNode):
         except InputError as error:
             return self._refuse(str(error))
         for topic, type_name in (LOOP | BESIDE).items():
-            self._subscribe(topic, type_name)
+            self._mailboxes[topic] = Mailbox(self, TYPES[type_name], topic, QoSProfile(depth=DEPTH))
         if self._value("virtual") and self._observer is None:
             self._observer = Observer(self)
         self._flush_timer = self.create_timer(FLUSH, self._flush)
         self._report_timer = self.create_timer(1.0, self._report)
-        system.prepare(self._value("priority"), lock_memory=False)
+        if self._value("virtual"):
+            system.prepare_virtual()
+        else:
+            system.prepare(self._value("priority"), lock_memory=False)
         return TransitionCallbackReturn.SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -133,24 +138,19 @@ class Recorder(LifecycleNode):
         self._spec = self.create_publisher(String, SPEC, latched)
         self._spec.publish(String(data=text))
 
-    def _subscribe(self, topic: str, type_name: str) -> None:
-        take = partial(self._take, topic, type_name)
-        subscription = self.create_subscription(
-            TYPES[type_name], topic, take, QoSProfile(depth=DEPTH), raw=True
-        )
-        # The events executor hands over one pair; the usual reading of a signature expects two arguments.
-        subscription._callback_type = subscription.CallbackType.WithMessageInfo
-        self._subscriptions_[topic] = subscription
-
-    def _take(self, topic: str, type_name: str, message: tuple[bytes, Any]) -> None:
+    def take(self) -> None:
+        """Write what has arrived, in the order in which it arrived."""
+        taken = [(info, topic, data) for topic, box in self._mailboxes.items() for data, info in box.take()]
         if self._intake is None:
             return
+        types = LOOP | BESIDE
         try:
-            self._intake.take(topic, type_name, *message)
+            for info, topic, data in sorted(taken, key=lambda one: one[0]["received_timestamp"]):
+                self._intake.take(topic, types[topic], data, info)
+                if self._observer is not None:
+                    self._observer.note(topic)
         except InputError as error:
             self._fail(str(error))
-        if self._observer is not None:
-            self._observer.note(topic)
 
     def _flush(self) -> None:
         if self._intake is None:
@@ -163,21 +163,22 @@ class Recorder(LifecycleNode):
     def _close(self) -> None:
         if self._intake is None:
             return
+        self.take()
         intake, self._intake = self._intake, None
         intake.writer.custom["lost"] = str(intake.lost)
         try:
             intake.writer.close()
         except InputError as error:
             self._fail(str(error))
-        for subscription in self._subscriptions_.values():
-            self.destroy_subscription(subscription)
-        self._subscriptions_.clear()
+        for mailbox in self._mailboxes.values():
+            mailbox.close()
+        self._mailboxes.clear()
 
     def _ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         missing = [
             topic
             for topic in self._value("awaited")
-            if topic not in self._subscriptions_ or not self._subscriptions_[topic].get_publisher_count()
+            if topic not in self._mailboxes or not self._mailboxes[topic].publishers()
         ]
         response.success = not missing
         response.message = f"waits for {', '.join(missing)}" if missing else "ready"
@@ -185,6 +186,7 @@ class Recorder(LifecycleNode):
 
     def _complete(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Service ``~/complete``: whether everything up to the end of the test has arrived."""
+        self.take()
         behind = self._intake.behind(self._periods) if self._intake else ["there is no recording"]
         response.success, response.message = not behind, ", ".join(behind)
         return response
@@ -234,7 +236,8 @@ def main() -> int:
     gc.freeze()
     try:
         while rclpy.ok() and node.failure is None:
-            executor.spin_once(timeout_sec=1.0)
+            executor.spin_once(timeout_sec=TAKE)
+            node.take()
     except ExternalShutdownException:
         pass
     finally:

@@ -94,8 +94,10 @@ class Conductor:
         self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
-    def wait_until(self, condition: Callable[[], bool], seconds: float, why: Callable[[], str]) -> None:
-        """Wait for `condition`.
+    def wait_until(
+        self, condition: Callable[[], bool], seconds: float, why: Callable[[], str], every: float = 0.02
+    ) -> None:
+        """Wait for `condition`, looking again after every message, and after `every` s if none comes.
 
         Raises
         ------
@@ -107,7 +109,7 @@ class Conductor:
             self.watch()
             if time.monotonic() > deadline:
                 raise StoppedError(why())
-            self._executor.spin_once(timeout_sec=0.02)
+            self._executor.spin_once(timeout_sec=every)
 
     def sleep_until(self, wall: int) -> None:
         """Wait for an instant of the wall clock, ns."""

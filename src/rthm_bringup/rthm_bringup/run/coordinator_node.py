@@ -21,6 +21,7 @@ from rthm_bringup.run.lockstep import LockStep
 from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS, to_ns
 from rthm_core.errors import InputError
+from rthm_core.ros import system
 from rthm_core.ros.grants import DONE, PARTS, Done, grant_to
 from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.qos import latched, samples
@@ -127,6 +128,7 @@ def main() -> int:
     node = Coordinator()
     executor = EventsExecutor()
     executor.add_node(node)
+    system.prepare_virtual()
     try:
         while rclpy.ok():
             executor.spin_once(timeout_sec=0.1)

@@ -17,12 +17,24 @@ from pathlib import Path
 from rthm_core.errors import InputError
 
 GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
-MIDDLEWARE = {
-    "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
-    "FASTRTPS_DEFAULT_PROFILES_FILE": str(Path(__file__).with_name("discovery.xml")),
+PROFILES, RANGE = "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE"
+TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_HERE = Path(__file__).parent
+
+OPEN = {
+    TRANSPORTS: "UDPv4",
+    PROFILES: str(_HERE / "discovery.xml"),
+    RANGE: "SUBNET",
 }
-"""Settings of Fast DDS that a user's own replace. Messages go through sockets: a process that is killed while
-it holds a lock in shared memory leaves others waiting for it."""
+"""Settings of the middleware where other hosts take part. Messages go through sockets: a process that is
+killed while it holds a lock in shared memory leaves others waiting for it."""
+
+CLOSED = {PROFILES: str(_HERE / "loopback.xml"), RANGE: "SYSTEM_DEFAULT"}
+"""Where they do not: sockets on the loopback interface. With the range LOCALHOST the middleware would add
+shared memory."""
+
+QUICK = {PROFILES: str(_HERE / "discovery.xml"), RANGE: "LOCALHOST"}
+"""Where a test has to be fast and need not survive the death of a process: sockets and shared memory."""
 
 SOURCED = ("AMENT_PREFIX_PATH", "AMENT_CURRENT_PREFIX", "COLCON_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 
@@ -84,11 +96,14 @@ class Network:
         Whether nodes on other hosts are looked for; by default only this host.
     peers
         Addresses of other hosts, for networks that do not pass multicast.
+    quick
+        Whether processes of this host may share memory, which takes less time for every message.
     """
 
     domain: int
     open: bool = False
     peers: tuple[str, ...] = ()
+    quick: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.domain <= 232:
@@ -97,15 +112,15 @@ class Network:
             )
 
     def variables(self) -> dict[str, str]:
-        """Environment variables that say this to ROS; what the user has set of range and middleware stays."""
-        found = {"ROS_DOMAIN_ID": str(self.domain)}
-        found |= {name: os.environ.get(name) or value for name, value in MIDDLEWARE.items()}
-        if self.open or self.peers:
-            found["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
-        else:
-            found["ROS_AUTOMATIC_DISCOVERY_RANGE"] = (
-                os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "LOCALHOST"
-            )
+        """Environment variables that say this to ROS; a profile of the user's own replaces ours."""
+        opened = bool(self.open or self.peers)
+        found = {"ROS_DOMAIN_ID": str(self.domain)} | (OPEN if opened else QUICK if self.quick else CLOSED)
+        theirs = os.environ.get(PROFILES)
+        if theirs and Path(theirs).parent != _HERE:
+            found[PROFILES] = theirs
+            found[RANGE] = "SUBNET" if opened else "LOCALHOST"
+        if TRANSPORTS in found:
+            found[TRANSPORTS] = os.environ.get(TRANSPORTS) or found[TRANSPORTS]
         if self.peers:
             found["ROS_STATIC_PEERS"] = ";".join(self.peers)
         return found

@@ -165,7 +165,7 @@ class LockStep:
         sent = self._sent()
         backlog = max((observer.behind(sent) for observer in self._observers), default=0)
         made = [] if backlog > HELD else self._worth(sent)
-        tolerated = HELD // 2 if made else 0
+        tolerated = HELD // 2 if any(part.next < self._end for part in self._parts) else 0
         made += [(o, self._end) for o in self._observers if o.idle and o.behind(sent) > tolerated]
         return {part.name: part.allow(bound, sent) for part, bound in made}
 

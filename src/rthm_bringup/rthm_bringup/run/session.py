@@ -156,7 +156,7 @@ class Session:
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 
-        conductor.wait_until(over, float("inf"), str)
+        conductor.wait_until(over, float("inf"), str, every=0.1)
 
     def _explained(self, stopped: StoppedError) -> str:
         """Sentence with what the node at fault said last, if it is ours."""

@@ -14,6 +14,7 @@ from rclpy.parameter import Parameter
 
 from rthm_core.errors import InputError
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
+from rthm_core.ros.polling import PollingNode
 from rthm_core.spec import Spec
 
 
@@ -33,7 +34,7 @@ def refuse_impossible_transitions(node: LifecycleNode) -> None:
     service.callback = attempt
 
 
-class ManagedNode(LifecycleNode):  # type: ignore[misc]
+class ManagedNode(PollingNode):
     """Lifecycle node; what it does in a transition is `configure`, `activate`, `deactivate` and `release`.
 
     A transition fails with one sentence in the log when one of them raises `InputError`.

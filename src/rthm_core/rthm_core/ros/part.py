@@ -87,13 +87,13 @@ class PartNode(ManagedNode):
 
     def configure(self, spec: Spec) -> None:
         """Open all topics and rehearse."""
-        self.ports = Ports(self, samples(self.value("depth"), self.value("reliable")))
+        virtual = self.value("virtual")
+        self.ports = Ports(self, samples(self.value("depth"), self.value("reliable")), polled=virtual)
         self.connect(spec)
-        if self.value("virtual"):
+        if virtual:
             self._lock_step()
         self._rehearse(spec)
-        priority = max(self.value("priority") - self._yields, 0)
-        self._granted = system.prepare(priority, self.value("lock_memory"))
+        self._granted = self._prepared(virtual)
 
     def activate(self, spec: Spec) -> None:
         """Begin a test at `start_time`."""
@@ -123,6 +123,11 @@ class PartNode(ManagedNode):
     def release(self) -> None:
         """Leave all topics."""
         self.ports.close()
+
+    def _prepared(self, virtual: bool) -> system.Granted:
+        if virtual:
+            return system.prepare_virtual()
+        return system.prepare(max(self.value("priority") - self._yields, 0), self.value("lock_memory"))
 
     def _rehearse(self, spec: Spec) -> None:
         agenda = Agenda()

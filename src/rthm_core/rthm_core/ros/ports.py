@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
@@ -19,12 +18,18 @@ from rthm_core.ros.messages import (
     JointStateWriter,
     TimeReferenceWriter,
 )
+from rthm_core.ros.polling import Listener, Mailbox, PollingNode
 
 Values = Sequence[float] | NDArray[np.float64]
 
 
 class Ports:
     """All ports of a node, and the time of the test as they see it.
+
+    Parameters
+    ----------
+    polled
+        Whether inputs receive only when they are asked to, instead of as soon as a sample arrives.
 
     Attributes
     ----------
@@ -36,8 +41,8 @@ class Ports:
         Whether samples are taken in, and whether they are published.
     """
 
-    def __init__(self, node: Node, qos: QoSProfile) -> None:
-        self.node, self.qos = node, qos
+    def __init__(self, node: PollingNode, qos: QoSProfile, polled: bool = False) -> None:
+        self.node, self.qos, self.polled = node, qos, polled
         self.start: int | None = None
         self.now: Callable[[], int] = lambda: 0
         self.listening = self.speaking = False
@@ -115,12 +120,12 @@ class Output:
         """Begin a new test."""
         self.sent = 0
 
-    def matched(self, node: Node) -> bool:
+    def matched(self, node: PollingNode) -> bool:
         """Whether all listeners that the loop needs, and all that are known, are connected."""
         known = node.count_subscribers(self._publisher.topic_name)
         return bool(self._publisher.get_subscription_count() >= max(self._peers, known))
 
-    def close(self, node: Node) -> None:
+    def close(self, node: PollingNode) -> None:
         """Leave the topic."""
         node.destroy_publisher(self._publisher)
 
@@ -152,9 +157,10 @@ class Input:
         self._use = TimeReferenceWriter(link.name).bytes
         self.clear()
         self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
-        self._subscription = ports.node.create_subscription(
-            JointState, topic, self._receive, ports.qos, raw=True
-        )
+        if ports.polled:
+            self._listener: Listener = Mailbox(ports.node, JointState, topic, ports.qos)
+        else:
+            self._listener = Listener(ports.node, JointState, topic, ports.qos, self._receive)
 
     def clear(self) -> None:
         """Begin a new test."""
@@ -177,14 +183,19 @@ class Input:
         start = self._ports.start or 0
         self._ports.later(self._uses, self._use(start + now, start + stamp))
 
-    def matched(self, node: Node) -> bool:
-        """Whether somebody publishes the topic, and all that are known are connected."""
-        known = node.count_publishers(self._subscription.topic_name)
-        return bool(self._subscription.get_publisher_count() >= max(1, known))
+    def poll(self) -> None:
+        """Receive what has arrived, if samples are received when asked to."""
+        if isinstance(self._listener, Mailbox):
+            for data, _ in self._listener.take():
+                self._receive(data)
 
-    def close(self, node: Node) -> None:
+    def matched(self, node: PollingNode) -> bool:
+        """Whether somebody publishes the topic, and all that are known are connected."""
+        return self._listener.matched()
+
+    def close(self, node: PollingNode) -> None:
         """Leave the topic."""
-        node.destroy_subscription(self._subscription)
+        self._listener.close()
         node.destroy_publisher(self._uses)
 
     def _receive(self, data: bytes) -> None:

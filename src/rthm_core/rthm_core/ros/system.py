@@ -42,7 +42,17 @@ def prepare(priority: int, lock_memory: bool) -> Granted:
     """
     _library().prctl(PR_SET_TIMERSLACK, ctypes.c_ulong(1), 0, 0, 0)  # else every sleep may last 50 us longer
     locked = lock_memory and _library().mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0
-    return Granted(priority if priority and _fifo(priority) else 0, locked)
+    return Granted(priority if priority and _schedule(os.SCHED_FIFO, priority) else 0, locked)
+
+
+def prepare_virtual() -> Granted:
+    """Make this process work in long stretches, as simulated time waits for nobody.
+
+    By default a thread that gets a message interrupts the one that sent it, for every message; this way the
+    sender goes on and the receiver finds many.
+    """
+    _schedule(os.SCHED_BATCH, 0)
+    return Granted(0, False)
 
 
 def hold_garbage() -> None:
@@ -58,10 +68,11 @@ def release_garbage() -> None:
     gc.unfreeze()
 
 
-def _fifo(priority: int) -> bool:
+def _schedule(policy: int, priority: int) -> bool:
+    """Change how all threads of this process are scheduled; return whether that is allowed."""
     for thread in os.listdir("/proc/self/task"):
         try:
-            os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(priority))
+            os.sched_setscheduler(int(thread), policy, os.sched_param(priority))
         except ProcessLookupError:
             continue
         except OSError:

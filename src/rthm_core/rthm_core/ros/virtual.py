@@ -13,6 +13,9 @@ from rthm_core.ros.granted import Grants
 from rthm_core.ros.grants import SOURCES, Counts
 from rthm_core.ros.ports import Ports
 
+AGAIN = 0.0001
+"""Time after which a part looks again for samples that its grant speaks of, s."""
+
 
 class Virtual:
     """Runs an agenda in granted windows.
@@ -38,14 +41,14 @@ class Virtual:
         return self._now
 
     def turn(self) -> bool:
-        """Wait for a message; work when a grant is complete.
+        """Wait for a grant; work when all its samples are there.
 
         Returns
         -------
         bool
             Whether it was, and now is a good moment for work that can wait.
         """
-        self._executor.spin_once(timeout_sec=0.2)
+        self._executor.spin_once(timeout_sec=AGAIN if self._grants.newest else 0.2)
         grant = self._grants.newest
         if grant is None or not self._holds(grant.messages):
             return False
@@ -58,6 +61,8 @@ class Virtual:
         return True
 
     def _holds(self, exist: Counts) -> bool:
+        for port in self._ports.inputs:
+            port.poll()
         counts = dict(zip(SOURCES, exist, strict=True))
         return all(port.received >= counts[port.topic] for port in self._ports.inputs)
 

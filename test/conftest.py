@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -36,6 +37,9 @@ def nothing_left(network: Network) -> Iterator[None]:
     before = segments()
     yield
     assert processes_in(network.domain) == []
+    deadline = time.monotonic() + 10.0
+    while not segments() <= before and time.monotonic() < deadline:
+        time.sleep(0.2)  # those of a test beside this one are removed at its end
     assert segments() <= before
 
 

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
@@ -18,7 +17,7 @@ from hypothesis import strategies as st
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run import shared_memory
 from rthm_bringup.run.domain import Claim, wanted
-from rthm_bringup.run.environment import CLOSED, OPEN, PROFILES, QUICK, RANGE, Network, without_parents_ros
+from rthm_bringup.run.environment import PROFILES, RANGE, Network, without_parents_ros
 from rthm_bringup.run.intake import Intake
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.topics import JOINT_STATE, LOOP
@@ -49,30 +48,19 @@ def test_beside_wheels_a_sourced_ros_is_left_out() -> None:
 
 
 def test_nodes_are_visible_on_this_host_only_unless_asked(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in OPEN:
-        monkeypatch.delenv(name, raising=False)
+    monkeypatch.delenv(RANGE, raising=False)
     alone = Network(7).variables()
     assert alone["ROS_DOMAIN_ID"] == "7"
-    interfaces = ElementTree.parse(alone[PROFILES]).iterfind(".//{*}interfaceWhiteList/{*}address")
-    assert [interface.text for interface in interfaces] == ["127.0.0.1"]
-    assert Network(7, quick=True).variables()[RANGE] == "LOCALHOST"
+    assert alone[RANGE] == "LOCALHOST"
     assert Network(7, open=True).variables()[RANGE] == "SUBNET"
     assert Network(7, peers=("a", "b")).variables()["ROS_STATIC_PEERS"] == "a;b"
 
 
 def test_settings_of_the_middleware_are_the_users_if_there_are_any(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in OPEN:
-        monkeypatch.delenv(name, raising=False)
-    closed, quick, opened = Network(7), Network(7, quick=True), Network(7, open=True)
-    for settings, network in ((CLOSED, closed), (QUICK, quick), (OPEN, opened)):
-        monkeypatch.setenv(PROFILES, CLOSED[PROFILES])  # as a process of a run has it
-        assert settings.items() <= network.variables().items()
-        assert Path(settings[PROFILES]).is_file()
-    monkeypatch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "DEFAULT")
-    assert opened.variables()["FASTDDS_BUILTIN_TRANSPORTS"] == "DEFAULT"
+    monkeypatch.delenv(PROFILES, raising=False)
+    assert Path(Network(7).variables()[PROFILES]).is_file()
     monkeypatch.setenv(PROFILES, "my_own.xml")
-    assert closed.variables()[PROFILES] == "my_own.xml"
-    assert closed.variables()[RANGE] == "LOCALHOST"
+    assert Network(7).variables()[PROFILES] == "my_own.xml"
 
 
 def test_two_runs_get_different_domains() -> None:

@@ -18,23 +18,8 @@ from rthm_core.errors import InputError
 
 GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 PROFILES, RANGE = "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE"
-TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
-_HERE = Path(__file__).parent
-
-OPEN = {
-    TRANSPORTS: "UDPv4",
-    PROFILES: str(_HERE / "discovery.xml"),
-    RANGE: "SUBNET",
-}
-"""Settings of the middleware where other hosts take part. Messages go through sockets: a process that is
-killed while it holds a lock in shared memory leaves others waiting for it."""
-
-CLOSED = {PROFILES: str(_HERE / "loopback.xml"), RANGE: "SYSTEM_DEFAULT"}
-"""Where they do not: sockets on the loopback interface. With the range LOCALHOST the middleware would add
-shared memory."""
-
-QUICK = {PROFILES: str(_HERE / "discovery.xml"), RANGE: "LOCALHOST"}
-"""Where a test has to be fast and need not survive the death of a process: sockets and shared memory."""
+PROFILE = Path(__file__).with_name("discovery.xml")
+"""Settings of Fast DDS, which a user's own replace."""
 
 SOURCED = ("AMENT_PREFIX_PATH", "AMENT_CURRENT_PREFIX", "COLCON_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 
@@ -96,14 +81,11 @@ class Network:
         Whether nodes on other hosts are looked for; by default only this host.
     peers
         Addresses of other hosts, for networks that do not pass multicast.
-    quick
-        Whether processes of this host may share memory, which takes less time for every message.
     """
 
     domain: int
     open: bool = False
     peers: tuple[str, ...] = ()
-    quick: bool = False
 
     def __post_init__(self) -> None:
         if not 0 <= self.domain <= 232:
@@ -112,15 +94,13 @@ class Network:
             )
 
     def variables(self) -> dict[str, str]:
-        """Environment variables that say this to ROS; a profile of the user's own replaces ours."""
+        """Environment variables that say this to ROS; what the user has set of profile and range stays."""
         opened = bool(self.open or self.peers)
-        found = {"ROS_DOMAIN_ID": str(self.domain)} | (OPEN if opened else QUICK if self.quick else CLOSED)
-        theirs = os.environ.get(PROFILES)
-        if theirs and Path(theirs).parent != _HERE:
-            found[PROFILES] = theirs
-            found[RANGE] = "SUBNET" if opened else "LOCALHOST"
-        if TRANSPORTS in found:
-            found[TRANSPORTS] = os.environ.get(TRANSPORTS) or found[TRANSPORTS]
+        found = {
+            "ROS_DOMAIN_ID": str(self.domain),
+            PROFILES: os.environ.get(PROFILES) or str(PROFILE),
+            RANGE: "SUBNET" if opened else os.environ.get(RANGE) or "LOCALHOST",
+        }
         if self.peers:
             found["ROS_STATIC_PEERS"] = ";".join(self.peers)
         return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -69,8 +68,7 @@ def verb(
         parts |= {"plant"}
     test = spec_named(spec)
     with network_of(domain, network, peers, shared=bool(parts)) as reach:
-        network = replace(reach, quick=virtual)
-        plan = Plan(test, out or new_folder(), duration, network, virtual, parts, priority, wait)
+        plan = Plan(test, out or new_folder(), duration, reach, virtual, parts, priority, wait)
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)
     return result.status

@@ -29,3 +29,25 @@ def test_the_file_holds_the_trajectory_of_the_engine(system: str, tmp_path: Path
         errors = file["E_num"] + file["E_ff"] + file["E_fx"]
         assert np.allclose(file["E_err"], errors, rtol=0, atol=1e-15)
         assert json.loads(done.stdout)["energies"]["E_total"] == file["E_total"][-1]
+
+
+MEASURED = """
+import resource, sys
+from rthm_bringup.cli.main import application
+def peak_after(duration):
+    words = ["simulate", "paper", "--duration", duration, "--out", sys.argv[1]]
+    application()(words, standalone_mode=False)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+print(-peak_after("60") + peak_after("3600"))
+"""
+
+
+def test_an_hour_needs_no_more_memory_than_a_minute(tmp_path: Path) -> None:
+    out = tmp_path / "hour.npz"
+    command = [sys.executable, "-c", MEASURED, str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert out.stat().st_size > 200e6
+    assert int(done.stdout.split()[-1]) < 0.1 * out.stat().st_size
+    with np.load(out) as file:
+        assert file["t"][-1] == pytest.approx(3600.0, abs=1e-9)
+        assert file["E_err"].shape == file["t"].shape == (3_000_001,)

@@ -1,8 +1,13 @@
-"""A trajectory as a file."""
+"""A trajectory as a file, written while it is simulated."""
 
 from __future__ import annotations
 
+import shutil
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -21,13 +26,55 @@ MOTION = (
 """Arrays beside the energies; one row per instant, one column per degree of freedom or actuator."""
 
 
-def save(trajectory: Trajectory, path: Path) -> None:
-    """Write an npz file with the keys of the contract, section 5."""
-    import numpy as np
+class TrajectoryFile:
+    """Npz file with the keys of the contract, section 5, from blocks of rows that need not be kept.
 
-    arrays = {name: getattr(trajectory, name) for name in MOTION} | all_energies(trajectory)
-    with path.open("wb") as file:
-        np.savez(file, **arrays)
+    In an npz file an array is in one piece, and its length comes first. So the arrays grow in files of their
+    own, and are put together in the end.
+
+    Attributes
+    ----------
+    energies : dict
+        Energies of the last row, J.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.energies: dict[str, float] = {}
+        self._folder = folder
+        self._shapes: dict[str, tuple[int, ...]] = {}
+
+    def add(self, block: Trajectory) -> None:
+        """Append the rows of a block."""
+        energies = all_energies(block)
+        for name, values in ({name: getattr(block, name) for name in MOTION} | energies).items():
+            rows, *width = self._shapes.get(name, (0, *values.shape[1:]))
+            self._shapes[name] = (rows + len(values), *width)
+            with (self._folder / name).open("ab") as column:
+                column.write(values.tobytes())
+        self.energies = {name: float(values[-1]) for name, values in energies.items()}
+
+    def put_together(self, path: Path) -> None:
+        """Write the file."""
+        from numpy.lib import format as npy
+
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, shape in self._shapes.items():
+                head = {"descr": "<f8", "fortran_order": False, "shape": shape}
+                with (
+                    (self._folder / name).open("rb") as column,
+                    archive.open(f"{name}.npy", "w", force_zip64=True) as member,
+                ):
+                    npy.write_array_header_1_0(member, head)
+                    shutil.copyfileobj(column, member, 1 << 20)
+
+
+@contextmanager
+def trajectory_file(path: Path) -> Iterator[TrajectoryFile]:
+    """Open a trajectory for writing; the file is there when it is complete."""
+    with TemporaryDirectory(prefix=path.name, dir=path.parent) as folder:
+        file = TrajectoryFile(Path(folder))
+        yield file
+        file.put_together(path)
 
 
 def all_energies(trajectory: Trajectory) -> dict[str, Floats]:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rthm_bringup.cli.options import Json, SpecName
 from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_core.engine import Trajectory
+    from rthm_core.spec import Spec
 
 
 class System(StrEnum):
@@ -35,16 +40,24 @@ def verb(
     """Simulate a test exactly; write it to an npz file."""
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
-    from rthm_bringup.cli.trajectory import all_energies, save
-    from rthm_core.engine import simulate
+    from rthm_bringup.cli.trajectory import trajectory_file
 
     test = spec_named(spec)
     if not out.parent.is_dir():
         raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
-    with progress_bar("simulating", duration) as report:
-        trajectory = simulate(test, duration, sample, system.value, progress=report)
-    save(trajectory, out)
-    energies = {name: float(values[-1]) for name, values in all_energies(trajectory).items()}
-    result = {"file": str(out), "duration": duration, "system": system.value, "energies": energies}
-    put(result, [str(out), *table((name, f"{value:+.6e} J") for name, value in energies.items())], json)
+    with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
+        for block in _blocks(test, duration, sample, system):
+            file.add(block)
+            report(float(block.t[-1]))
+    result = {"file": str(out), "duration": duration, "system": system.value, "energies": file.energies}
+    put(result, [str(out), *table((name, f"{value:+.6e} J") for name, value in file.energies.items())], json)
     return 0
+
+
+def _blocks(test: Spec, duration: float, sample: float | None, system: System) -> Iterator[Trajectory]:
+    """Trajectory in blocks, so that the memory needed does not grow with the duration of a loop."""
+    from rthm_core.engine import simulate, simulate_blocks
+
+    if test.is_loop and system is System.hybrid:
+        return simulate_blocks(test, duration, sample)
+    return iter([simulate(test, duration, sample, system.value)])

@@ -53,6 +53,24 @@ def test_a_wrong_mass_is_retuned_and_not_called_physics(tmp_path: Path) -> None:
     assert abs(mass["value"] - case.truth["spec"]["plant"]["mass"][0]) < 4.0 * mass["std"]
 
 
+def test_a_plant_that_gets_out_of_step_with_its_spec_is_retuned_and_not_called_physics(
+    tmp_path: Path,
+) -> None:
+    case = make_case(1772449165606946996, (), 0.02, tmp_path, retune="drawn", duration=60.0)
+    said = diagnosed(case)
+    assert said["verdict"] == "retuned" and not said["physics"]
+    true = case.truth["spec"]["plant"]
+    for name in ("mass", "damping", "stiffness"):
+        found = said["retuned"][f"plant.{name}"]
+        assert abs(found["value"] - true[name][0]) < 4.0 * found["std"]
+
+
+def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: Path) -> None:
+    case = make_case(3945819810880683029, (("motor", "second_order"),), 0.02, tmp_path, duration=30.0)
+    said = diagnosed(case)
+    assert [(one["block"], one["kind"]) for one in said["physics"]] == [("motor", "second_order")]
+
+
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the measured recordings are not here")
 @pytest.mark.parametrize(
     ("name", "kinds"),

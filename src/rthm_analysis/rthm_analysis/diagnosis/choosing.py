@@ -119,7 +119,22 @@ def choose(
         known = _known(fitting, choice.best)
         if stop(fitting.doubt):
             return choice
-    return _reconsidered(fitting, choice)
+    return _reconsidered(fitting, _without_the_needless(fitting, choice))
+
+
+def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
+    """Leave out a single effect that only helped what is uncertain to find its values."""
+    if len(choice.rounds) != 1:
+        return choice
+    values = choice.best.model.values[: len(choice.base.model.parameters)]
+    try:
+        alone = fitting.fit(choice.base.model.at(values), most=FINISHING)
+        if better(choice.rounds[0][0], alone):
+            return choice
+    except np.linalg.LinAlgError:  # without the effect the model diverges
+        return choice
+    fitting.doubt = doubt(fitting, alone)
+    return Choice(alone, alone, [], choice.limits)
 
 
 def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:

@@ -42,7 +42,7 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
 
         for lag in (2e-4, 1e-3, 5e-3):
             yield start("lag", ("time_constant",), ("time_constant",), time_constant=lag)
-        for frequency in (15.0, 40.0, 120.0, 400.0):
+        for frequency in (15.0, 40.0, 120.0, 400.0, 1200.0, 3600.0):
             yield start(
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )

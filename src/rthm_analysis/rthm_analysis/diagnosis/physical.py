@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -77,6 +78,7 @@ class Physical:
     drive_limits: Limits
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a model that diverges is known by its error
 def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], None]) -> Physical:
     """Find what the spec leaves out of motors, wires, plant and sensors."""
     train = int(TRAIN * evidence.stamps_ns.size)
@@ -92,37 +94,75 @@ def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], 
     experiment.begin_at(seen.stamps_ns[runs.start])
     retuned = _retuned(fitting, nominal, settled)
     lost = LOST if runs.length is None else np.inf
-    choice = choose(fitting, retuned, lambda left: left > lost)
+    short = None
     if fitting.doubt > lost:
         progress("looking in short runs, where a wrong model stays near")
-        short = windows(seen, settled, seen.driven_by == "command", short=True)
-        closer = Fitting(part, short.first(train), sigma, Model(settled), progress)
-        choice, there = _led_by(closer, fitting, retuned, choice)
-        if there is not None:
-            runs, fitting, nominal = short, closer, there
+        short = _short(seen, settled, train, part, sigma, progress)
+        retuned = _begun_near(fitting, retuned, short.retuned)
+    choice = choose(fitting, retuned, lambda left: left > lost)
+    if short is not None and fitting.doubt > lost:
+        choice, there = _led_by(short, fitting, retuned, choice)
+        if there:
+            runs, fitting, nominal = short.runs, short.fitting, short.nominal
     return Physical(
         spec, seen, train, experiment, runs, sigma, drives.rounds, settled, fitting, nominal, choice,
         drives.limits,
     )  # fmt: skip
 
 
-def _led_by(
-    closer: Fitting, fitting: Fitting, retuned: Fitted, choice: Choice
-) -> tuple[Choice, Fitted | None]:
+class Short(NamedTuple):
+    """Short runs, in which a model that is wrong does not get far from the recording.
+
+    Attributes
+    ----------
+    runs : Windows
+    fitting : Fitting
+    nominal, retuned : Fitted
+        There.
+    """
+
+    runs: Windows
+    fitting: Fitting
+    nominal: Fitted
+    retuned: Fitted
+
+
+def _short(
+    seen: Evidence, spec: Spec, train: int, part: Experiment, sigma: Floats, progress: Callable[[str], None]
+) -> Short:
+    runs = windows(seen, spec, seen.driven_by == "command", short=True)
+    fitting = Fitting(part, runs.first(train), sigma, Model(spec), progress)
+    nominal = fitting.fit(Model(spec))
+    return Short(runs, fitting, nominal, _retuned(fitting, nominal, spec))
+
+
+def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
+    """Retuned model of the whole recording, or what a fit reaches from that of short runs if it is better.
+
+    Over many periods a wrong frequency is out of step, and a fit ends where it is in step by chance.
+    """
+    try:
+        again = fitting.fit(near.model, most=FINISHING)
+    except np.linalg.LinAlgError:  # over the whole recording it diverges
+        return retuned
+    best = min(retuned, again, key=lambda fitted: doubt(fitting, fitted))
+    fitting.doubt = doubt(fitting, best)
+    return best
+
+
+def _led_by(short: Short, fitting: Fitting, retuned: Fitted, choice: Choice) -> tuple[Choice, bool]:
     """Go on with a choice that was lost, led by what short runs show.
 
     Returns
     -------
     Choice
-    Fitted or None
-        The nominal model in short runs, when the choice was left to them.
+    bool
+        Whether the choice was left to the short runs.
     """
-    settled = closer.base.spec
-    nominal = closer.fit(Model(settled))
-    near = _retuned(closer, nominal, settled)
+    closer, near = short.fitting, short.retuned
     again = choose(closer, near, lambda left: left < WRONG)
     if closer.doubt >= WRONG:
-        return choose(fitting, retuned, begun=choice), None
+        return choose(fitting, retuned, begun=choice), False
     try:
         whole = fitting.fit(again.best.model, most=FINISHING)
         fitting.doubt = doubt(fitting, whole)
@@ -130,8 +170,8 @@ def _led_by(
         fitting.doubt = np.inf
     if fitting.doubt < WRONG:
         begun = Choice(retuned, whole, again.rounds, choice.limits)
-        return choose(fitting, retuned, begun=begun), None
-    return choose(closer, near, begun=again), nominal
+        return choose(fitting, retuned, begun=begun), False
+    return choose(closer, near, begun=again), True
 
 
 def _retuned(fitting: Fitting, nominal: Fitted, spec: Spec) -> Fitted:

@@ -58,6 +58,8 @@ def test_the_benchmark_measures_both_ways_of_running(
     assert set(told["real"]["excess"]) == {"tau1", "tau2", "tau3", "tau4"}
     assert told["virtual"]["difference"] <= 1e-9
     assert told["virtual"]["identical"]
+    assert [0.0 <= one["share"] < 1.0 for one in told["interruptions"]] == [True, True]
+    assert "interrupted for at most" in (tmp_path / "result.md").read_text()
     assert told["virtual"]["messages"] > 1500
     page = (tmp_path / "result.md").read_text()
     assert "| speed |" in page

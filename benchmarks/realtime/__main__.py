@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from benchmarks.realtime.host import interruptions
 from benchmarks.realtime.judge import Line, judge_real_time, judge_simulated_time
 from benchmarks.realtime.measure import in_real_time, in_simulated_time
 from benchmarks.realtime.table import machine, markdown
@@ -44,6 +45,7 @@ def main(words: list[str] | None = None) -> int:
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "machine": machine(),
         "load": os.getloadavg()[0],
+        "interruptions": [interruptions()],
         "spec": options.spec,
         "duration": options.duration,
     }
@@ -55,6 +57,7 @@ def main(words: list[str] | None = None) -> int:
             print(heading, file=sys.stderr, flush=True)
             figures[name] = measure(options.spec, options.duration, Path(folder))
             lines[heading] = judge(figures[name])
+    header["interruptions"].append(interruptions())
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.with_suffix(".json").write_text(json.dumps(header | figures, indent=1) + "\n")
     page = markdown(header, lines)

@@ -7,6 +7,7 @@ import platform
 from pathlib import Path
 from typing import Any
 
+from benchmarks.realtime.host import Interruptions
 from benchmarks.realtime.judge import Line
 
 
@@ -24,7 +25,8 @@ def markdown(header: dict[str, Any], parts: dict[str, list[Line]]) -> str:
     Parameters
     ----------
     header
-        Keys ``date``, ``machine``, ``load`` (load average at the start), ``spec``, ``duration``.
+        Keys ``date``, ``machine``, ``load`` (load average at the start), ``spec``, ``duration``, and
+        ``interruptions``, before and after.
     parts
         Lines under their headings.
     """
@@ -33,8 +35,16 @@ def markdown(header: dict[str, Any], parts: dict[str, list[Line]]) -> str:
         "",
         f"Made {header['date']} by `python -m benchmarks.realtime`: `{header['spec']}` for"
         f" {header['duration']:g} s on {header['machine']}; load average at the start {header['load']:.2f}.",
+        "",
+        "What the machine itself allows: a thread with real-time priority that only reads the clock was"
+        f" interrupted for {_interrupted(header['interruptions'][0])} just before the runs, and for"
+        f" {_interrupted(header['interruptions'][1])} just after them.",
     ]
     for heading, rows in parts.items():
         lines += ["", f"## {heading}", "", "| | measured | asked | met |", "|---|---|---|---|"]
         lines += [f"| {r.what} | {r.value} | {r.asked} | {'yes' if r.met else '**no**'} |" for r in rows]
     return "\n".join(lines) + "\n"
+
+
+def _interrupted(found: Interruptions) -> str:
+    return f"at most {1e3 * found['longest']:.2f} ms, {100.0 * found['share']:.2f} % of the time"

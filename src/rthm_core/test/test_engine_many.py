@@ -130,3 +130,10 @@ def test_blocks_joined_are_the_whole(changes, energies):
         assert np.abs(joined - getattr(whole, name)).max() < 1e-12
     for term, work in whole.energies.items():
         assert np.abs(np.concatenate([block.energies[term] for block in blocks]) - work).max() < 1e-12
+
+
+def test_no_block_is_empty_where_the_last_instant_has_no_row() -> None:
+    spec = apply(shipped_spec(), {"actuator.compensator": "polynomial"})
+    blocks = list(simulate_blocks(spec, 20.0, 0.0012, energies=False))
+    assert min(block.t.size for block in blocks) > 0
+    assert sum(block.t.size for block in blocks) == simulate(spec, 20.0, 0.0012, energies=False).t.size

@@ -109,8 +109,14 @@ def simulate_blocks(
 ) -> Iterator[Trajectory]:
     """Simulate a loop exactly, a block of some seconds after the other, in bounded memory.
 
-    Parameters and errors are those of `simulate`. The blocks joined are its trajectory.
+    Parameters and errors are those of `simulate`. The blocks joined are its trajectory, and none is empty.
     """
+    blocks = _all_blocks(spec, duration, sample, energies=energies)
+    return (block for block in blocks if block.t.size)
+
+
+def _all_blocks(spec: Spec, duration: float, sample: float | None, *, energies: bool) -> Iterator[Trajectory]:
+    """Blocks of rows; one that is shorter than the distance of the rows may have none."""
     step, end = _checked(spec, duration, sample, "hybrid"), to_ns(duration)
     n1, n2, m = len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
     blocks = fast_blocks(spec, end, step, energies=energies)

@@ -58,7 +58,7 @@ def difference(one: Recording, other: Recording) -> float:
     return float(np.sqrt(np.nanmean(np.square(first - second))) / np.nanstd(first))
 
 
-def case(number: int, folder: Path, duration: float) -> dict[str, Any]:
+def case(number: int, plain: Recording, folder: Path, duration: float) -> dict[str, Any]:
     """One effect: hidden, recorded, found, and put into the next run."""
     from rthm_core.spec import read_spec
 
@@ -68,7 +68,6 @@ def case(number: int, folder: Path, duration: float) -> dict[str, Any]:
     patched = folder / "patched.yaml"
     said = rthm("diagnose", str(bag), "--spec", NOMINAL, "--patched", str(patched))
     _, again = run(read_spec(str(patched)), folder / "again", duration)
-    _, plain = run(nominal, folder / "plain", duration)
     return {
         "hidden": {"block": block, "kind": kind, **parameters},
         "verdict": said["verdict"],
@@ -110,8 +109,9 @@ def main(words: list[str] | None = None) -> int:
     }
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory(prefix="hidden-") as folder:
+        _, plain = run(shipped_spec(NOMINAL), Path(folder) / "plain", options.duration)
         for number in range(options.runs):
-            rows.append(case(number, Path(folder) / str(number), options.duration))
+            rows.append(case(number, plain, Path(folder) / str(number), options.duration))
             print(rows[-1]["hidden"], "->", rows[-1]["found"], file=sys.stderr, flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.with_suffix(".json").write_text(json.dumps(header | {"runs": rows}, indent=1) + "\n")

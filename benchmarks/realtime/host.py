@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import TypedDict
 
 NOTED = 100_000
-"""Shortest interruption that is counted, ns: half of it is what a busy interrupt takes."""
+"""Shortest interruption that is counted, ns; some of a few microseconds are part of any kernel."""
 
 SPIN = 2_000_000
 """Time on a core before a short sleep, ns; a thread that never sleeps is stopped for that alone."""

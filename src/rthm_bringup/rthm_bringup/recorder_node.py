@@ -34,6 +34,7 @@ from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.polling import Mailbox, PollingNode
 from rthm_core.spec import Spec, read_spec, write_spec
 
+TOPICS = LOOP | BESIDE
 TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
@@ -84,7 +85,7 @@ class Recorder(PollingNode):
             self._open()
         except InputError as error:
             return self._refuse(str(error))
-        for topic, type_name in (LOOP | BESIDE).items():
+        for topic, type_name in TOPICS.items():
             self._mailboxes[topic] = Mailbox(self, TYPES[type_name], topic, QoSProfile(depth=DEPTH))
         if self._value("virtual") and self._observer is None:
             self._observer = Observer(self)
@@ -143,10 +144,9 @@ class Recorder(PollingNode):
         taken = [(info, topic, data) for topic, box in self._mailboxes.items() for data, info in box.take()]
         if self._intake is None:
             return
-        types = LOOP | BESIDE
         try:
             for info, topic, data in sorted(taken, key=lambda one: one[0]["received_timestamp"]):
-                self._intake.take(topic, types[topic], data, info)
+                self._intake.take(topic, TOPICS[topic], data, info)
                 if self._observer is not None:
                     self._observer.note(topic)
         except InputError as error:

@@ -124,7 +124,7 @@ def choose(
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
     """Leave out a single effect that only helped what is uncertain to find its values."""
-    if len(choice.rounds) != 1:
+    if len(choice.rounds) != 1 or not choice.base.model.parameters:
         return choice
     values = choice.best.model.values[: len(choice.base.model.parameters)]
     try:

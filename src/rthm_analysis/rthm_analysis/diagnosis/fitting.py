@@ -18,6 +18,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.model import Model, Parameter
+from rthm_analysis.diagnosis.sums import Sums
 from rthm_analysis.diagnosis.windows import Windows
 from rthm_analysis.diagnosis.wires_alone import WiresAlone
 from rthm_core.compiled import Floats
@@ -39,59 +40,6 @@ Bases = list[tuple[slice, Floats]]
 
 A = TypeVar("A")
 B = TypeVar("B")
-
-
-@dataclass(frozen=True)
-class Sums:
-    """Normal equations of a model, by block of the training data.
-
-    Attributes
-    ----------
-    hessian : (b, p, p), gradient : (b, p), squares : (b,) arrays
-        J'J, J'r and r'r of each block.
-    precision : (p,) array
-        Of the priors.
-    pull : (p,) array
-        Gradient of the priors.
-    """
-
-    hessian: Floats
-    gradient: Floats
-    squares: Floats
-    precision: Floats
-    pull: Floats
-
-    def covariance(self) -> Floats:
-        """Covariance of the parameters, honest when the residual is not white: from the scatter of blocks."""
-        whole = self.hessian.sum(0) + np.diag(self.precision)
-        inverse = np.linalg.pinv(whole, hermitian=True)
-        scatter = self.gradient.T @ self.gradient
-        seen = inverse @ (scatter + np.diag(self.precision)) @ inverse
-        return _larger(inverse, seen)
-
-    def left_out(self) -> Floats:
-        """Squared error (b,) of each block under the fit to all others, by one Newton step.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            When the sums are not finite.
-        """
-        if not np.isfinite(self.hessian).all() or not np.isfinite(self.gradient).all():
-            raise np.linalg.LinAlgError("sums of squares are not finite")
-        whole = self.hessian.sum(0) + np.diag(self.precision)
-        errors = np.empty(self.squares.size)
-        for b in range(self.squares.size):
-            step = np.linalg.lstsq(whole - self.hessian[b], -self.gradient[b], rcond=1e-12)[0]
-            change = -2.0 * step @ self.gradient[b] + step @ self.hessian[b] @ step
-            errors[b] = self.squares[b] + max(change, 0.0)
-        return errors
-
-
-def _larger(inverse: Floats, seen: Floats) -> Floats:
-    """Covariance with the larger of two variances for each parameter."""
-    ratio = np.sqrt(np.maximum(np.diag(seen) / np.maximum(np.diag(inverse), 1e-300), 1.0))
-    return np.asarray(inverse * np.outer(ratio, ratio))
 
 
 @dataclass(frozen=True)

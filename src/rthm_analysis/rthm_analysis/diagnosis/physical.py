@@ -141,13 +141,20 @@ def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
 
     Over many periods a wrong frequency is out of step, and a fit ends where it is in step by chance.
     """
-    try:
-        again = fitting.fit(near.model, most=FINISHING)
-    except np.linalg.LinAlgError:  # over the whole recording it diverges
+    again = _over_the_whole(fitting, near.model)
+    if again is None:
         return retuned
     best = min(retuned, again, key=lambda fitted: doubt(fitting, fitted))
     fitting.doubt = doubt(fitting, best)
     return best
+
+
+def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
+    """Fit over the whole recording of what was found in short runs; None where it diverges."""
+    try:
+        return fitting.fit(model, most=FINISHING)
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _led_by(short: Short, fitting: Fitting, retuned: Fitted, choice: Choice) -> tuple[Choice, bool]:
@@ -163,12 +170,9 @@ def _led_by(short: Short, fitting: Fitting, retuned: Fitted, choice: Choice) -> 
     again = choose(closer, near, lambda left: left < WRONG)
     if closer.doubt >= WRONG:
         return choose(fitting, retuned, begun=choice), False
-    try:
-        whole = fitting.fit(again.best.model, most=FINISHING)
+    whole = _over_the_whole(fitting, again.best.model)
+    if whole is not None and doubt(fitting, whole) < WRONG:
         fitting.doubt = doubt(fitting, whole)
-    except np.linalg.LinAlgError:  # over the whole recording it diverges
-        fitting.doubt = np.inf
-    if fitting.doubt < WRONG:
         begun = Choice(retuned, whole, again.rounds, choice.limits)
         return choose(fitting, retuned, begun=begun), False
     return choose(closer, near, begun=again), True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -70,7 +70,6 @@ def simulate(
     system: str = "hybrid",
     *,
     energies: bool = True,
-    progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Simulate a test exactly.
 
@@ -87,8 +86,6 @@ def simulate(
         approximation (25) and (26).
     energies : bool
         Whether the works are counted.
-    progress : callable, optional
-        Called with the simulated time in s now and then.
 
     Raises
     ------
@@ -101,7 +98,7 @@ def simulate(
     rows = _fast_rows(spec, to_ns(duration), step, energies=energies)
     if rows is not None:
         return _of_rows(spec, rows, step)
-    return simulate_any(spec, to_ns(duration), step, energies=energies, progress=progress)
+    return simulate_any(spec, to_ns(duration), step, energies=energies)
 
 
 def simulate_blocks(
@@ -127,7 +124,7 @@ def _all_blocks(spec: Spec, duration: float, sample: float | None, *, energies: 
             first_row += rows.plant.shape[0]
         return
     loop = _loop(spec, energies=energies)
-    for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7, None):
+    for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7):
         yield _trajectory(block, step, n1, n2, m, energies=energies, first_row=first_row)
         first_row += block.shape[0]
 
@@ -156,12 +153,11 @@ def simulate_any(
     step: int,
     *,
     energies: bool = True,
-    progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Simulate a loop of any kind up to `end`, with a row every `step` (ns)."""
     loop = _loop(spec, energies=energies)
     n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
-    rows = list(_chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7, progress))
+    rows = list(_chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7))
     return _trajectory(np.concatenate(rows), step, n1, n2, m, energies=energies)
 
 
@@ -211,9 +207,7 @@ def _loop(spec: Spec, *, energies: bool) -> Loop:
     return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
 
 
-def _chunks(
-    spec: Spec, loop: Loop, end: int, step: int, width: int, progress: Callable[[float], None] | None
-) -> Iterator[Floats]:
+def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int) -> Iterator[Floats]:
     """Rows of the trajectory, a span of time at once; the row at `end` sees everything that happens then."""
     schedule = Schedule(spec)
     last_row = end // step
@@ -225,8 +219,6 @@ def _chunks(
         run(loop, schedule.events(begin, until, step), out, first_row)
         yield out
         begin = until
-        if progress is not None:
-            progress(min(until, end) * 1e-9)
 
 
 def _of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory:

@@ -39,7 +39,7 @@ class Listener:
         qos: QoSProfile,
         receive: Callable[[bytes], None],
     ) -> None:
-        self.node, self.message_type, self.topic = node, message_type, topic
+        self.node = node
         self.subscription: Subscription = node.create_subscription(
             message_type, topic, receive, qos, raw=True
         )
@@ -69,13 +69,14 @@ class Mailbox(Listener):
 
     def __init__(self, node: PollingNode, message_type: Any, topic: str, qos: QoSProfile) -> None:
         super().__init__(node, message_type, topic, qos, lambda message: None)
+        self._type = message_type
         node.unserved.add(self.subscription)
 
     def take(self) -> Iterator[tuple[bytes, Info]]:
         """Take what has arrived, oldest first."""
         handle = self.subscription.handle
         with handle:
-            while (taken := handle.take_message(self.message_type, True)) is not None:
+            while (taken := handle.take_message(self._type, True)) is not None:
                 yield taken
 
     def close(self) -> None:

@@ -81,12 +81,12 @@ class Ports:
     def close(self) -> None:
         """Leave all topics."""
         for port in self._all():
-            port.close(self.node)
+            port.close()
         self.inputs, self.outputs = [], []
 
     def waiting(self) -> list[str]:
         """Topics whose other side is not matched yet."""
-        return [port.topic for port in self._all() if not port.matched(self.node)]
+        return [port.topic for port in self._all() if not port.matched()]
 
     def _all(self) -> list[Input | Output]:
         return [*self.inputs, *self.outputs]
@@ -120,14 +120,14 @@ class Output:
         """Begin a new test."""
         self.sent = 0
 
-    def matched(self, node: PollingNode) -> bool:
+    def matched(self) -> bool:
         """Whether all listeners that the loop needs, and all that are known, are connected."""
-        known = node.count_subscribers(self._publisher.topic_name)
+        known = self._ports.node.count_subscribers(self._publisher.topic_name)
         return bool(self._publisher.get_subscription_count() >= max(self._peers, known))
 
-    def close(self, node: PollingNode) -> None:
+    def close(self) -> None:
         """Leave the topic."""
-        node.destroy_publisher(self._publisher)
+        self._ports.node.destroy_publisher(self._publisher)
 
 
 class Input:
@@ -189,14 +189,14 @@ class Input:
             for data, _ in self._listener.take():
                 self._receive(data)
 
-    def matched(self, node: PollingNode) -> bool:
+    def matched(self) -> bool:
         """Whether somebody publishes the topic, and all that are known are connected."""
         return self._listener.matched()
 
-    def close(self, node: PollingNode) -> None:
+    def close(self) -> None:
         """Leave the topic."""
         self._listener.close()
-        node.destroy_publisher(self._uses)
+        self._ports.node.destroy_publisher(self._uses)
 
     def _receive(self, data: bytes) -> None:
         if not self._ports.listening:

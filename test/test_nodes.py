@@ -30,6 +30,8 @@ pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 MODULES = {"plant": "rthm_plant_sim", "numerical": "rthm_numerical", "actuator": "rthm_actuator"}
 LOOP = tuple(MODULES)
 LIMITS = {"limits.command": 1.0, "limits.rate": 20.0, "limits.stale": 0.1, "limits.ramp": 0.4}
+RECEIVERS = {"tau1": "actuator", "tau2": "numerical", "tau3": "actuator", "tau4": "plant"}
+USES = {"tau1": 600, "tau2": 200, "tau3": 200, "tau4": 598}  # in 2.4 s; the first ticks use the initial state
 PAPER = {entry.name: entry.value for entry in parameters(shipped_spec())}
 
 
@@ -90,6 +92,11 @@ class Graph:
         statuses = [status for message in self.diagnostics for status in message.status]
         return next((status for status in reversed(statuses) if status.name == part), None)
 
+    def facts(self, name: str) -> dict[str, str]:
+        """What a node told last of its loop."""
+        status = self.status(f"/rthm/{name}: loop")
+        return {pair.key: pair.value for pair in status.values}
+
     def ended(self, name: str) -> tuple[int, str]:
         process = self.processes.pop(name)
         out, _ = process.communicate(timeout=20)
@@ -128,27 +135,25 @@ def test_every_link_keeps_its_delay_and_the_samples_of_the_schedule(graph: Graph
     graph.wait(1.0)
     begin = graph.activate(2.4)
     graph.wait(20.0, lambda: len(states) == 2001 and len(uses["tau4"]) >= 598)
-    graph.wait(0.5)
+    graph.wait(2.0)  # until every node has told its state once more
     assert [ns(state.header.stamp) - begin for state in states] == [k * 1_200_000 for k in range(2001)]
     commanded = [ns(command.header.stamp) - begin for command in commands]
     ticks = [at for at in commanded if at % 4_000_000 == 0]  # a reference that is late is used between two
     assert ticks == [k * 4_000_000 for k in range(601)]
     schedule = Schedule(shipped_spec())
     for name, heard in uses.items():
+        link, late = schedule.links[name], int(graph.facts(RECEIVERS[name])[f"{name} late"])
         assert all(use.source == name for use in heard)
         at = [ns(use.header.stamp) - begin for use in heard]
         sample = [ns(use.time_ref) - begin for use in heard]
-        assert all(
-            use - stamp >= schedule.links[name].delay_ns for use, stamp in zip(at, sample, strict=True)
-        )
+        assert all(use - stamp >= link.delay_ns for use, stamp in zip(at, sample, strict=True))
+        assert sample == sorted(sample)
+        # A sample that came in time is used as the schedule says; where the host was busy, some were late.
+        assert USES[name] - late <= len(heard) <= max(USES[name], len(commands))
         if name in ("tau1", "tau2"):
             period = schedule.td3 if name == "tau1" else schedule.td2
-            right = [scheduled(schedule, name, period, u) == s for u, s in zip(at, sample, strict=True)]
-            assert np.mean(right) > 0.9  # a machine that is busy with other things may be late
-    assert len(uses["tau1"]) == 600  # all but the first tick, which uses the initial state
-    assert len(uses["tau2"]) == 200
-    assert len(uses["tau3"]) == 200
-    assert 598 <= len(uses["tau4"]) <= len(commands)
+            expected = [scheduled(schedule, name, period, use) for use in at]
+            assert sum(one != other for one, other in zip(sample, expected, strict=True)) <= late
 
 
 def test_a_command_names_what_the_controller_used(graph: Graph) -> None:
@@ -263,8 +268,7 @@ def test_nodes_that_start_by_themselves_find_each_other_and_agree_on_the_start(g
     assert len(states) == 834
     assert len(forces) == 84
     graph.wait(2.0)
-    status = graph.status("/rthm/plant: loop")
-    facts = {pair.key: pair.value for pair in status.values}
+    facts = graph.facts("plant")
     assert facts["Td1 ticks"] == "834"
     assert len(commands) >= 251  # a reference that is late is used between two ticks
     assert facts["tau4 received"] == str(len(commands))

@@ -1,10 +1,13 @@
 """Stands for a driver of real hardware: publishes plant/state every 1.2 ms, with nothing but rclpy.
 
-The "hardware" is a mass that follows the command like a filter of first order.
+The "hardware" is a mass that follows the command like a filter of first order. Like any driver, it runs with
+real-time priority where the system grants it.
 
 usage: driver.py SECONDS
 """
 
+import contextlib
+import os
 import signal
 import sys
 import threading
@@ -17,6 +20,8 @@ from sensor_msgs.msg import JointState
 
 PERIOD = 1_200_000  # ns
 
+with contextlib.suppress(PermissionError):
+    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
 rclpy.init(signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
 node = rclpy.create_node("driver", namespace="/rthm")
 publisher = node.create_publisher(JointState, "plant/state", QoSProfile(depth=100))

@@ -30,8 +30,7 @@ def with_effect(spec: Spec, link: str, kind: str, **parameters: float) -> Spec:
 def table(times: np.ndarray, names: tuple[str, ...], **columns: np.ndarray) -> Table:
     none = np.full((times.size, len(names)), np.nan)
     return Table(
-        START + times,
-        START + times,
+        *(START + times,) * 3,
         names,
         **({"position": none, "velocity": none, "effort": none} | columns),
     )
@@ -72,7 +71,7 @@ def recording(true: Spec, duration: float = DURATION) -> Recording:
         "numerical/force_reference": table(when.tick, ("a1",), effort=force),
         "actuator/command": table(when.command, ("a1",), position=u_d, effort=told),
     }
-    links = {n: LinkTable(START + u, START + s, START + u) for n, (u, s) in uses(true, when).items()}
+    links = {n: LinkTable(START + u, START + s, *(START + u,) * 2) for n, (u, s) in uses(true, when).items()}
     return Recording(Path("bag"), "/rthm", None, "", tables, links, START, ())
 
 
@@ -210,35 +209,62 @@ def test_a_plant_alone_has_no_links():
     assert diagnose_links(recording(paper()), alone) == Part()
 
 
-def stalled(one: Recording, spec: Spec, seed: int) -> Recording:
-    """The same test on a machine that stands still 20 times; what is sent meanwhile arrives afterwards."""
+def stalled(one: Recording, spec: Spec, seed: int, times: int = 20, lost: float = 0.0) -> Recording:
+    """The same test on a machine that stands still some times; what is sent meanwhile arrives afterwards.
+
+    A share of the states gets lost on tau1.
+    """
     random, timing = np.random.default_rng(seed), spec.loop().timing
-    begins = random.integers(0, int(DURATION * 1e9), 20)
-    ends = begins + random.integers(3_000_000, 40_000_000, 20)
+    begins = random.integers(0, int(DURATION * 1e9), times)
+    ends = begins + random.integers(3_000_000, 40_000_000, times)
 
     def arrivals(sent: np.ndarray, tau: int) -> np.ndarray:
         arrival = sent + random.integers(100_000, 300_000, sent.size)
-        for begin, end in zip(begins, ends, strict=True):
+        for begin, end in sorted(zip(begins, ends, strict=True)):
             held = (arrival >= begin) & (arrival < end)
             arrival = np.where(held, end + random.integers(0, 200_000, sent.size), arrival)
         return np.maximum(arrival, sent + tau)
 
+    tables = {
+        name: replace(t, sent_ns=START + arrivals(t.stamp_ns - START, 0)) for name, t in one.tables.items()
+    }
     links = {}
-    sent = one.plant.stamp_ns - START
     for name, clock in (("tau1", "td3"), ("tau2", "td2")):
+        sent = one.plant.stamp_ns - START
+        sent = sent[random.random(sent.size) >= lost] if name == "tau1" else sent
         ticks = np.arange(0, int(DURATION * 1e9), timing.ns(clock))
         number = newest_arrived(np.arange(sent.size), arrivals(sent, timing.ns(name)), ticks)
         use, sample = START + ticks[number >= 0], START + sent[number[number >= 0]]
-        links[name] = LinkTable(use, sample, use)
+        links[name] = LinkTable(use, sample, use, use)
     for name in ("tau3", "tau4"):
         sample = one.links[name].sample_ns
         use = START + arrivals(sample - START, timing.ns(name))
         order = np.lexsort((sample, use))
         kept = order[sample[order] == np.maximum.accumulate(sample[order])]
-        links[name] = LinkTable(use[kept], sample[kept], use[kept])
-    return replace(one, links=links)
+        links[name] = LinkTable(use[kept], sample[kept], use[kept], use[kept])
+    return replace(one, tables=tables, links=links)
+
+
+def without_times_of_sending(one: Recording) -> Recording:
+    tables = {name: replace(table, sent_ns=table.received_ns) for name, table in one.tables.items()}
+    return replace(one, tables=tables)
 
 
 def test_stalls_of_a_machine_are_neither_loss_nor_jitter():
     for seed in (5, 6):
-        assert not diagnose_links(stalled(recording(paper()), paper(), seed), paper()).physics
+        one = without_times_of_sending(stalled(recording(paper()), paper(), seed))
+        assert not diagnose_links(one, paper()).physics
+
+
+@pytest.mark.parametrize("times", [100, 400])
+def test_a_machine_that_stands_still_often_is_seen_by_times_of_sending(times):
+    part = diagnose_links(stalled(recording(paper()), paper(), 7, times), paper())
+    assert not part.physics
+    assert "held up" in part.notes[0]
+
+
+def test_loss_is_found_on_a_machine_that_stands_still_often():
+    part = diagnose_links(stalled(recording(paper()), paper(), 8, 100, lost=0.04), paper())
+    assert found(part) == [("link.tau1", "loss")]
+    value = part.physics[0].parameters["fraction"]
+    assert abs(value.value - 0.04) < 3.0 * value.std

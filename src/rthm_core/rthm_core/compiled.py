@@ -24,6 +24,7 @@ Floats = npt.NDArray[np.float64]
 """Array of real numbers; shapes are in the docstrings."""
 
 Integers = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
 """Array of instants in ns, indices or codes."""
 
 

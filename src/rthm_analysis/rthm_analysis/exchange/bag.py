@@ -17,8 +17,8 @@ NAMESPACE = "/rthm"
 JOINT_STATE, TIME_REFERENCE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/TimeReference"
 STRING = "std_msgs/msg/String"
 
-Row = tuple[int, int, str, str, bytes]
-"""Received, stamp (ns), topic, type, message."""
+Row = tuple[int, int, int, str, str, bytes]
+"""Received, stamp, sent (ns), topic, type, message."""
 
 
 def write_bag(
@@ -39,8 +39,8 @@ def write_bag(
         if spec_text:
             first = rows[0][0] if rows else 0
             bag.write(f"{NAMESPACE}/spec", STRING, ENCAPSULATION + string(spec_text), first, first)
-        for received, stamp, topic, kind, message in rows:
-            bag.write(topic, kind, message, received, stamp)
+        for received, _, sent, topic, kind, message in rows:
+            bag.write(topic, kind, message, received, sent)
 
 
 def _states(name: str, table: Table) -> Iterator[Row]:
@@ -48,13 +48,12 @@ def _states(name: str, table: Table) -> Iterator[Row]:
     fields = [field for field in FIELDS if np.isfinite(getattr(table, field)).any()] or ["effort"]
     writer = JointStateWriter(table.names, fields)
     columns = (getattr(table, field) for field in fields)
-    stamps, received = table.stamp_ns.tolist(), table.received_ns.tolist()
-    for stamp, at, *values in zip(stamps, received, *columns, strict=True):
-        yield at, stamp, f"{NAMESPACE}/{name}", JOINT_STATE, writer.bytes(stamp, *values)
+    times = (times.tolist() for times in (table.stamp_ns, table.received_ns, table.sent_ns))
+    for stamp, received, sent, *values in zip(*times, *columns, strict=True):
+        yield received, stamp, sent, f"{NAMESPACE}/{name}", JOINT_STATE, writer.bytes(stamp, *values)
 
 
 def _uses(name: str, link: LinkTable) -> Iterator[Row]:
     writer = TimeReferenceWriter(name)
-    columns = (link.use_ns.tolist(), link.sample_ns.tolist(), link.received_ns.tolist())
-    for use, sample, at in zip(*columns, strict=True):
-        yield at, use, f"{NAMESPACE}/links/{name}", TIME_REFERENCE, writer.bytes(use, sample)
+    for use, sample, received, sent in zip(*(times.tolist() for times in vars(link).values()), strict=True):
+        yield received, use, sent, f"{NAMESPACE}/links/{name}", TIME_REFERENCE, writer.bytes(use, sample)

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.exchange.columns import Column, Columns
 from rthm_analysis.exchange.formats import WRITERS, write_columns
 from rthm_analysis.exchange.importing import SPEC_FILE
-from rthm_analysis.exchange.topics import RECEIVED, STAMP, columns_by_file, state_columns
+from rthm_analysis.exchange.topics import INSTANTS, columns_by_file, state_columns
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 from rthm_core.errors import InputError, refusal
@@ -73,7 +73,7 @@ def held_columns(recording: Recording, at: Integers) -> Columns:
         known = at >= table.stamp_ns[0]
         columns, told = state_columns(table, topic)
         for name, column in columns.items():
-            if name in (STAMP, RECEIVED):
+            if name in INSTANTS:
                 continue
             values[f"{topic}/{name}"] = np.where(known, hold(table.stamp_ns, column, at), np.nan)
             units[f"{topic}/{name}"] = told[name]

@@ -51,7 +51,7 @@ def plant_table(columns: Columns, wanted: Wanted, spec: Spec | None) -> tuple[Ta
     }
     for one, column in values.items():
         fields[ROLES[one.role].field][:, names.index(one.name)] = column
-    table = Table(stamps, stamps, names, **fields)
+    table = Table(stamps, stamps, stamps, names, **fields)
     return table, [*notes, *_disagreements(table)]
 
 

@@ -11,7 +11,10 @@ from rthm_analysis.recording.reading import STATES
 from rthm_core.errors import InputError
 
 UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
-STAMP, RECEIVED, SAMPLE = "stamp", "received", "sample"
+STAMP, RECEIVED, SENT, SAMPLE = "stamp", "received", "sent", "sample"
+
+INSTANTS = (STAMP, RECEIVED, SENT)
+"""Columns of times that every topic has."""
 
 FILES = {name.replace("/", "_"): name for name in STATES} | {f"links_{name}": name for name in LINKS}
 """Topics and links by the name of their file."""
@@ -24,12 +27,13 @@ def columns_by_file(recording: Recording) -> dict[str, Columns]:
         name.replace("/", "_"): Columns(source, *state_columns(table, name))
         for name, table in recording.tables.items()
     }
-    times = {STAMP: "ns", SAMPLE: "ns", RECEIVED: "ns"}
+    times = {STAMP: "ns", SAMPLE: "ns", RECEIVED: "ns", SENT: "ns"}
     for name, link in recording.links.items():
         values: dict[str, Column] = {
             STAMP: link.use_ns,
             SAMPLE: link.sample_ns,
             RECEIVED: link.received_ns,
+            SENT: link.sent_ns,
         }
         found[f"links_{name}"] = Columns(source, values, times)
     return found
@@ -37,8 +41,10 @@ def columns_by_file(recording: Recording) -> dict[str, Columns]:
 
 def state_columns(table: Table, topic: str) -> tuple[dict[str, Column], dict[str, str]]:
     """Columns of a table and their units; of a name of which nothing is known, one column stays."""
-    values: dict[str, Column] = {STAMP: table.stamp_ns, RECEIVED: table.received_ns}
-    units = {STAMP: "ns", RECEIVED: "ns"}
+    values: dict[str, Column] = dict(
+        zip(INSTANTS, (table.stamp_ns, table.received_ns, table.sent_ns), strict=True)
+    )
+    units = dict.fromkeys(INSTANTS, "ns")
     for k, name in enumerate(table.names):
         known = [field for field in FIELDS if np.isfinite(getattr(table, field)[:, k]).any()] or ["effort"]
         for field in known:
@@ -58,12 +64,12 @@ def state_table(columns: Columns) -> Table:
     names: dict[str, None] = {}
     fields: dict[str, dict[str, Column]] = {field: {} for field in FIELDS}
     for heading, values in columns.values.items():
-        if heading in (STAMP, RECEIVED):
+        if heading in INSTANTS:
             continue
         name, _, field = heading.rpartition(".")
         if not name or field not in FIELDS:
             raise InputError(
-                f"{columns.source} has a column {heading!r}, but it must be {STAMP}, {RECEIVED}, or "
+                f"{columns.source} has a column {heading!r}, but it must be {STAMP}, {RECEIVED}, {SENT}, or "
                 f"NAME.position, NAME.velocity or NAME.effort; rename or remove it."
             )
         names[name] = None
@@ -72,13 +78,19 @@ def state_table(columns: Columns) -> Table:
         field: np.stack([given.get(name, np.full(stamps.size, np.nan)) for name in names], axis=1)
         for field, given in fields.items()
     }
-    return Table(stamps, _instants(columns, RECEIVED, stamps), tuple(names), **filled)
+    return Table(stamps, *_travel(columns, stamps), tuple(names), **filled)
 
 
 def link_table(columns: Columns) -> LinkTable:
     """Table of a link; InputError when a column is missing."""
     stamps = _instants(columns, STAMP)
-    return LinkTable(stamps, _instants(columns, SAMPLE), _instants(columns, RECEIVED, stamps))
+    return LinkTable(stamps, _instants(columns, SAMPLE), *_travel(columns, stamps))
+
+
+def _travel(columns: Columns, stamps: Column) -> tuple[Column, Column]:
+    """When samples were received and sent, as far as the columns tell."""
+    received = _instants(columns, RECEIVED, stamps)
+    return received, _instants(columns, SENT, received)
 
 
 def _instants(columns: Columns, name: str, default: Column | None = None) -> Column:

@@ -74,10 +74,10 @@ class _Reader:
     def _take(self, opcode: int, data: bytes | mmap.mmap, start: int, stop: int) -> None:
         cut = stop > len(data)
         if opcode == Opcode.MESSAGE and not cut:
-            channel, _, received_ns, _ = _MESSAGE.unpack_from(data, start)
+            channel, _, received_ns, sent_ns = _MESSAGE.unpack_from(data, start)
             topic = self.channels.get(channel)
             if topic is not None:
-                topic.append(received_ns, data[start + _MESSAGE.size : stop])
+                topic.append(received_ns, data[start + _MESSAGE.size : stop], sent_ns)
         elif opcode == Opcode.CHUNK:
             chunk = Chunk.read(ReadDataStream(BytesIO(data[start:stop])))
             self.read(_unpacked(chunk, cut), 0)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+LARGEST = 0x7FFF_FFFF_FFFF_FFFF
 
 Bytes = np.ndarray[tuple[int, int], np.dtype[np.uint8]]
 
@@ -30,14 +31,16 @@ class RawTopic:
     data: bytearray = field(default_factory=bytearray)
     sizes: array[int] = field(default_factory=lambda: array("Q"))
     received: array[int] = field(default_factory=lambda: array("Q"))
+    sent: array[int] = field(default_factory=lambda: array("Q"))
 
-    def append(self, received_ns: int, payload: bytes) -> None:
-        """Add a message; one that rosbag2 compressed by itself is unpacked."""
+    def append(self, received_ns: int, payload: bytes, sent_ns: int | None = None) -> None:
+        """Add a message; one that rosbag2 compressed by itself is unpacked. None: not known when sent."""
         if payload[:4] == ZSTD_MAGIC:
             payload = _unpacked(payload)
         self.data += payload
         self.sizes.append(len(payload))
-        self.received.append(received_ns & 0x7FFF_FFFF_FFFF_FFFF)
+        self.received.append(received_ns & LARGEST)
+        self.sent.append((sent_ns or received_ns) & LARGEST)
 
     def __len__(self) -> int:
         return len(self.sizes)
@@ -46,6 +49,11 @@ class RawTopic:
     def received_ns(self) -> Integers:
         """Times of reception by the recorder, shape (messages,)."""
         return np.array(self.received, dtype=np.int64)
+
+    @property
+    def sent_ns(self) -> Integers:
+        """Times of sending by the source, shape (messages,); those of reception where they are not known."""
+        return np.array(self.sent, dtype=np.int64)
 
     def last_messages(self, count: int) -> Iterator[bytes]:
         """Yield the bytes of the last `count` messages, in order."""

@@ -27,8 +27,9 @@ class Table:
     ----------
     stamp_ns : (n,) array
         Instant to which the values belong.
-    received_ns : (n,) array
-        Instant at which the recorder received the sample.
+    received_ns, sent_ns : (n,) arrays
+        Instants at which the recorder received the sample, and at which its source sent it; the former again
+        where the recording does not tell the latter.
     names : tuple of k str
         Column names: degrees of freedom, actuators or energy terms.
     position, velocity, effort : (n, k) arrays
@@ -37,6 +38,7 @@ class Table:
 
     stamp_ns: Integers
     received_ns: Integers
+    sent_ns: Integers
     names: tuple[str, ...]
     position: Floats
     velocity: Floats
@@ -56,7 +58,9 @@ class Table:
 
     def rows(self, which: Integers | slice) -> Table:
         """Return some of the samples."""
-        picked = {name: getattr(self, name)[which] for name in ("stamp_ns", "received_ns", *FIELDS)}
+        picked = {
+            name: getattr(self, name)[which] for name in ("stamp_ns", "received_ns", "sent_ns", *FIELDS)
+        }
         return replace(self, **picked)
 
 
@@ -66,20 +70,22 @@ class LinkTable:
 
     Attributes
     ----------
-    use_ns, sample_ns, received_ns : (n,) arrays
-        Instant of use, stamp of the sample used, and reception by the recorder.
+    use_ns, sample_ns, received_ns, sent_ns : (n,) arrays
+        Instant of use, stamp of the sample used, and when this was received by the recorder and sent, as in
+        `Table`.
     """
 
     use_ns: Integers
     sample_ns: Integers
     received_ns: Integers
+    sent_ns: Integers
 
     def __len__(self) -> int:
         return self.use_ns.size
 
     def rows(self, which: Integers | slice) -> LinkTable:
         """Return some of the uses."""
-        return LinkTable(self.use_ns[which], self.sample_ns[which], self.received_ns[which])
+        return LinkTable(*(times[which] for times in vars(self).values()))
 
 
 T = TypeVar("T", Table, LinkTable)
@@ -119,7 +125,7 @@ def joint_table(topic: RawTopic) -> tuple[Table, list[str]]:
                 fields[field][np.ix_(block.indices, where)] = values
             elif values.shape[1]:
                 unlike += len(block.indices)
-    table = Table(stamps, topic.received_ns, names, **fields).rows(np.flatnonzero(filled))
+    table = Table(stamps, topic.received_ns, topic.sent_ns, names, **fields).rows(np.flatnonzero(filled))
     table, notes = _in_time_order(table, topic, table.stamp_ns)
     if unlike:
         notes.append(f"{topic.name}: {unlike} arrays do not have one number for each name: left out.")
@@ -134,7 +140,7 @@ def link_table(topic: RawTopic) -> tuple[LinkTable, list[str]]:
     for block in decode_time_references(topic):
         uses[block.indices], samples[block.indices] = block.use_ns, block.sample_ns
         filled[block.indices] = True
-    table = LinkTable(uses, samples, topic.received_ns).rows(np.flatnonzero(filled))
+    table = LinkTable(uses, samples, topic.received_ns, topic.sent_ns).rows(np.flatnonzero(filled))
     return _in_time_order(table, topic, table.use_ns, table.sample_ns)
 
 

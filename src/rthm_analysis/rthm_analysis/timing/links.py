@@ -135,7 +135,7 @@ def derived_uses(recording: Recording, schedule: Schedule, name: str) -> LinkTab
         return None
     order = np.argsort(use, kind="stable")
     use, sample = use[order] + recording.start_ns, sample[order] + recording.start_ns
-    return LinkTable(use, sample, use)
+    return LinkTable(use, sample, use, use)
 
 
 def due_of(link: Link, stamps: Integers) -> Integers:

@@ -22,6 +22,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
+from rthm_analysis.diagnosis.links.standing import without_standing
 from rthm_analysis.recording import LinkTable, Recording
 from rthm_analysis.timing.links import SOURCES, clock_of, ticks_of
 from rthm_core.clock import NS
@@ -60,6 +61,8 @@ class LinkEvidence:
         Median time between samples.
     clocked : bool
         Whether the receiver looks only at its ticks.
+    standing : (k, 2) array
+        When a machine stood still, ns: what was on its way then tells nothing.
     """
 
     name: str
@@ -72,6 +75,7 @@ class LinkEvidence:
     row: Integers
     period_ns: int
     clocked: bool
+    standing: Integers
 
     def between(self, begin_ns: int, end_ns: int) -> LinkEvidence:
         """Return the evidence of the samples stamped, and of the uses made, in a span of time."""
@@ -82,7 +86,9 @@ class LinkEvidence:
         return LinkEvidence(**(self.__dict__ | both))
 
 
-def link_evidence(recording: Recording, spec: Spec, schedule: Schedule, name: str) -> LinkEvidence | str:
+def link_evidence(
+    recording: Recording, spec: Spec, schedule: Schedule, name: str, spans: Integers
+) -> LinkEvidence | str:
     """Evidence of one link, or a sentence that says why there is none."""
     source = recording.tables.get(SOURCES[name])
     if name not in recording.links:
@@ -110,12 +116,15 @@ def link_evidence(recording: Recording, spec: Spec, schedule: Schedule, name: st
     low, high = _intervals(due, at, row, exact=not receiver)
     stalled = stalled_at_ticks(due, at, row) if receiver else overtaken_after_stalls(high, row)
     low[stalled], high[stalled] = -np.inf, np.inf
+    low, high = without_standing(spans, stamp - offset, due, at if receiver else None, low, high)
+    if not np.isfinite(low).any() and not np.isfinite(high).any():
+        return f"the machine stood still too often: the link {name} cannot be checked."
     if not link.constant:
         low = np.where(due >= NEVER - abs(known), -np.inf, low)
         if not _as_drawn(due, low, high):
             return f"the spec's own jitter or loss of link.{name} was drawn otherwise: it cannot be checked."
     offset = 0 if abs(offset - known) * 1e-9 < GRAIN else offset - known
-    return LinkEvidence(name, stamp, low, high, due, offset, at, row, period, bool(receiver))
+    return LinkEvidence(name, stamp, low, high, due, offset, at, row, period, bool(receiver), spans)
 
 
 def _as_drawn(due: Integers, low: Floats, high: Floats) -> bool:

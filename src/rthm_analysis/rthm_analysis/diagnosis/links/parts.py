@@ -14,7 +14,8 @@ from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence, link_evi
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
-from rthm_analysis.diagnosis.links.words import lateness, sentence
+from rthm_analysis.diagnosis.links.standing import standing
+from rthm_analysis.diagnosis.links.words import lateness, sentence, stood_still
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import LINKS, Recording
 from rthm_core.clock import NS, to_ns
@@ -92,8 +93,9 @@ def diagnose_links(recording: Recording, spec: Spec) -> Part:
     end = to_ns(recording.duration) + 1
     train_end = 2 * end // 3
     schedule = Schedule(spec)
-    known = [link_evidence(recording, spec, schedule, name) for name in LINKS]
-    notes = tuple(one for one in known if isinstance(one, str))
+    spans = standing(recording)
+    known = [link_evidence(recording, spec, schedule, name, spans) for name in LINKS]
+    notes = (*stood_still(spans, end), *(one for one in known if isinstance(one, str)))
     evidences = [one for one in known if isinstance(one, LinkEvidence)]
     choices = _choices(recording, [one.between(0, train_end) for one in evidences])
     lates = [one.nothing.late for one in choices]

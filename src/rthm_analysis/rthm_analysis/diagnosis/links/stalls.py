@@ -1,4 +1,4 @@
-"""Samples whose fate a standing machine decided: they tell nothing about the link.
+"""Samples whose fate a standing machine decided, where no times of sending tell when it stood still.
 
 While a process or a network stands still, several samples in a row fail to arrive, and come all at once
 afterwards, in any order. Losses and jitter, drawn anew for every sample, do that as rarely as chance has it.

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rthm_analysis.diagnosis.result import Value
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Integers
 
 RECEIVERS = {
     "tau1": "states of the plant on their way to the controller",
@@ -59,6 +64,18 @@ def sentence(name: str, kind: str, value: Value, share: float, shifted: bool) ->
     seen += "in the age of the sample in use."
     other = EARLY if kind == "clock_offset" and not shifted else ELSE[kind]
     return f"{first} {seen} {other}" + (MOTOR_AS_WELL if (name, kind) == ("tau4", "extra_delay") else "")
+
+
+def stood_still(spans: Integers, end: int) -> tuple[str, ...]:
+    """A machine that stood still; `spans` (k, 2) and `end` of the test in ns after the start."""
+    if not len(spans):
+        return ()
+    lengths = spans[:, 1] - spans[:, 0]
+    share, longest = 100.0 * lengths.sum() / end, 1e-6 * lengths.max()
+    return (
+        f"the machine was held up {len(spans)} times, for {share:.1f} % of the test and up to "
+        f"{longest:.3g} ms, as times of sending show; samples on their way then say nothing about the links.",
+    )
 
 
 def lateness(name: str, late: float) -> str:

@@ -25,7 +25,7 @@ def run(spec: str, duration: float, out: Path, *options: str) -> Figures:
     Raises
     ------
     RuntimeError
-        Nothing was told; with what was said instead.
+        It did not come to its end; with what was said.
     """
     command = [sys.executable, "-m", "rthm_bringup", "run", spec, "--duration", str(duration)]
     done = subprocess.run(
@@ -34,6 +34,8 @@ def run(spec: str, duration: float, out: Path, *options: str) -> Figures:
     if not done.stdout.startswith("{"):
         raise RuntimeError(done.stderr.strip())
     told: Figures = json.loads(done.stdout)
+    if told["wall"] is None:
+        raise RuntimeError(" ".join(told["problems"]))
     return told
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from types import TracebackType
 from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
+from lifecycle_msgs import msg as lifecycle
+from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
@@ -20,6 +21,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
+from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
 from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
@@ -28,11 +30,17 @@ PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
 
 STEPS = {
-    "configure": Transition.TRANSITION_CONFIGURE,
-    "activate": Transition.TRANSITION_ACTIVATE,
-    "deactivate": Transition.TRANSITION_DEACTIVATE,
-    "cleanup": Transition.TRANSITION_CLEANUP,
+    "configure": lifecycle.Transition.TRANSITION_CONFIGURE,
+    "activate": lifecycle.Transition.TRANSITION_ACTIVATE,
+    "deactivate": lifecycle.Transition.TRANSITION_DEACTIVATE,
+    "cleanup": lifecycle.Transition.TRANSITION_CLEANUP,
 }
+
+SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters": SetParameters}
+"""Types of services; all others are triggers."""
+
+LONG = "/run"
+"""Service that takes long, and would be done twice if it were asked for twice."""
 
 
 class StoppedError(Exception):
@@ -136,8 +144,8 @@ class Conductor:
 
     def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup."""
-        request = ChangeState.Request(transition=Transition(id=STEPS[step]))
-        for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds).items():
+        request = ChangeState.Request(transition=lifecycle.Transition(id=STEPS[step]))
+        for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
                 raise StoppedError(f"{name} refused to {step}", name)
 
@@ -192,7 +200,9 @@ class Conductor:
     def _note_time(self, message: Float64) -> None:
         self.simulated_time = message.data
 
-    def _ask(self, requests: Mapping[str, Any], service: str, seconds: float) -> dict[str, Any]:
+    def _ask(
+        self, requests: Mapping[str, Any], service: str, seconds: float, step: str = ""
+    ) -> dict[str, Any]:
         """Ask several nodes at once, as soon as they can be asked; return their answers."""
         clients = {name: self._client(name, service) for name in requests}
 
@@ -204,21 +214,29 @@ class Conductor:
             seconds,
             lambda: f"{' and '.join(deaf())} did not offer {service} within {seconds:g} s.",
         )
-        futures = {name: clients[name].call_async(request) for name, request in requests.items()}
+        questions = {name: self._question(name, clients[name], requests[name], step) for name in requests}
 
         def silent() -> list[str]:
-            return [name for name, future in futures.items() if not future.done()]
+            return [name for name, one in questions.items() if one.look(time.monotonic()) is None]
 
         self.wait_until(
             lambda: not silent(),
             seconds,
             lambda: f"{' and '.join(silent())} did not answer within {seconds:g} s.",
         )
-        return {name: future.result() for name, future in futures.items()}
+        return {name: one.answer for name, one in questions.items()}
+
+    def _question(self, name: str, client: Any, request: Any, step: str) -> Question:
+        """Ask one node; `step` is the transition that is asked for, if it is one."""
+        ask, now = partial(client.call_async, request), time.monotonic()
+        if not step:
+            return Question(ask, now, float("inf") if client.srv_name.endswith(LONG) else AGAIN)
+        state = partial(self._client(name, "get_state").call_async, GetState.Request())
+        return Transition(ask, now, state, CHANGES[step])
 
     def _client(self, name: str, service: str) -> Any:
         if (name, service) not in self._clients:
-            kind = {"change_state": ChangeState, "set_parameters": SetParameters}.get(service, Trigger)
+            kind = SERVICES.get(service, Trigger)
             self._clients[name, service] = self._node.create_client(kind, f"{NAMESPACE}/{name}/{service}")
         return self._clients[name, service]
 

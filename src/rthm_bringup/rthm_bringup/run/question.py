@@ -1,0 +1,106 @@
+"""A request to one node, asked again when it or its answer got lost.
+
+A node that has only just been discovered may not yet know who asks it: then the middleware drops what it is
+asked, or has nobody to send the answer to, and tells neither side. Waiting does not help; asking again does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+from lifecycle_msgs.msg import State
+from lifecycle_msgs.srv import ChangeState
+
+AGAIN = 3.0
+"""How long the answer to what is done in an instant may stay out before it is looked for, s."""
+
+
+class Future(Protocol):
+    """Answer to come."""
+
+    def done(self) -> bool:
+        """Whether it has come."""
+
+    def result(self) -> Any:
+        """Return it."""
+
+
+class Change(NamedTuple):
+    """States of a lifecycle node before and after a transition."""
+
+    before: int
+    after: int
+
+
+CHANGES = {
+    "configure": Change(State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE),
+    "activate": Change(State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
+    "deactivate": Change(State.PRIMARY_STATE_ACTIVE, State.PRIMARY_STATE_INACTIVE),
+    "cleanup": Change(State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_UNCONFIGURED),
+}
+
+
+class Question:
+    """A request to a node.
+
+    Parameters
+    ----------
+    ask
+        Sends the request.
+    now
+        Time at which it is asked first, s.
+    again
+        How long an answer may stay out before it is asked again, s; infinite for what must not be done twice.
+
+    Attributes
+    ----------
+    answer
+        What the node answered; None: nothing yet.
+    """
+
+    def __init__(self, ask: Callable[[], Future], now: float, again: float = AGAIN) -> None:
+        self.answer: Any = None
+        self._ask, self._asked, self._again = ask, now, again
+        self._futures = [ask()]
+
+    def look(self, now: float) -> Any:
+        """Return the answer if there is one; ask again if it is overdue."""
+        if self.answer is None:
+            self.answer = next((one.result() for one in self._futures if one.done()), None)
+        if self.answer is None and now > self._asked + self._again:
+            self._asked = now
+            self._overdue()
+        return self.answer
+
+    def _overdue(self) -> None:
+        self._futures.append(self._ask())
+
+
+class Transition(Question):
+    """A request for a transition, which a node would refuse the second time: first its state is asked for.
+
+    Parameters
+    ----------
+    state
+        Asks the node for its state.
+    change
+        What the transition does to the state.
+    """
+
+    def __init__(
+        self, ask: Callable[[], Future], now: float, state: Callable[[], Future], change: Change
+    ) -> None:
+        super().__init__(ask, now)
+        self._state, self._change = state, change
+        self._states: list[Future] = []
+
+    def _overdue(self) -> None:
+        told = [one.result().current_state.id for one in self._states if one.done()]
+        self._states = [] if told else self._states
+        if self._change.after in told:
+            self.answer = ChangeState.Response(success=True)
+        elif self._change.before in told:
+            self._futures.append(self._ask())
+        else:
+            self._states.append(self._state())

@@ -15,6 +15,7 @@ REAL = {
     "priority": True,
     "lost": 0,
     "excess": {"tau1": {"p99": 0.25e-3}},
+    "excess_undisturbed": {"tau1": {"p99": 0.2e-3}},
     "energies": {"E_fx": {"run": -2.45, "exact": -2.4}},
 }
 SIMULATED = {"speed": [2.5, 2.1], "difference": 1e-12, "messages": 9, "identical": True}

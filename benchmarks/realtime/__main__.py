@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from benchmarks.realtime.host import interruptions
+from benchmarks.realtime.host import interruptions, taken
 from benchmarks.realtime.judge import Line, judge_real_time, judge_simulated_time
 from benchmarks.realtime.measure import in_real_time, in_simulated_time
 from benchmarks.realtime.table import machine, markdown
@@ -55,11 +55,14 @@ def main(words: list[str] | None = None) -> int:
         for name in options.only or PARTS:
             heading, measure, judge = PARTS[name]
             print(heading, file=sys.stderr, flush=True)
-            figures[name] = measure(options.spec, options.duration, Path(folder))
+            with taken() as told:
+                figures[name] = measure(options.spec, options.duration, Path(folder))
+            figures[name] |= told
             lines[heading] = judge(figures[name])
     header["interruptions"].append(interruptions())
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.with_suffix(".json").write_text(json.dumps(header | figures, indent=1) + "\n")
+    header["taken"] = {PARTS[name][0]: figures[name]["taken"] for name in figures}
     page = markdown(header, lines)
     options.out.with_suffix(".md").write_text(page)
     print(page, end="")

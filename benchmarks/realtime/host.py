@@ -7,7 +7,9 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TypedDict
 
 NOTED = 100_000
@@ -31,6 +33,22 @@ def interruptions(seconds: float = 3.0) -> Interruptions:
     watchers = [subprocess.Popen([*command, str(core)], stdout=subprocess.PIPE, text=True) for core in cores]
     found: list[Interruptions] = [json.loads(watcher.communicate()[0]) for watcher in watchers]
     return {key: max(one[key] for one in found) for key in ("longest", "share")}  # type: ignore[return-value]
+
+
+@contextmanager
+def taken() -> Iterator[dict[str, float]]:
+    """Tell, as ``taken``, the share of all cores' time that a hypervisor gives to others meanwhile."""
+    told: dict[str, float] = {}
+    before = _spent()
+    yield told
+    whole, stolen = (after - first for after, first in zip(_spent(), before, strict=True))
+    told["taken"] = stolen / max(whole, 1)
+
+
+def _spent() -> tuple[int, int]:
+    """Time of all cores since the start of the system, and how much of it was stolen, in ticks."""
+    spent = [int(word) for word in Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]]
+    return sum(spent), spent[7]
 
 
 def watch(seconds: float, core: int) -> Interruptions:

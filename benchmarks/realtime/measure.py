@@ -50,6 +50,7 @@ def in_real_time(spec: str, duration: float, folder: Path) -> Figures:
         "lost": lost,
         "missed_deadlines": told["missed_deadlines"],
         "excess": {name: link["excess"] for name, link in told["links"].items()},
+        "excess_undisturbed": {name: link["excess_undisturbed"] for name, link in told["links"].items()},
         "late": {name: link["late"] for name, link in told["links"].items()},
         "energies": {term: {"run": told["energies"][term], "exact": exact[term]} for term in TERMS},
     }

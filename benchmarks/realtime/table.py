@@ -25,8 +25,8 @@ def markdown(header: dict[str, Any], parts: dict[str, list[Line]]) -> str:
     Parameters
     ----------
     header
-        Keys ``date``, ``machine``, ``load`` (load average at the start), ``spec``, ``duration``, and
-        ``interruptions``, before and after.
+        Keys ``date``, ``machine``, ``load`` (load average at the start), ``spec``, ``duration``,
+        ``interruptions``, before and after, and ``taken``, shares by heading.
     parts
         Lines under their headings.
     """
@@ -41,7 +41,9 @@ def markdown(header: dict[str, Any], parts: dict[str, list[Line]]) -> str:
         f" {_interrupted(header['interruptions'][1])} just after them.",
     ]
     for heading, rows in parts.items():
-        lines += ["", f"## {heading}", "", "| | measured | asked | met |", "|---|---|---|---|"]
+        share = 100.0 * header["taken"][heading]
+        meanwhile = f"A hypervisor gave {share:.2f} % of the cores' time to others meanwhile."
+        lines += ["", f"## {heading}", "", meanwhile, "", "| | measured | asked | met |", "|---|---|---|---|"]
         lines += [f"| {r.what} | {r.value} | {r.asked} | {'yes' if r.met else '**no**'} |" for r in rows]
     return "\n".join(lines) + "\n"
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from rthm_analysis.recording import LinkTable, Recording, Table
 from rthm_analysis.recording.uses import LONGEST_STALL, tick_of_each
+from rthm_analysis.timing.standing import stands_between
 from rthm_core.clock import NS
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.link import NEVER, Link
 from rthm_core.schedule import Schedule, newest, newest_arrived
 
@@ -42,6 +43,8 @@ class LinkTiming:
         Instants of use, s after the start of the test.
     age, excess : (n,) arrays
         Age of the sample at its use, and that age minus the one of the exact schedule, s; NaN: not known.
+    undisturbed : (n,) array
+        Where nothing was held up from the stamp of the sample that was due to its instant of use.
     lost, late : int
         Samples that never arrived, and uses at which the sample that was due had not arrived in time.
     """
@@ -49,13 +52,20 @@ class LinkTiming:
     use: Floats
     age: Floats
     excess: Floats
+    undisturbed: Flags
     lost: int
     late: int
 
     def as_dict(self) -> dict[str, object]:
         """Contract, section 5: ``links.tau1``."""
         numbers = {"lost": self.lost, "late": self.late, "count": int(self.use.size)}
-        return {"age": distribution(self.age), "excess": distribution(self.excess), **numbers}
+        apart = distribution(self.excess[self.undisturbed])
+        return {
+            "age": distribution(self.age),
+            "excess": distribution(self.excess),
+            "excess_undisturbed": apart,
+            **numbers,
+        }
 
 
 def distribution(values: Floats) -> dict[str, float | None]:
@@ -90,21 +100,24 @@ def clock_of(name: str, schedule: Schedule) -> tuple[int, int]:
     return source[name], receiver[name]
 
 
-def link_timing(recording: Recording, schedule: Schedule, name: str) -> tuple[LinkTiming, list[str]]:
-    """Timing of one link, and what could not be measured, as sentences."""
+def link_timing(
+    recording: Recording, schedule: Schedule, name: str, spans: Integers
+) -> tuple[LinkTiming, list[str]]:
+    """Timing of one link, and what could not be measured, as sentences; `spans` as from `standing`."""
     source = recording.tables.get(SOURCES[name])
     uses, notes = _uses(recording, schedule, name, source)
     if uses is None:
-        return LinkTiming(np.empty(0), np.empty(0), np.empty(0), 0, 0), notes
+        return LinkTiming(*(np.empty(0),) * 3, np.empty(0, dtype=bool), 0, 0), notes
     use, sample = uses.use_ns - recording.start_ns, uses.sample_ns - recording.start_ns
-    exact = _exact_age(schedule, name, use, sample)
+    exact, due = _exact_age(schedule, name, use, sample)
     age = (use - sample).astype(float)
     excess = np.where(exact == NEVER, np.nan, age - exact)
     told = _told(recording.diagnostics, name)
     stamps = source.stamp_ns - recording.start_ns if source else np.empty(0, dtype=np.int64)
     lost = max(_lost(schedule, name, stamps, use, sample), told.get("lost", 0))
     late = max(_late(schedule, name, excess), told.get("late", 0))
-    return LinkTiming(use / NS, age / NS, excess / NS, lost, late), notes
+    undisturbed = (exact != NEVER) & ~stands_between(spans, np.where(exact == NEVER, due, due - exact), due)
+    return LinkTiming(use / NS, age / NS, excess / NS, undisturbed, lost, late), notes
 
 
 def _uses(
@@ -143,17 +156,17 @@ def due_of(link: Link, stamps: Integers) -> Integers:
     return link.due_all(stamps)
 
 
-def _exact_age(schedule: Schedule, name: str, use: Integers, sample: Integers) -> Integers:
-    """Age in ns that the exact schedule gives at each use; NEVER where it gives none."""
+def _exact_age(schedule: Schedule, name: str, use: Integers, sample: Integers) -> tuple[Integers, Integers]:
+    """Age in ns that the exact schedule gives at each use, NEVER where it gives none; its instant of use."""
     link, (source, receiver) = schedule.links[name], clock_of(name, schedule)
     if receiver == 0:
         due = due_of(link, sample)
         again = np.append(False, np.diff(sample) == 0)[: sample.size]
-        return np.where((due == NEVER) | again, NEVER, due - sample)
+        return np.where((due == NEVER) | again, NEVER, due - sample), due
     tick = ticks_of(use, receiver)
     instants = np.maximum.accumulate(np.maximum(tick, 0)) * receiver
     number = newest(link, source, instants)
-    return np.where((tick < 0) | (number < 0), NEVER, instants - number * source)
+    return np.where((tick < 0) | (number < 0), NEVER, instants - number * source), instants
 
 
 def _lost(schedule: Schedule, name: str, stamps: Integers, use: Integers, sample: Integers) -> int:

@@ -9,6 +9,9 @@ import numpy as np
 from rthm_analysis.recording import LINKS, Recording
 from rthm_analysis.timing.clocks import ClockTiming, clock_timing
 from rthm_analysis.timing.links import LinkTiming, link_timing
+from rthm_analysis.timing.standing import standing
+from rthm_core.clock import NS
+from rthm_core.compiled import Integers
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
@@ -23,12 +26,18 @@ class TimingResult:
         By name, ``tau1`` to ``tau4``; empty for a plant alone.
     clocks : dict of ClockTiming
         By name, ``td1`` to ``td3``, and ``td4`` where the spec has such a clock.
+    held_up : (k, 2) array
+        When a part of the test was held up, as from `standing`, ns after the start.
+    duration : float
+        Length of the recording, s.
     notes : tuple of str
         What could not be measured, and why.
     """
 
     links: dict[str, LinkTiming]
     clocks: dict[str, ClockTiming]
+    held_up: Integers
+    duration: float
     notes: tuple[str, ...]
 
     @property
@@ -41,8 +50,14 @@ class TimingResult:
         return {
             "links": {name: link.as_dict() for name, link in self.links.items()},
             "clocks": {name: clock.as_dict() for name, clock in self.clocks.items()},
+            "held_up": self._held_up(),
             "notes": list(self.notes),
         }
+
+    def _held_up(self) -> dict[str, float]:
+        lengths = np.diff(self.held_up, axis=1) / NS
+        share = float(lengths.sum()) / max(self.duration, 1.0 / NS)
+        return {"count": len(lengths), "share": share, "longest": float(lengths.max(initial=0.0))}
 
 
 def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
@@ -57,9 +72,9 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
     if spec is None or spec.timing is None or not spec.is_loop:
         return _plant_alone(recording)
     schedule = Schedule(spec)
-    links, clocks, notes = {}, {}, []
+    links, clocks, notes, spans = {}, {}, [], standing(recording)
     for name in LINKS:
-        links[name], missing = link_timing(recording, schedule, name)
+        links[name], missing = link_timing(recording, schedule, name, spans)
         notes += missing
     for name in ("td1", "td2", "td3", "td4"):
         period = spec.timing.ns(name)
@@ -68,7 +83,7 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
             clocks[name] = clock
         elif period:
             notes.append(f"the clock {name} left no trace in the recording: its period is not known.")
-    return TimingResult(links, clocks, tuple(notes))
+    return TimingResult(links, clocks, spans, recording.duration, tuple(notes))
 
 
 def _plant_alone(recording: Recording) -> TimingResult:
@@ -76,4 +91,5 @@ def _plant_alone(recording: Recording) -> TimingResult:
     period = int(np.median(np.diff(stamps))) if stamps.size > 1 else 0
     clock = clock_timing(recording, "td1", period) if period else None
     note = "there is no loop in the spec: only the clock of the plant was looked at."
-    return TimingResult({}, {"td1": clock} if clock else {}, (note,))
+    clocks = {"td1": clock} if clock else {}
+    return TimingResult({}, clocks, standing(recording), recording.duration, (note,))

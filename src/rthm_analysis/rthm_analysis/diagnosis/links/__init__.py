@@ -3,7 +3,7 @@
 ==========  ============================================================================
 stamps      by how much the stamps that a receiver read differ from the sender's
 evidence    what the uses of a link say about the extra delay of every sample
-standing    when a machine stood still, by the times of sending
+standing    what is left of this evidence when a machine stood still at times
 stalls      samples whose fate a standing machine decided
 models      distributions of the extra delay
 fitting     their parameters, by likelihood

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.standing import stands_between
+from rthm_analysis.timing.standing import stands_between
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:

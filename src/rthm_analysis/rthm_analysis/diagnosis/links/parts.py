@@ -14,10 +14,10 @@ from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence, link_evi
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
-from rthm_analysis.diagnosis.links.standing import standing
 from rthm_analysis.diagnosis.links.words import lateness, sentence, stood_still
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.timing.standing import standing
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
 

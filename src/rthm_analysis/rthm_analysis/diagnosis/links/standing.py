@@ -1,10 +1,4 @@
-"""When a machine stood still, as the times show at which samples and uses were sent.
-
-A part sends what belongs to an instant shortly after it, always by the same little. What is sent much later
-was held up: its host did other work, or a virtual machine was not running. Samples on their way at that time
-may be late whatever their link does. They are left out whether they came late or not, so that leaving them
-out favours neither answer.
-"""
+"""What the uses of a link still say when a machine stood still at times."""
 
 from __future__ import annotations
 
@@ -12,53 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.timing.standing import FAR, next_standing
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
-    from rthm_analysis.recording import Recording
-    from rthm_core.compiled import Flags, Floats, Integers
-
-LATE_NS = 1_000_000
-"""What is sent this much later than usual was held up."""
-
-AFTER_NS = 1_000_000
-"""Time in which a machine catches up."""
-
-FAR = np.iinfo(np.int64).max
-
-
-def standing(recording: Recording) -> Integers:
-    """Spans of time in which some part of the test stood still, ns after the start, shape (k, 2), ascending.
-
-    Empty where the recording does not tell when samples were sent.
-    """
-    told = [(table.stamp_ns, table) for topic, table in recording.tables.items() if topic != "energy"]
-    told += [(link.use_ns, link) for link in recording.links.values()]
-    spans = [
-        _held_up(at, source.sent_ns) for at, source in told if (source.sent_ns != source.received_ns).any()
-    ]
-    return _merged(np.concatenate([np.empty((0, 2), dtype=np.int64), *spans]) - recording.start_ns)
-
-
-def _held_up(at: Integers, sent: Integers) -> Integers:
-    """From the instant `at` to which a message belongs until its sender has caught up, where it was late."""
-    late = sent - at
-    held = late > np.median(late) + LATE_NS
-    return np.stack([at[held], sent[held] + AFTER_NS], axis=1)
-
-
-def _merged(spans: Integers) -> Integers:
-    """Union of spans."""
-    spans = spans[np.argsort(spans[:, 0])]
-    until = np.maximum.accumulate(spans[:, 1])
-    first = np.flatnonzero(np.append(True, spans[1:, 0] > until[:-1])[: len(spans)])
-    last = np.append(first[1:] - 1, len(spans) - 1)[: first.size]
-    return np.stack([spans[first, 0], until[last]], axis=1)
-
-
-def stands_between(spans: Integers, begin: Integers, end: Integers) -> Flags:
-    """Whether the machine stood still at some time from each `begin` to its `end` (n,)."""
-    return _next(spans, begin) <= end
+    from rthm_core.compiled import Floats, Integers
 
 
 def without_standing(
@@ -80,7 +32,7 @@ def without_standing(
     low, high : (n,) arrays
         ``low < extra delay <= high``, s.
     """
-    stands = _next(spans, sent)
+    stands = next_standing(spans, sent)
     if looks is None:
         first, in_vain = due, stands
     else:
@@ -89,8 +41,3 @@ def without_standing(
     tells = stands > first
     low = np.where(tells, np.minimum(low, (in_vain - due) / NS), -np.inf)
     return low, np.where(tells, high, np.inf)
-
-
-def _next(spans: Integers, at: Integers) -> Integers:
-    """Begin of the first span that is not over at each instant."""
-    return np.append(spans[:, 0], FAR)[np.searchsorted(spans[:, 1], at)]

@@ -8,9 +8,11 @@ import pytest
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.computed.structure import structure
+from rthm_analysis.diagnosis.diagnose import command_before
 from rthm_analysis.diagnosis.result import Part
 from rthm_analysis.recording import Recording, Table, read_recording
 from rthm_core.numerical import NumericalSide
+from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply, shipped_spec
 
 from .conftest import rosbag2
@@ -195,3 +197,21 @@ def test_the_step_is_that_of_the_numerical_substructure():
 def test_a_plant_alone_computes_nothing(exact):
     alone = apply(PAPER, dict.fromkeys(("numerical", "interface", "actuator", "timing", "load", "limits")))
     assert diagnose_computed(exact, alone) == Part()
+
+
+def test_a_wrong_stiffness_of_the_controller_also_shows_in_the_command_before_the_test(folder):
+    wrong = apply(
+        PAPER,
+        {
+            "effects": ["wrong"],
+            "wrong": {
+                "block": "controller",
+                "kind": "wrong_parameter",
+                "name": "actuator.stiffness",
+                "value": 0.85 * PAPER.k_tot[0],
+            },
+        },
+    )
+    part = diagnose_computed(test_of(folder, wrong), PAPER)
+    assert command_before([part], PAPER) == pytest.approx(first_command(wrong), abs=1e-6)
+    assert abs(first_command(wrong) - first_command(PAPER)) > 1e-3

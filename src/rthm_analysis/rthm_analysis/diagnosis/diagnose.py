@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.evidence import gather
@@ -14,7 +17,11 @@ from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import verdict_words
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
+from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply, write_spec
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
 
 FEWEST_SAMPLES = 200
 SHORTEST = 0.5
@@ -46,7 +53,9 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
         parts.append(diagnose_computed(recording, spec))
-    parts.append(physical_part(diagnose_physical(gather(recording, spec), spec, say)))
+    parts.append(
+        physical_part(diagnose_physical(gather(recording, spec), spec, command_before(parts, spec), say))
+    )
     say("putting it into words")
     return _joined(parts, spec)
 
@@ -96,12 +105,17 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
         curves=tuple(one for part in parts for one in part.curves),
         unexplained=unexplained,
         notes=tuple(note for part in parts for note in part.notes),
-        patched=_patched(parts, spec),
+        patched=write_spec(_patched(parts, spec)),
     )
 
 
-def _patched(parts: list[Part], spec: Spec) -> str:
-    """Spec, as text, whose simulation behaves as recorded."""
+def command_before(parts: list[Part], spec: Spec) -> Floats:
+    """Command (m,) before the test, m, of a controller and a numerical side as they were found."""
+    return first_command(_patched(parts, spec)) if spec.is_loop else np.empty(0)
+
+
+def _patched(parts: list[Part], spec: Spec) -> Spec:
+    """Spec whose simulation behaves as recorded."""
     changes: dict[str, object] = {name: value for part in parts for name, value in part.changes.items()}
     sections = [_flat(section) for part in parts for section in part.effects]
     if sections:
@@ -111,7 +125,7 @@ def _patched(parts: list[Part], spec: Spec) -> str:
         ]
         changes["effects"] = [*(e.name for e in spec.effects), *names[: len(sections)]]
         changes |= dict(zip(names, sections, strict=False))
-    return write_spec(apply(spec, changes) if changes else spec)
+    return apply(spec, changes) if changes else spec
 
 
 def _flat(section: dict[str, object]) -> dict[str, object]:

@@ -23,7 +23,6 @@ from rthm_analysis.diagnosis.noise import noise_level
 from rthm_analysis.diagnosis.refining import Tried
 from rthm_analysis.diagnosis.windows import Windows, windows
 from rthm_core.compiled import Floats
-from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec
 
 TRAIN = 2.0 / 3.0
@@ -79,10 +78,22 @@ class Physical:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges is known by its error
-def diagnose_physical(evidence: Evidence, spec: Spec, progress: Callable[[str], None]) -> Physical:
-    """Find what the spec leaves out of motors, wires, plant and sensors."""
+def diagnose_physical(
+    evidence: Evidence, spec: Spec, before: Floats, progress: Callable[[str], None]
+) -> Physical:
+    """Find what the spec leaves out of motors, wires, plant and sensors.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    spec : Spec
+    before : (m,) array
+        Command that had been there for ever before the test, m.
+    progress : callable
+        Told what is being done, in words.
+    """
     train = int(TRAIN * evidence.stamps_ns.size)
-    first = first_command(spec) if evidence.driven_by == "command" else np.empty(0)
+    first = before if evidence.driven_by == "command" else np.empty(0)
     drives = Drives([], spec, {})
     if evidence.only("motor").channels:
         progress("checking the motors")

@@ -115,6 +115,9 @@ def choose(
             tried[0] = fit_further(fitting, tried[0], known, FINISHING, least=1e-5)
             fitting.doubt = doubt(fitting, tried[0].fitted)
         choice.rounds.append(tried)
+        if fitting.experiment.sharpen(tried[0].fitted.model.spec):
+            tried[0] = fit_further(fitting, tried[0], np.empty((0, 0)), FINISHING, least=1e-5)
+            fitting.doubt = doubt(fitting, tried[0].fitted)
         choice.best = tried[0].fitted
         known = _known(fitting, choice.best)
         if stop(fitting.doubt):

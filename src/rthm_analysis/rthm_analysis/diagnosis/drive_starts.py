@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from rthm_core.spec import Spec
 
 LONGEST_DELAY = 0.1
 """Seconds; a longer delay of a motor is not looked for."""
+
+FLAT = 2e-3
+"""Seconds; between two samples no delay is looked for any further away."""
 
 BINS = 1 << 17
 
@@ -46,9 +50,9 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
             yield start(
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )
-        delay = _best_delay(spec, experiment, windows, name)
+        delay, doubt = _best_delay(spec, experiment, windows, name)
         if delay > 0.0:
-            yield start("extra_delay", (), delay=delay)
+            yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
         rate = np.abs(np.diff(u)) / np.diff(evidence.time)
         for share in (0.999, 0.99, 0.9):
             yield start("rate_limit", ("rate",), rate=max(float(np.quantile(rate, share)), 1e-6))
@@ -60,8 +64,12 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
             yield start("quantisation", (), step=step)
 
 
-def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str) -> float:
-    """Delay with the smallest squared error: the best of a row, then of ever finer rows around it."""
+def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str) -> tuple[float, float]:
+    """Delay with the smallest squared error, and how much longer or shorter it may be without any difference.
+
+    The best of a row is looked for, then of ever finer rows around it. Motors that follow at once move in
+    steps, and between two samples it makes no difference when.
+    """
 
     def error(delay: float) -> float:
         if delay < 0.0:
@@ -75,14 +83,26 @@ def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str)
     row = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)])
     best = float(row[int(np.argmin([error(d) for d in row]))])
     if best == 0.0 and error(2e-4) >= error(0.0):
-        return 0.0
+        return 0.0, 0.0
     width = max(0.001, 0.3 * best)
     # Commands come in steps, so that a delay that is off by a microsecond already shows.
     for _ in range(10):
         row = best + width * np.linspace(-1.0, 1.0, 9)
         best = float(row[int(np.argmin([error(d) for d in row]))])
         width *= 0.25
-    return best
+    low, high = (_edge(error, best, best + side * FLAT) for side in (-1.0, 1.0))
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+def _edge(error: Callable[[float], float], inside: float, outside: float) -> float:
+    """How far from `inside` towards `outside` the error stays what it is."""
+    least = error(inside) * (1.0 + 1e-9)
+    if error(outside) <= least:
+        return outside
+    while abs(outside - inside) > 1e-7:
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if error(middle) <= least else (inside, middle)
+    return inside
 
 
 def _step(evidence: Evidence, actuator: int, residual: Floats) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits, motor_limits
-from rthm_analysis.diagnosis.model import Model
+from rthm_analysis.diagnosis.model import Model, Parameter
 from rthm_analysis.diagnosis.noise import noise_level
 from rthm_analysis.diagnosis.refining import PER_PARAMETER, Tried, in_order
 from rthm_analysis.diagnosis.screening import best_of_each, screen
@@ -23,6 +24,9 @@ from rthm_core.spec import Spec
 
 MOST_EFFECTS = 2
 PREFIX = "drive"
+
+SURE = 1e-6
+"""Doubt about a delay, s, that makes no difference."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,24 @@ class Drives:
     rounds: list[list[Tried]]
     settled: Spec
     limits: Limits
+
+    @property
+    def model(self) -> Model:
+        """The settled spec, with delays that the motors' positions leave open within bounds.
+
+        What the plant does tells them; taken for exact, they would make physics of the rest.
+        """
+        return Model(self.settled, tuple(_open_delays(self.rounds)))
+
+
+def _open_delays(rounds: list[list[Tried]]) -> Iterator[Parameter]:
+    """Delays of the effects that were added, as far as they are open."""
+    for i, tried in enumerate(rounds):
+        one, doubt = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
+        if one.kind == "extra_delay" and doubt > SURE:
+            value = float(one.parameters["delay"])
+            prior = (value, doubt / np.sqrt(3.0))
+            yield Parameter(f"{PREFIX}{i + 1}.delay", value, doubt, value - doubt, value + doubt, prior)
 
 
 def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:

@@ -13,9 +13,10 @@ from rthm_analysis.diagnosis.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.grid import Grid, grid
 from rthm_analysis.diagnosis.kernel import replay_mechanics
 from rthm_analysis.diagnosis.mechanics import fastest, mechanics
-from rthm_analysis.diagnosis.motor import motor_delay, motor_motion
+from rthm_analysis.diagnosis.motor import drive_speed, motor_delay, motor_motion
 from rthm_analysis.diagnosis.sensing import sensed
 from rthm_analysis.diagnosis.windows import Windows
+from rthm_core.clock import NS
 from rthm_core.effects import effect
 from rthm_core.spec import apply
 
@@ -33,6 +34,12 @@ KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 
 LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
+
+TURN, SHARP = 1.5, 0.35
+"""Longest interval, in radians of the fastest motor, where a wire remembers its path: between the points of
+the grid the motor moves along parabolas, and one that overshoots turns the wire where nothing turned it. The
+second is as good as exact.
+"""
 
 Inputs = tuple[Grid, "Floats", "Floats", "Floats"]
 
@@ -72,12 +79,15 @@ class Experiment:
         Instants at which free runs may begin.
     held : bool
         Whether a load that is known by its samples is held between them; else it is smooth.
+    sharp : bool
+        Whether the grid is as fine as wires that remember their path need it.
     """
 
     evidence: Evidence
     first: Floats
     starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     held: bool = False
+    sharp: bool = False
     _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, Motion] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
@@ -85,8 +95,26 @@ class Experiment:
     def begin_at(self, starts_ns: Integers) -> None:
         """Let free runs begin at some instants."""
         self.starts_ns = starts_ns
+        self._forget()
+
+    def sharpen(self, spec: Spec) -> bool:
+        """Refine the grid from now on if a wire of this model needs it; whether anything changed."""
+        if self.sharp or self._longest_interval(spec) == LONGEST_NS:
+            return False
+        self.sharp = True
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
         self._motors.clear()
         self._motions.clear()
+
+    def _longest_interval(self, spec: Spec) -> int:
+        """Longest interval of the grid in ns."""
+        fastest_motor = drive_speed(spec) if _remembers(spec) else 0.0
+        if not fastest_motor:
+            return LONGEST_NS
+        return min(LONGEST_NS, int((SHARP if self.sharp else TURN) / fastest_motor * NS))
 
     def motion(self, spec: Spec, windows: Windows) -> Motion:
         """Motion of the physical side of `spec` under the recorded inputs; kept for the last few models."""
@@ -139,6 +167,7 @@ class Experiment:
         """Grid, motor positions and loads on it, motor positions at the samples; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
         key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
+        key += str(self._longest_interval(spec))
         with self._lock:
             kept = self._motors.get(key)
         if kept is None:
@@ -158,7 +187,7 @@ class Experiment:
         fine = grid(np.concatenate([due, e.stamps_ns]), end, LONGEST_NS)
         points = fine
         if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
-            points = grid(np.concatenate([due, self.starts_ns]), end, LONGEST_NS)
+            points = grid(np.concatenate([due, self.starts_ns]), end, self._longest_interval(spec))
         motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
         if m:
             moved = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
@@ -184,8 +213,13 @@ class Experiment:
 def _longest_step(spec: Spec) -> float:
     """Longest step in s: short where a law has kinks that nobody locates."""
     kinks = any(e.kind in KINKED for e in spec.effects)
+    return 2.1e-3 if kinks or _remembers(spec) else np.inf
+
+
+def _remembers(spec: Spec) -> bool:
+    """Whether a wire has kinks: its force depends on where the motor has been."""
     pretension = spec.actuator is not None and any(spec.actuator.pretension)
-    return 2.1e-3 if kinks or pretension else np.inf
+    return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
 
 
 def _without_sensors(spec: Spec) -> Spec:

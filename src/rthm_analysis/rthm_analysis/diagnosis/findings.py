@@ -10,7 +10,7 @@ from rthm_analysis.diagnosis.detection import detection_limits
 from rthm_analysis.diagnosis.evidence import Channel
 from rthm_analysis.diagnosis.fitting import Fitted
 from rthm_analysis.diagnosis.judged import Simulated, coloured, held_out_squares, nrmse, simulate_all
-from rthm_analysis.diagnosis.model import PROPERTIES, Model, nominal_values
+from rthm_analysis.diagnosis.model import PROPERTIES, Added, Model, nominal_values
 from rthm_analysis.diagnosis.physical import Physical
 from rthm_analysis.diagnosis.refining import PER_PARAMETER, distinguishable
 from rthm_analysis.diagnosis.result import Alternative, Fit, Mismatch, Part, Physics, Retuned, Value
@@ -126,13 +126,22 @@ def _drive_physics(physical: Physical) -> list[Physics]:
     for i, tried in enumerate(physical.drives):
         fitted = physical.drives[-1][0].fitted
         one = fitted.model.added[i]
-        values = _values(fitted, i)
+        values = _values(fitted, i) | _settled_by_plant(physical, fitted.model.name(i), one)
         before = tried[-1].fitted.squares if len(tried) > 1 else float("nan")
         share = float(1.0 - tried[0].fitted.squares / before) if before > 0.0 else float("nan")
         energy = wire_work(physical.experiment, physical.windows, physical.settled, physical.spec)
         words = physics_words(one.block, one.kind, one.place, values, float("nan"), energy)
         found.append(Physics(one.block, one.kind, one.place, values, words, energy, max(share, 0.0)))
     return found
+
+
+def _settled_by_plant(physical: Physical, name: str, one: Added) -> dict[str, Value | str]:
+    """What the motion of the plant tells of an effect of a motor."""
+    best = physical.choice.best
+    stds, declared = _stds(best), effect(one.kind, one.block)
+    told = (p for p in best.model.parameters if p.key.startswith(f"{name}."))
+    keys = ((p.key.partition(".")[2], p) for p in told)
+    return {key: Value(p.value, stds[p.key], declared.unit(key, one.block)) for key, p in keys}
 
 
 def _retuned(physical: Physical) -> dict[str, Retuned]:
@@ -272,7 +281,12 @@ def _changes(physical: Physical, retuned: dict[str, Retuned]) -> dict[str, float
 def _effects(physical: Physical) -> tuple[dict[str, object], ...]:
     """Sections for the patched spec."""
     sections = []
-    models = [physical.drives[-1][0].fitted.model] if physical.drives else []
-    for model in [*models, physical.choice.best.model]:
-        sections += [one.section(model.effect_values(i)) for i, one in enumerate(model.added)]
+    if physical.drives:
+        model = physical.drives[-1][0].fitted.model
+        for i, one in enumerate(model.added):
+            told = _settled_by_plant(physical, model.name(i), one).items()
+            known = {key: value.value for key, value in told if isinstance(value, Value)}
+            sections.append(one.section(model.effect_values(i) | known))
+    model = physical.choice.best.model
+    sections += [one.section(model.effect_values(i)) for i, one in enumerate(model.added)]
     return tuple(sections)

@@ -35,7 +35,8 @@ class Parameter:
     Attributes
     ----------
     key : str
-        ``plant.mass`` (a factor on the nominal value) or ``<effect>.<parameter>``.
+        ``plant.mass`` (a factor on the nominal value) or ``<effect>.<parameter>``, of an added effect or of
+        one that the nominal spec has.
     value, scale : float
         Present value, and its typical size.
     low, high : float
@@ -161,10 +162,23 @@ class Model:
                 for i, one in enumerate(added)
             )
             spec = spec.model_copy(update={"effects": (*known, *valued)})
+        already = {e.name for e in self.nominal.effects}
         for p in self.parameters:
             if p.key in PROPERTIES and p.value != 1.0:
                 spec = _scaled(spec, p.key, p.value)
+            elif p.key.partition(".")[0] in already:
+                spec = _valued(spec, p)
         return spec
+
+
+def _valued(spec: Spec, parameter: Parameter) -> Spec:
+    """Spec with another value in one of its effects."""
+    name, _, key = parameter.key.partition(".")
+    effects = (
+        e.model_copy(update={"parameters": e.parameters | {key: parameter.value}}) if e.name == name else e
+        for e in spec.effects
+    )
+    return spec.model_copy(update={"effects": tuple(effects)})
 
 
 def _scaled(spec: Spec, key: str, factor: float) -> Spec:

@@ -21,6 +21,12 @@ def motor_delay(spec: Spec) -> int:
     return round(sum(float(e.parameters["delay"]) for e in delays) * NS)
 
 
+def drive_speed(spec: Spec) -> float:
+    """Fastest motion of the motors, rad/s; 0 where they follow at once."""
+    a = drive(spec).system.a
+    return float(np.abs(np.linalg.eigvals(a)).max()) if a.size else 0.0
+
+
 def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floats, first: Floats) -> Floats:
     """Motor positions (g, 3, m) at the start, middle and end of each interval of a grid, in m.
 

@@ -7,7 +7,7 @@ simulated from the commands, and the smallest addition that explains them all at
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -100,10 +100,10 @@ def diagnose_physical(
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only("position", "velocity", "force")
     experiment, part = Experiment(seen, first), Experiment(seen.first(train), first)
-    settled = drives.settled
+    settled = drives.model
     runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
     experiment.begin_at(seen.stamps_ns[runs.start])
-    retuned = _retuned(fitting, nominal, settled)
+    retuned = _retuned(fitting, nominal)
     lost = LOST if runs.length is None else np.inf
     short = None
     if fitting.doubt > lost:
@@ -115,8 +115,9 @@ def diagnose_physical(
         choice, there = _led_by(short, fitting, retuned, choice)
         if there:
             runs, fitting, nominal = short.runs, short.fitting, short.nominal
+    experiment.sharp = part.sharp
     return Physical(
-        spec, seen, train, experiment, runs, sigma, drives.rounds, settled, fitting, nominal, choice,
+        spec, seen, train, experiment, runs, sigma, drives.rounds, drives.settled, fitting, nominal, choice,
         drives.limits,
     )  # fmt: skip
 
@@ -139,12 +140,17 @@ class Short(NamedTuple):
 
 
 def _short(
-    seen: Evidence, spec: Spec, train: int, part: Experiment, sigma: Floats, progress: Callable[[str], None]
+    seen: Evidence,
+    settled: Model,
+    train: int,
+    part: Experiment,
+    sigma: Floats,
+    progress: Callable[[str], None],
 ) -> Short:
-    runs = windows(seen, spec, seen.driven_by == "command", short=True)
-    fitting = Fitting(part, runs.first(train), sigma, Model(spec), progress)
-    nominal = fitting.fit(Model(spec))
-    return Short(runs, fitting, nominal, _retuned(fitting, nominal, spec))
+    runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
+    fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+    nominal = fitting.fit(settled)
+    return Short(runs, fitting, nominal, _retuned(fitting, nominal))
 
 
 def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
@@ -189,11 +195,12 @@ def _led_by(short: Short, fitting: Fitting, retuned: Fitted, choice: Choice) -> 
     return choose(closer, near, begun=again), True
 
 
-def _retuned(fitting: Fitting, nominal: Fitted, spec: Spec) -> Fitted:
+def _retuned(fitting: Fitting, nominal: Fitted) -> Fitted:
     """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
     fitting.progress("retuning what is uncertain")
     fitting.doubt = doubt(fitting, nominal)
-    retuned = fitting.fit(Model(spec, uncertain(spec)))
+    model = nominal.model
+    retuned = fitting.fit(replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
     if fitting.doubt > 1.5:
         fitting.doubt = doubt(fitting, retuned)
         retuned = fitting.fit(retuned.model)
@@ -201,16 +208,16 @@ def _retuned(fitting: Fitting, nominal: Fitted, spec: Spec) -> Fitted:
 
 
 def _started(
-    seen: Evidence, spec: Spec, train: int, part: Experiment, progress: Callable[[str], None]
+    seen: Evidence, settled: Model, train: int, part: Experiment, progress: Callable[[str], None]
 ) -> tuple[Windows, Floats, Fitting, Fitted]:
     """Free runs as long as the nominal model stays near the recording, and what it leaves there."""
     longer = 1.0
     while True:
-        runs = windows(seen, spec, seen.driven_by == "command", longer)
+        runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = _noise(part, spec, runs.first(train))
-        fitting = Fitting(part, runs.first(train), sigma, Model(spec), progress)
-        nominal = fitting.fit(Model(spec))
+        sigma = _noise(part, settled.spec, runs.first(train))
+        fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+        nominal = fitting.fit(settled)
         enough = runs.length is None or runs.length > 0.08 * float(seen.time[-1])
         if enough or doubt(fitting, nominal) > NEAR:
             return runs, sigma, fitting, nominal

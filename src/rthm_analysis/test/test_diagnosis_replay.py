@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.drives import choose_drives
 from rthm_analysis.diagnosis.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.windows import windows
@@ -78,6 +81,46 @@ SPECS = [
 )
 def test_replay_agrees_with_the_simulator_far_below_the_noise(spec: Spec) -> None:
     assert np.all(np.abs(replayed(spec) - simulated(spec)).max(0) < FAR_BELOW_NOISE)
+
+
+REMEMBERING = [
+    having("wire", "bouc_wen", poles=True, alpha=8.0, A=1.0, beta=30.0, gamma=30.0, n=1.0),
+    having("wire", "backlash", poles=True, gap=0.01),
+    having("wire", "pulley_friction", poles=True, force=0.3),
+]
+
+
+@pytest.mark.parametrize("spec", REMEMBERING, ids=[s.effects[0].kind for s in REMEMBERING])
+def test_a_wire_that_remembers_its_path_needs_a_fine_grid_behind_a_slow_motor(spec: Spec) -> None:
+    experiment, runs, true = (
+        Experiment(EVIDENCE, first_command(PAPER)),
+        windows(EVIDENCE, PAPER, True),
+        simulated(spec),
+    )
+    assert experiment.sharpen(spec)
+    assert not experiment.sharpen(spec)
+    sharp = np.abs(experiment.predicted(spec, runs) - true).max(0)
+    assert np.all(sharp < 5.0 * FAR_BELOW_NOISE)
+
+
+def test_wires_that_do_not_remember_their_path_need_no_finer_grid() -> None:
+    spec = having("wire", "maxwell_branch", poles=True, stiffness=5.0, damping=2.0)
+    assert not Experiment(EVIDENCE, first_command(PAPER)).sharpen(spec)
+    assert not Experiment(EVIDENCE, first_command(PAPER)).sharpen(having("wire", "backlash", gap=0.01))
+
+
+def test_a_delay_between_two_samples_is_left_to_the_plant() -> None:
+    def measured(delay: float) -> np.ndarray:
+        row = np.searchsorted(DUE + round(delay * 1e9), STAMPS, side="right") - 1
+        return np.where(row[:, None] < 0, first_command(PAPER), COMMANDS[row])
+
+    true, noise = measured(0.00307), np.random.default_rng(1).normal(0.0, 1e-5, (STAMPS.size, 1))
+    motors = replace(EVIDENCE.only("motor"), measured=true + noise)
+    alike = [d for d in np.arange(0.0028, 0.0034, 2e-5) if np.array_equal(measured(d), true)]
+    found = choose_drives(motors, PAPER, first_command(PAPER)).model.parameters[0]
+    assert found.key == "drive1.delay"
+    assert found.low <= alike[0] + 1e-6 and found.high >= alike[-1] - 1e-6
+    assert found.high - found.low < alike[-1] - alike[0] + 4e-5
 
 
 def test_what_a_law_does_is_not_lost_in_the_replay() -> None:

@@ -22,6 +22,7 @@ from benchmarks.engine.others import Entry, pade, restarted, runge_kutta
 from benchmarks.engine.reference import reference
 from benchmarks.engine.scale import long_run, per_one, stability_checks, starts, with_delays, with_masses
 from benchmarks.engine.table import markdown
+from benchmarks.engine.twin import kernel_and_twin
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
@@ -100,6 +101,20 @@ def beyond(spec: Spec, rounds: int) -> list[Row]:
     return list(rows.values())
 
 
+def beside_twins(spec: Spec, rounds: int) -> list[Row]:
+    """Kernels of linear loops beside their twins in C: the ratio is to the twin, the error the difference."""
+    rows: list[Row] = []
+    for name, other in ({"the paper's loop": spec} | ours.repeating(spec)).items():
+        try:
+            kernel, twin = kernel_and_twin(other, DURATION, SAMPLE)
+        except NoCompilerError as reason:
+            return [Row(name, skipped=str(reason))]
+        difference = float(np.abs(kernel().plant - twin()).max())
+        times = interleaved({"kernel": kernel, "twin": twin}, max(3, rounds // 3), {})
+        rows.append(Row(name, times["kernel"], times["kernel"] / times["twin"], difference))
+    return rows
+
+
 def scaled(spec: Spec) -> dict[str, float]:
     """Many loops, a long loop, and the start of the program."""
     hour, added = long_run(spec, 3600.0, SAMPLE)
@@ -134,6 +149,7 @@ def main() -> None:
         "sample": SAMPLE,
         "ways": [asdict(row) for row in measured(spec, exact, given.rounds)],
         "beyond": [asdict(row) for row in beyond(spec, given.rounds)],
+        "twins": [asdict(row) for row in beside_twins(spec, given.rounds)],
         "scale": scaled(spec),
     }
     given.out.mkdir(parents=True, exist_ok=True)

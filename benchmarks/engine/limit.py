@@ -33,11 +33,17 @@ def compiler() -> str:
     raise NoCompilerError("no C compiler (cc, gcc or clang) was found; install one to measure against it.")
 
 
-def build(source: Path = SOURCE) -> ctypes.CDLL:
-    """Compile a C file into a temporary folder and load it."""
+def build(source: Path = SOURCE, **defined: int) -> ctypes.CDLL:
+    """Compile a C file, with some names defined, into a temporary folder and load it."""
     folder = tempfile.mkdtemp(prefix="rthm-benchmark-")
     target = Path(folder) / "engine.so"
-    options = ["-O3", "-march=native", "-shared", "-fPIC"]
+    options = [
+        "-O3",
+        "-march=native",
+        "-shared",
+        "-fPIC",
+        *(f"-D{name}={value}" for name, value in defined.items()),
+    ]
     subprocess.run([compiler(), *options, str(source), "-o", str(target), "-lm"], check=True)
     return ctypes.CDLL(str(target))
 

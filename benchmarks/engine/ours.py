@@ -85,6 +85,16 @@ def further(paper: Spec) -> dict[str, Spec]:
     }
 
 
+def repeating(paper: Spec) -> dict[str, Spec]:
+    """Those of `further` whose events repeat and that add no noise: linear all through."""
+    return {name: spec for name, spec in further(paper).items() if not spec.effects and not any_noise(spec)}
+
+
+def any_noise(spec: Spec) -> bool:
+    """Whether a sensor has noise."""
+    return bool(spec.noise.position or spec.noise.velocity or spec.noise.force)
+
+
 def nonlinear(paper: Spec) -> dict[str, Spec]:
     """Loops with a plant that is not linear, by what it has."""
     parts = {

@@ -24,6 +24,15 @@ Error, for plants that are not linear: largest difference of x1 from a run in st
 |---|---|---|---|
 """
 
+TWINS = """
+Kernels of linear loops, on prepared matrices and rows, beside a twin in C that executes the same program over
+the same matrices and is compiled for the numbers of states of the loop. Difference: largest of any row of the
+plant.
+
+| loop | kernel | ratio to its twin | difference |
+|---|---|---|---|
+"""
+
 SCALE = """
 Many loops (`simulate_many`), a long loop (`simulate_blocks`), and the start of the program:
 
@@ -62,6 +71,11 @@ def markdown(found: dict[str, Any]) -> str:
     for row in found["beyond"]:
         error = "" if row["error"] is None else _number(row["error"], " m")
         text += f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} | {error} |\n"
+    text += TWINS
+    for row in found["twins"]:
+        text += (
+            f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} | {_number(row['error'])} |\n"
+        )
     scale = found["scale"]
     return text + SCALE.format(
         duration=found["duration"],

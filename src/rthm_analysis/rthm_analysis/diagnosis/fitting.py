@@ -284,6 +284,8 @@ def _leaves(parameter: Parameter, gradient: float) -> bool:
 
 
 def _basis(columns: Floats) -> Floats:
-    """Orthonormal basis of the columns (rows, c)."""
+    """Orthonormal basis of the columns (rows, c); empty where a model diverges: its cost is infinite."""
+    if not np.isfinite(columns).all():
+        return np.empty((columns.shape[0], 0))
     left, size, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(left[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)])

@@ -144,6 +144,11 @@ def _irregular(spec: Spec, model: Model, end: int, step: int) -> Iterator[Rows]:
         since = int(operations.time.max(initial=since))
 
 
+def prepared_loop(spec: Spec, step: int) -> tuple[Prepared, Start] | None:
+    """What the kernel executes without works, and its start, for measurements; None where nothing repeats."""
+    return _repeating(spec, step, False)
+
+
 def kernel_call(spec: Spec, end: int, step: int) -> Callable[[], Rows] | None:
     """What `linear_blocks` runs after all preparation, for measurements; None where nothing repeats."""
     model, repeating = _model(spec, False), _repeating(spec, step, False)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rthm_analysis.diagnosis.candidates import candidates
-from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.model import Model
 from rthm_analysis.diagnosis.refining import (
     CLEAR,
     CLOSE,
@@ -44,6 +45,9 @@ UNFINISHED = 1.02
 
 FINISHING = 24
 """Steps for which it goes on."""
+
+PRUNING = 8
+"""Steps of a fit without an effect that may be needless."""
 
 REFINED, MOST_EFFECTS = 10, 3
 
@@ -110,8 +114,10 @@ def choose(
         tried = refined(fitting, choice.best, known, promising)
         if not tried or not better(tried[0], choice.best) or not _relevant(fitting, tried[0], choice):
             break
-        fitting.doubt = doubt(fitting, tried[0].fitted)
-        if fitting.doubt > UNFINISHED:
+        lost, fitting.doubt = fitting.doubt > WRONG, doubt(fitting, tried[0].fitted)
+        if lost:
+            fitting.rebase(tried[0].fitted.model)
+        if lost or fitting.doubt > UNFINISHED:
             tried[0] = fit_further(fitting, tried[0], known, FINISHING, least=1e-5)
             fitting.doubt = doubt(fitting, tried[0].fitted)
         choice.rounds.append(tried)
@@ -126,18 +132,33 @@ def choose(
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
-    """Leave out a single effect that only helped what is uncertain to find its values."""
-    if len(choice.rounds) != 1 or not choice.base.model.parameters:
-        return choice
-    values = choice.best.model.values[: len(choice.base.model.parameters)]
-    try:
-        alone = fitting.fit(choice.base.model.at(values), most=FINISHING)
-        if better(choice.rounds[0][0], alone):
-            return choice
-    except np.linalg.LinAlgError:  # without the effect the model diverges
-        return choice
-    fitting.doubt = doubt(fitting, alone)
-    return Choice(alone, alone, [], choice.limits)
+    """Leave out effects that only helped the others, or what is uncertain, to find their values."""
+    for index in reversed(range(len(choice.rounds))):
+        if index == 0 and (len(choice.rounds) > 1 or not choice.base.model.parameters):
+            break  # the first and largest of several, or one that nothing else could stand for
+        try:
+            alone = fitting.fit(_model_without(choice, index), most=FINISHING if index == 0 else PRUNING)
+        except np.linalg.LinAlgError:  # without the effect the model diverges
+            continue
+        last = choice.rounds[index][0]
+        if better(Tried(last.start, choice.best, last.error), alone):
+            continue
+        rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
+        choice = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
+        fitting.doubt = doubt(fitting, alone)
+    return choice
+
+
+def _model_without(choice: Choice, index: int) -> Model:
+    """The best model without one of its effects, all else with the values it has now."""
+    best, base = choice.best.model, choice.base.model
+    model = base.at(best.values[: len(base.parameters)])
+    for i, tried in enumerate(choice.rounds):
+        if i != index:
+            start = tried[0].start
+            added = replace(start.added, parameters=best.effect_values(i))
+            model = model.plus(added, start.free, start.scales)
+    return model
 
 
 def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:

@@ -29,6 +29,9 @@ BLOCKS = 20
 STEP = 1e-3
 """Step of finite differences, in the scale of a parameter."""
 
+FINE, FINER = 1e-4, 0.02
+"""Part of the squared error up to which a fit is one that finishes; factor of its last finite differences."""
+
 LARGEST_STEP = 1.2
 """Largest step of a positive parameter, as the logarithm of a factor."""
 
@@ -78,7 +81,7 @@ class Fitting:
     sigma : (k,) array
         Noise of the channels; inf leaves a channel out.
     base : Model
-        Where the sensitivities to the initial states are taken.
+        Where the sensitivities to the initial states are taken at first.
     doubt : float
         Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
         model is wrong, data count less against what the spec states.
@@ -90,7 +93,6 @@ class Fitting:
     base: Model
     progress: Callable[[str], None] = lambda said: None
     doubt: float = 1.0
-    _states: Floats = field(default_factory=lambda: np.empty((0, 0)))
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -101,7 +103,7 @@ class Fitting:
         self.pool = ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, 8)))
         edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
-        self._prepare_states()
+        self.rebase(self.base)
 
     @cached_property
     def wires_alone(self) -> WiresAlone:
@@ -122,9 +124,9 @@ class Fitting:
         residual = self.residual(model)
         return self._cost(model, residual, self._bases_of(model, residual))
 
-    def _prepare_states(self) -> None:
-        self._states = self.states(self.base, self.residual(self.base))
-        self._bases = self.bases(self._states)
+    def rebase(self, model: Model) -> None:
+        """Take the sensitivities to the initial states at a model that is nearer to the recording."""
+        self._bases = self.bases(self.states(model, self.residual(model)))
 
     def states(self, model: Model, here: Floats) -> Floats:
         """Change of the prediction with the initial states (2 n, s k), over the noise."""
@@ -162,12 +164,12 @@ class Fitting:
             return unchanged
         return np.asarray(np.linalg.lstsq(states.T, residual, rcond=1e-10)[0])
 
-    def columns(self, model: Model, residual: Floats, which: Iterable[int]) -> Floats:
+    def columns(self, model: Model, residual: Floats, which: Iterable[int], small: float = STEP) -> Floats:
         """Change of the prediction with some parameters (p, s k), over the noise."""
 
         def one(i: int) -> Floats:
             parameter = model.parameters[i]
-            step = STEP * (parameter.value if parameter.positive else parameter.scale)
+            step = small * (parameter.value if parameter.positive else parameter.scale)
             if parameter.value + step > parameter.high:
                 step = -step
             values = model.values
@@ -210,9 +212,10 @@ class Fitting:
         residual = self.residual(model)
         bases = self._bases_of(model, residual)
         best, damping = self._cost(model, residual, bases), 1e-4
-        columns = np.empty((0, residual.size))
+        columns, small = np.empty((0, residual.size)), STEP
         for _ in range(most):
-            columns = self.projected(self.columns(model, residual, range(kept, len(model.parameters))), bases)
+            free = range(kept, len(model.parameters))
+            columns = self.projected(self.columns(model, residual, free, small), bases)
             columns = np.vstack([known, columns]) if kept and known is not None else columns
             sums = self.sums(model, self.projected(residual, bases), columns)
             if not len(model.parameters):
@@ -227,7 +230,9 @@ class Fitting:
                     break
                 damping = max(damping * 10.0, 1e-3)
             if before - best < max(0.1, least * best):
-                break
+                if small < STEP or least > FINE:
+                    break
+                small = STEP * FINER  # where motions part quickly, a longer step tells little
             if self.doubt > WRONG:
                 bases = self._bases_of(model, residual)
                 best = self._cost(model, residual, bases)

@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.choosing import FINISHING, Choice, choose, doubt
 from rthm_analysis.diagnosis.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
-from rthm_analysis.diagnosis.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits
 from rthm_analysis.diagnosis.model import Model, uncertain
 from rthm_analysis.diagnosis.noise import noise_level
@@ -169,7 +169,7 @@ def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
 def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
     """Fit over the whole recording of what was found in short runs; None where it diverges."""
     try:
-        return fitting.fit(model, most=FINISHING)
+        return fitting.fit(model, most=FINISHING, least=FINE)
     except np.linalg.LinAlgError:
         return None
 

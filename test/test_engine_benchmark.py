@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.engine import ours
 from benchmarks.engine.limit import NoCompilerError
 from benchmarks.engine.twin import kernel_and_twin
 
 from rthm_core.spec import shipped_spec
 
-PAPER = shipped_spec("paper")
 
-
-@pytest.mark.parametrize("name", ["paper", "motor poles"])
-def test_the_twin_in_c_gives_the_rows_of_the_kernel(name: str) -> None:
-    spec = PAPER if name == "paper" else ours.repeating(PAPER)[name]
+def test_the_twin_in_c_gives_the_rows_of_the_kernel() -> None:
     try:
-        kernel, twin = kernel_and_twin(spec, 2.0, 0.0012)
+        kernel, twin = kernel_and_twin(shipped_spec("paper"), 2.0, 0.0012)
     except NoCompilerError as reason:
         pytest.skip(str(reason))
     rows = kernel().plant

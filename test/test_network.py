@@ -68,7 +68,7 @@ def test_plant_on_one_host_and_controller_on_another(
     recording = read_recording(json.loads(told)["bag"])
     assert len(recording.plant) == 2_000_000_000 // 1_200_000 + 1
     assert len(recording.links["tau3"]) > 100
-    assert plant.returncode == numerical.returncode == 0
+    assert plant.returncode == numerical.returncode == 0, plant.communicate()[1] + numerical.communicate()[1]
 
 
 def on(host: str, words: list, environment: dict[str, str]) -> subprocess.Popen[str]:

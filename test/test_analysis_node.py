@@ -63,7 +63,7 @@ def await_file(file: Path, seconds: float = 60.0) -> dict[str, object]:
 def test_the_books_published_in_a_run_are_those_of_its_recording(out: Path) -> None:
     recording = read_recording(out / "bag")
     published, counted = recording.tables["energy"], energy_of(recording, None)
-    assert len(published) > 5
+    assert len(published) > 2  # while the test went on, not only at its end
     rows = np.searchsorted(counted.t, recording.seconds(published.stamp_ns) - 1e-7)
     for term in TERMS:
         np.testing.assert_allclose(

@@ -15,8 +15,6 @@ from typing import Any
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.executors import ExternalShutdownException
-from rclpy.experimental import EventsExecutor
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
@@ -32,6 +30,7 @@ from rthm_core.ros import system
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.polling import Mailbox, PollingNode
+from rthm_core.ros.process import serving
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TOPICS = LOOP | BESIDE
@@ -225,24 +224,16 @@ def periods_of(spec: Spec) -> dict[str, int]:
 
 def main() -> int:
     """Run the node until it is asked to end; 1 when the recording failed."""
-    signal.signal(
-        signal.SIGINT, signal.SIG_IGN
-    )  # an exception from Python's handler would abort the executor
+    # An exception from Python's handler would abort the executor.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     rclpy.init()
     node = Recorder()
-    executor = EventsExecutor()
-    executor.add_node(node)
-    node.start()
-    gc.freeze()
-    try:
+    with serving(node) as executor:
+        node.start()
+        gc.freeze()
         while rclpy.ok() and node.failure is None:
             executor.spin_once(timeout_sec=TAKE)
             node.take()
-    except ExternalShutdownException:
-        pass
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
     if node.failure is not None:
         print(node.failure, file=sys.stderr)
         return 1

@@ -118,17 +118,22 @@ def choose(
         if lost:
             fitting.rebase(tried[0].fitted.model)
         if lost or fitting.doubt > UNFINISHED:
-            tried[0] = fit_further(fitting, tried[0], known, FINISHING, least=1e-5)
-            fitting.doubt = doubt(fitting, tried[0].fitted)
-        choice.rounds.append(tried)
+            tried[0] = _finished(fitting, tried[0], None if lost else known)
         if fitting.experiment.sharpen(tried[0].fitted.model.spec):
-            tried[0] = fit_further(fitting, tried[0], np.empty((0, 0)), FINISHING, least=1e-5)
-            fitting.doubt = doubt(fitting, tried[0].fitted)
+            tried[0] = _finished(fitting, tried[0])
+        choice.rounds.append(tried)
         choice.best = tried[0].fitted
         known = _known(fitting, choice.best)
         if stop(fitting.doubt):
             return choice
     return _reconsidered(fitting, _without_the_needless(fitting, choice))
+
+
+def _finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tried:
+    """Fit an effect that was chosen to its end, from columns that are still known."""
+    finished = fit_further(fitting, tried, known, FINISHING, least=1e-5)
+    fitting.doubt = doubt(fitting, finished.fitted)
+    return finished
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:

@@ -117,7 +117,9 @@ def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
     return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
 
 
-def fit_further(fitting: Fitting, tried: Tried, known: Floats, steps: int, least: float = 3e-4) -> Tried:
+def fit_further(
+    fitting: Fitting, tried: Tried, known: Floats | None, steps: int, least: float = 3e-4
+) -> Tried:
     """Go on fitting for some steps, as long as each brings at least this part."""
     try:
         fitted = fitting.fit(tried.fitted.model, known, steps, least)

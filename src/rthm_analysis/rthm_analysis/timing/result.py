@@ -9,9 +9,7 @@ import numpy as np
 from rthm_analysis.recording import LINKS, Recording
 from rthm_analysis.timing.clocks import ClockTiming, clock_timing
 from rthm_analysis.timing.links import LinkTiming, link_timing
-from rthm_analysis.timing.standing import standing
-from rthm_core.clock import NS
-from rthm_core.compiled import Integers
+from rthm_analysis.timing.standing import HeldUp, held_up, standing
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
@@ -26,18 +24,15 @@ class TimingResult:
         By name, ``tau1`` to ``tau4``; empty for a plant alone.
     clocks : dict of ClockTiming
         By name, ``td1`` to ``td3``, and ``td4`` where the spec has such a clock.
-    held_up : (k, 2) array
-        When a part of the test was held up, as from `standing`, ns after the start.
-    duration : float
-        Length of the recording, s.
+    held_up : HeldUp
+        How often and how long parts of the test were held up by their machine.
     notes : tuple of str
         What could not be measured, and why.
     """
 
     links: dict[str, LinkTiming]
     clocks: dict[str, ClockTiming]
-    held_up: Integers
-    duration: float
+    held_up: HeldUp
     notes: tuple[str, ...]
 
     @property
@@ -50,14 +45,9 @@ class TimingResult:
         return {
             "links": {name: link.as_dict() for name, link in self.links.items()},
             "clocks": {name: clock.as_dict() for name, clock in self.clocks.items()},
-            "held_up": self._held_up(),
+            "held_up": self.held_up._asdict(),
             "notes": list(self.notes),
         }
-
-    def _held_up(self) -> dict[str, float]:
-        lengths = np.diff(self.held_up, axis=1) / NS
-        share = float(lengths.sum()) / max(self.duration, 1.0 / NS)
-        return {"count": len(lengths), "share": share, "longest": float(lengths.max(initial=0.0))}
 
 
 def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
@@ -83,7 +73,7 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
             clocks[name] = clock
         elif period:
             notes.append(f"the clock {name} left no trace in the recording: its period is not known.")
-    return TimingResult(links, clocks, spans, recording.duration, tuple(notes))
+    return TimingResult(links, clocks, held_up(spans, recording.duration), tuple(notes))
 
 
 def _plant_alone(recording: Recording) -> TimingResult:
@@ -92,4 +82,4 @@ def _plant_alone(recording: Recording) -> TimingResult:
     clock = clock_timing(recording, "td1", period) if period else None
     note = "there is no loop in the spec: only the clock of the plant was looked at."
     clocks = {"td1": clock} if clock else {}
-    return TimingResult({}, clocks, standing(recording), recording.duration, (note,))
+    return TimingResult({}, clocks, held_up(standing(recording), recording.duration), (note,))

@@ -8,9 +8,11 @@ not, so that leaving them out favours neither answer.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from rthm_core.clock import NS
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
@@ -52,6 +54,21 @@ def _merged(spans: Integers) -> Integers:
     first = np.flatnonzero(np.append(True, spans[1:, 0] > until[:-1])[: len(spans)])
     last = np.append(first[1:] - 1, len(spans) - 1)[: first.size]
     return np.stack([spans[first, 0], until[last]], axis=1)
+
+
+class HeldUp(NamedTuple):
+    """How often a machine stood still, for which share of a test, and how long at most, s."""
+
+    count: int
+    share: float
+    longest: float
+
+
+def held_up(spans: Integers, duration: float) -> HeldUp:
+    """Sum of the spans of `standing` in a test of `duration` s."""
+    lengths = (spans[:, 1] - spans[:, 0]) / NS
+    share = float(lengths.sum()) / max(duration, 1.0 / NS)
+    return HeldUp(len(lengths), share, float(lengths.max(initial=0.0)))
 
 
 def stands_between(spans: Integers, begin: Integers, end: Integers) -> Flags:

@@ -29,17 +29,10 @@ from rthm_core.errors import InputError
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
 
-STEPS = {
-    "configure": lifecycle.Transition.TRANSITION_CONFIGURE,
-    "activate": lifecycle.Transition.TRANSITION_ACTIVATE,
-    "deactivate": lifecycle.Transition.TRANSITION_DEACTIVATE,
-    "cleanup": lifecycle.Transition.TRANSITION_CLEANUP,
-}
-
 SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters": SetParameters}
 """Types of services; all others are triggers."""
 
-LONG = "/run"
+LONG = "run"
 """Service that takes long, and would be done twice if it were asked for twice."""
 
 
@@ -144,7 +137,7 @@ class Conductor:
 
     def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup."""
-        request = ChangeState.Request(transition=lifecycle.Transition(id=STEPS[step]))
+        request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
                 raise StoppedError(f"{name} refused to {step}", name)
@@ -214,7 +207,7 @@ class Conductor:
             seconds,
             lambda: f"{' and '.join(deaf())} did not offer {service} within {seconds:g} s.",
         )
-        questions = {name: self._question(name, clients[name], requests[name], step) for name in requests}
+        questions = {name: self._question(name, service, request, step) for name, request in requests.items()}
 
         def silent() -> list[str]:
             return [name for name, one in questions.items() if one.look(time.monotonic()) is None]
@@ -226,11 +219,11 @@ class Conductor:
         )
         return {name: one.answer for name, one in questions.items()}
 
-    def _question(self, name: str, client: Any, request: Any, step: str) -> Question:
+    def _question(self, name: str, service: str, request: Any, step: str) -> Question:
         """Ask one node; `step` is the transition that is asked for, if it is one."""
-        ask, now = partial(client.call_async, request), time.monotonic()
+        ask, now = partial(self._client(name, service).call_async, request), time.monotonic()
         if not step:
-            return Question(ask, now, float("inf") if client.srv_name.endswith(LONG) else AGAIN)
+            return Question(ask, now, float("inf") if service == LONG else AGAIN)
         state = partial(self._client(name, "get_state").call_async, GetState.Request())
         return Transition(ask, now, state, CHANGES[step])
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import sys
 import time
+from contextlib import suppress
 from typing import Any
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
-from rclpy.experimental import EventsExecutor
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from std_msgs.msg import Float64, Int64MultiArray
 from std_srvs.srv import Trigger
@@ -24,6 +23,7 @@ from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.grants import DONE, PARTS, Done, grant_to
 from rthm_core.ros.managed import refuse_impossible_transitions
+from rthm_core.ros.process import serving
 from rthm_core.ros.qos import latched, samples
 from rthm_core.spec import read_spec
 
@@ -126,18 +126,11 @@ def main() -> int:
     """Run the node until it is asked to end."""
     rclpy.init()
     node = Coordinator()
-    executor = EventsExecutor()
-    executor.add_node(node)
-    system.prepare_virtual()
-    try:
+    with serving(node) as executor, suppress(KeyboardInterrupt):
+        system.prepare_virtual()
         while rclpy.ok():
             executor.spin_once(timeout_sec=0.1)
             node.watch()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown()
     return 0
 
 

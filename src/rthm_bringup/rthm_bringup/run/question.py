@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
-from lifecycle_msgs.msg import State
+from lifecycle_msgs import msg as lifecycle
 from lifecycle_msgs.srv import ChangeState
 
 AGAIN = 3.0
@@ -27,17 +27,22 @@ class Future(Protocol):
 
 
 class Change(NamedTuple):
-    """States of a lifecycle node before and after a transition."""
+    """A transition of a lifecycle node, and its states before and after it."""
 
+    number: int
     before: int
     after: int
 
 
+UNCONFIGURED = lifecycle.State.PRIMARY_STATE_UNCONFIGURED
+INACTIVE = lifecycle.State.PRIMARY_STATE_INACTIVE
+ACTIVE = lifecycle.State.PRIMARY_STATE_ACTIVE
+
 CHANGES = {
-    "configure": Change(State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE),
-    "activate": Change(State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_ACTIVE),
-    "deactivate": Change(State.PRIMARY_STATE_ACTIVE, State.PRIMARY_STATE_INACTIVE),
-    "cleanup": Change(State.PRIMARY_STATE_INACTIVE, State.PRIMARY_STATE_UNCONFIGURED),
+    "configure": Change(lifecycle.Transition.TRANSITION_CONFIGURE, UNCONFIGURED, INACTIVE),
+    "activate": Change(lifecycle.Transition.TRANSITION_ACTIVATE, INACTIVE, ACTIVE),
+    "deactivate": Change(lifecycle.Transition.TRANSITION_DEACTIVATE, ACTIVE, INACTIVE),
+    "cleanup": Change(lifecycle.Transition.TRANSITION_CLEANUP, INACTIVE, UNCONFIGURED),
 }
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from rthm_core.errors import InputError
@@ -35,18 +37,29 @@ def run(build: Callable[[], PartNode]) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
-    executor = EventsExecutor()
-    executor.add_node(node)
-    try:
+    with serving(node), suppress(KeyboardInterrupt):
         while rclpy.ok() and not asked:
             node.turn()
         node.stop()
-    except (KeyboardInterrupt, ExternalShutdownException):
+    return 0
+
+
+@contextmanager
+def serving(node: Node) -> Iterator[Executor]:
+    """Executor of a node; at the end it lets go of the node before the node and its context are destroyed.
+
+    An end of the context while it serves is an end like any other.
+    """
+    executor = EventsExecutor()
+    executor.add_node(node)
+    try:
+        yield executor
+    except ExternalShutdownException:
         pass
     finally:
+        executor.shutdown()
         node.destroy_node()
         rclpy.try_shutdown()
-    return 0
 
 
 def _ask(asked: list[int], number: int, frame: FrameType | None) -> None:

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.words import lateness, sentence, stood_still
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import LINKS, Recording
-from rthm_analysis.timing.standing import standing
+from rthm_analysis.timing.standing import held_up, standing
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
 
@@ -95,7 +95,10 @@ def diagnose_links(recording: Recording, spec: Spec) -> Part:
     schedule = Schedule(spec)
     spans = standing(recording)
     known = [link_evidence(recording, spec, schedule, name, spans) for name in LINKS]
-    notes = (*stood_still(spans, end), *(one for one in known if isinstance(one, str)))
+    notes = (
+        *stood_still(held_up(spans, recording.duration)),
+        *(one for one in known if isinstance(one, str)),
+    )
     evidences = [one for one in known if isinstance(one, LinkEvidence)]
     choices = _choices(recording, [one.between(0, train_end) for one in evidences])
     lates = [one.nothing.late for one in choices]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rthm_analysis.diagnosis.result import Value
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Integers
+    from rthm_analysis.timing.standing import HeldUp
 
 RECEIVERS = {
     "tau1": "states of the plant on their way to the controller",
@@ -66,14 +66,13 @@ def sentence(name: str, kind: str, value: Value, share: float, shifted: bool) ->
     return f"{first} {seen} {other}" + (MOTOR_AS_WELL if (name, kind) == ("tau4", "extra_delay") else "")
 
 
-def stood_still(spans: Integers, end: int) -> tuple[str, ...]:
-    """A machine that stood still; `spans` (k, 2) and `end` of the test in ns after the start."""
-    if not len(spans):
+def stood_still(machine: HeldUp) -> tuple[str, ...]:
+    """A machine that stood still."""
+    if not machine.count:
         return ()
-    lengths = spans[:, 1] - spans[:, 0]
-    share, longest = 100.0 * lengths.sum() / end, 1e-6 * lengths.max()
+    share, longest = 100.0 * machine.share, 1e3 * machine.longest
     return (
-        f"the machine was held up {len(spans)} times, for {share:.1f} % of the test and up to "
+        f"the machine was held up {machine.count} times, for {share:.1f} % of the test and up to "
         f"{longest:.3g} ms, as times of sending show; samples on their way then say nothing about the links.",
     )
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.between import Between, load_on
 from rthm_analysis.diagnosis.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.grid import Grid, grid
 from rthm_analysis.diagnosis.kernel import replay_mechanics
@@ -77,8 +78,8 @@ class Experiment:
         Command that had been there for ever before the test.
     starts_ns : (r,) array
         Instants at which free runs may begin.
-    held : bool
-        Whether a load that is known by its samples is held between them; else it is smooth.
+    between : Between
+        How a load that is known by its samples goes between them.
     sharp : bool
         Whether the grid is as fine as wires that remember their path need it.
     """
@@ -86,7 +87,7 @@ class Experiment:
     evidence: Evidence
     first: Floats
     starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
-    held: bool = False
+    between: Between = Between.SMOOTH
     sharp: bool = False
     _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, Motion] = field(default_factory=dict)
@@ -195,19 +196,7 @@ class Experiment:
             if points is not fine:
                 moved = motor_motion(spec, points.time_ns, due, e.commands, self.first)
             motor = moved
-        return points, motor, self._load(points), seen
-
-    def _load(self, points: Grid) -> Floats:
-        """Known loads on the grid: (g, 3, n)."""
-        time, load = self.evidence.time, self.evidence.load
-        if not np.any(load):
-            return np.zeros((points.time_ns.size, 3, load.shape[1]))
-        if self.held:
-            row = np.searchsorted(self.evidence.stamps_ns, points.time_ns, side="right") - 1
-            return np.repeat(load[row][:, None, :], 3, axis=1)
-        from scipy.interpolate import CubicSpline
-
-        return np.asarray(CubicSpline(time, load)(np.minimum(points.points, time[-1])))
+        return points, motor, load_on(points, e, self.between), seen
 
 
 def _longest_step(spec: Spec) -> float:

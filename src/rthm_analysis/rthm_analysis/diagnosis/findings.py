@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.between import Between, ways
 from rthm_analysis.diagnosis.choosing import ENOUGH
 from rthm_analysis.diagnosis.curves import force_curve
 from rthm_analysis.diagnosis.detection import detection_limits
@@ -65,8 +66,16 @@ def physical_part(physical: Physical) -> Part:
         changes=_changes(physical, retuned),
         effects=(*_effects(physical), *(rounded_section(one) for one in rounded)),
         unexplained=left,
-        notes=physical.evidence.notes,
+        notes=(*physical.evidence.notes, *_on_the_load(physical)),
     )
+
+
+def _on_the_load(physical: Physical) -> tuple[str, ...]:
+    """What was found of the load between its samples, where the recording does not say it."""
+    between = physical.experiment.between
+    if len(ways(physical.evidence)) < 2 or between is Between.SMOOTH:
+        return ()
+    return (f"The load {between.value} between its samples: as a smooth curve it would explain less.",)
 
 
 def _stds(fitted: Fitted) -> dict[str, float]:

@@ -7,19 +7,18 @@ simulated from the commands, and the smallest addition that explains them all at
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.beginning import Begun, begin, choose_again, retuned_from
 from rthm_analysis.diagnosis.choosing import FINISHING, Choice, choose, doubt
 from rthm_analysis.diagnosis.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.evidence import Evidence
 from rthm_analysis.diagnosis.experiment import Experiment
 from rthm_analysis.diagnosis.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.limits import Limits
-from rthm_analysis.diagnosis.model import Model, uncertain
-from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.model import Model
 from rthm_analysis.diagnosis.refining import Tried
 from rthm_analysis.diagnosis.windows import Windows, windows
 from rthm_core.compiled import Floats
@@ -31,9 +30,6 @@ TRAIN = 2.0 / 3.0
 LOST = 5.0
 """Squared error per sample, in units of the noise, of the best single effect in a run over everything, from
 which effects are looked for in short runs."""
-
-NEAR = 10.0
-"""Squared error per sample, in units of the noise, from which longer windows would only drift further."""
 
 
 @dataclass(frozen=True)
@@ -99,58 +95,39 @@ def diagnose_physical(
         progress("checking the motors")
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only("position", "velocity", "force")
-    experiment, part = Experiment(seen, first), Experiment(seen.first(train), first)
     settled = drives.model
-    runs, sigma, fitting, nominal = _started(seen, settled, train, part, progress)
-    experiment.begin_at(seen.stamps_ns[runs.start])
-    retuned = _retuned(fitting, nominal)
-    lost = LOST if runs.length is None else np.inf
-    short = None
-    if fitting.doubt > lost:
-        progress("looking in short runs, where a wrong model stays near")
-        short = _short(seen, settled, train, part, sigma, progress)
-        retuned = _begun_near(fitting, retuned, short.retuned)
-    choice = choose(fitting, retuned, lambda left: left > lost)
-    if short is not None and fitting.doubt > lost:
-        choice, there = _led_by(short, fitting, retuned, choice)
-        if there:
-            runs, fitting, nominal = short.runs, short.fitting, short.nominal
-    experiment.sharp = part.sharp
+    begun, *others = begin(seen, settled, first, train, progress)
+    begun, choice = _chosen(begun, seen, settled, train)
+    begun, choice = choose_again(begun, others, choice)
+    part = begun.fitting.experiment
+    experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
+    experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
-        spec, seen, train, experiment, runs, sigma, drives.rounds, drives.settled, fitting, nominal, choice,
-        drives.limits,
+        spec, seen, train, experiment, begun.runs, begun.sigma, drives.rounds, drives.settled, begun.fitting,
+        begun.nominal, choice, drives.limits,
     )  # fmt: skip
 
 
-class Short(NamedTuple):
-    """Short runs, in which a model that is wrong does not get far from the recording.
-
-    Attributes
-    ----------
-    runs : Windows
-    fitting : Fitting
-    nominal, retuned : Fitted
-        There.
-    """
-
-    runs: Windows
-    fitting: Fitting
-    nominal: Fitted
-    retuned: Fitted
+def _chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Begun, Choice]:
+    """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
+    fitting = begun.fitting
+    lost = LOST if begun.runs.length is None else np.inf
+    if fitting.doubt <= lost:
+        return begun, choose(fitting, begun.retuned, lambda left: left > lost)
+    fitting.progress("looking in short runs, where a wrong model stays near")
+    short = _short(begun, seen, settled, train)
+    begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, short.retuned))
+    choice = choose(fitting, begun.retuned, lambda left: left > lost)
+    return _led_by(short, begun, choice) if fitting.doubt > lost else (begun, choice)
 
 
-def _short(
-    seen: Evidence,
-    settled: Model,
-    train: int,
-    part: Experiment,
-    sigma: Floats,
-    progress: Callable[[str], None],
-) -> Short:
+def _short(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
+    """The same in short runs, in which a model that is wrong does not get far from the recording."""
+    longer = begun.fitting
     runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
-    fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+    fitting = Fitting(longer.experiment, runs.first(train), begun.sigma, settled, longer.progress)
     nominal = fitting.fit(settled)
-    return Short(runs, fitting, nominal, _retuned(fitting, nominal))
+    return Begun(runs, begun.sigma, fitting, nominal, retuned_from(fitting, nominal))
 
 
 def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
@@ -174,57 +151,15 @@ def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
         return None
 
 
-def _led_by(short: Short, fitting: Fitting, retuned: Fitted, choice: Choice) -> tuple[Choice, bool]:
-    """Go on with a choice that was lost, led by what short runs show.
-
-    Returns
-    -------
-    Choice
-    bool
-        Whether the choice was left to the short runs.
-    """
-    closer, near = short.fitting, short.retuned
+def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
+    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell."""
+    fitting, closer, near = begun.fitting, short.fitting, short.retuned
     again = choose(closer, near, lambda left: left < WRONG)
     if closer.doubt >= WRONG:
-        return choose(fitting, retuned, begun=choice), False
+        return begun, choose(fitting, begun.retuned, begun=choice)
     whole = _over_the_whole(fitting, again.best.model)
     if whole is not None and doubt(fitting, whole) < WRONG:
         fitting.doubt = doubt(fitting, whole)
-        begun = Choice(retuned, whole, again.rounds, choice.limits)
-        return choose(fitting, retuned, begun=begun), False
-    return choose(closer, near, begun=again), True
-
-
-def _retuned(fitting: Fitting, nominal: Fitted) -> Fitted:
-    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
-    fitting.progress("retuning what is uncertain")
-    fitting.doubt = doubt(fitting, nominal)
-    model = nominal.model
-    retuned = fitting.fit(replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
-    if fitting.doubt > 1.5:
-        fitting.doubt = doubt(fitting, retuned)
-        retuned = fitting.fit(retuned.model)
-    return retuned
-
-
-def _started(
-    seen: Evidence, settled: Model, train: int, part: Experiment, progress: Callable[[str], None]
-) -> tuple[Windows, Floats, Fitting, Fitted]:
-    """Free runs as long as the nominal model stays near the recording, and what it leaves there."""
-    longer = 1.0
-    while True:
-        runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
-        part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = _noise(part, settled.spec, runs.first(train))
-        fitting = Fitting(part, runs.first(train), sigma, settled, progress)
-        nominal = fitting.fit(settled)
-        enough = runs.length is None or runs.length > 0.08 * float(seen.time[-1])
-        if enough or doubt(fitting, nominal) > NEAR:
-            return runs, sigma, fitting, nominal
-        longer *= 2.0
-
-
-def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
-    measured = experiment.evidence.measured
-    residual = measured - experiment.predicted(spec, runs)
-    return np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])
+        led = Choice(begun.retuned, whole, again.rounds, choice.limits)
+        return begun, choose(fitting, begun.retuned, begun=led)
+    return short, choose(closer, near, begun=again)

@@ -49,7 +49,7 @@ class WiresAlone:
             return
         self.weight = 1.0 / sigma[self.forces]
         self.windows = Windows(np.arange(evidence.stamps_ns.size), motion, None)
-        self.experiment = Experiment(evidence, experiment.first, held=experiment.held)
+        self.experiment = Experiment(evidence, experiment.first, between=experiment.between)
         self.experiment.begin_at(evidence.stamps_ns)
 
     def contradict(self, model: Model, added: Model) -> bool:

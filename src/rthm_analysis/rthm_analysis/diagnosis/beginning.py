@@ -1,0 +1,121 @@
+"""Where a diagnosis of the physical side begins: free runs, noise, loads between samples, retuned model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_analysis.diagnosis.between import ways
+from rthm_analysis.diagnosis.choosing import ENOUGH, Choice, choose, doubt
+from rthm_analysis.diagnosis.evidence import Evidence
+from rthm_analysis.diagnosis.experiment import Experiment
+from rthm_analysis.diagnosis.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.model import Model, uncertain
+from rthm_analysis.diagnosis.noise import noise_level
+from rthm_analysis.diagnosis.windows import Windows, windows
+from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
+
+NEAR = 10.0
+"""Squared error per sample, in units of the noise, from which longer windows would only drift further."""
+
+UNSETTLED = 1.02
+"""Doubt that is left, from which on another way of a load between its samples is tried again."""
+
+
+class Begun(NamedTuple):
+    """Free runs over the whole recording, the noise of the channels, and what the spec alone can explain."""
+
+    runs: Windows
+    sigma: Floats
+    fitting: Fitting
+    nominal: Fitted
+    retuned: Fitted
+
+
+def begin(
+    seen: Evidence, settled: Model, first: Floats, train: int, progress: Callable[[str], None]
+) -> list[Begun]:
+    """Begin with the loads between their samples in every way that is possible, the likeliest first.
+
+    Parameters
+    ----------
+    seen : Evidence
+    settled : Model
+        With what was found in the motors.
+    first : (m,) array
+        Command that had been there for ever before the test, m.
+    train : int
+        Samples that fits may see.
+    progress : callable
+        Told what is being done, in words.
+    """
+    parts = [Experiment(seen.first(train), first, between=way) for way in ways(seen)]
+    runs, sigma = _runs(seen, settled, train, parts[0])
+    if len(parts) > 1:
+        sigma = np.min([_noise(part, settled.spec, runs.first(train)) for part in parts], axis=0)
+    begun = []
+    for part in parts:
+        part.begin_at(seen.stamps_ns[runs.first(train).start])
+        fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+        nominal = fitting.fit(settled)
+        begun.append(Begun(runs, sigma, fitting, nominal, retuned_from(fitting, nominal)))
+    plain = begun[0].retuned.squares - ENOUGH * begun[0].fitting.doubt
+    return sorted(begun, key=lambda one: min(one.retuned.squares, plain if one is begun[0] else np.inf))
+
+
+def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Begun, Choice]:
+    """Take another way of the loads where it explains more with the effects that were chosen.
+
+    What is missing may have made a wrong way look right. The right one then explains most of what is left.
+    """
+    fitting = begun.fitting
+    left = choice.best.squares - float(np.count_nonzero(fitting.weight))
+    for other in others:
+        if fitting.doubt < UNSETTLED or other.runs.length != begun.runs.length:
+            break
+        try:
+            there = other.fitting.fit(choice.best.model)
+        except np.linalg.LinAlgError:
+            continue
+        if choice.best.squares - there.squares > max(0.5 * left, ENOUGH):
+            again = choose(other.fitting, other.retuned)
+            if again.best.squares < choice.best.squares:
+                return other, again
+    return begun, choice
+
+
+def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
+    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
+    fitting.progress("retuning what is uncertain")
+    fitting.doubt = doubt(fitting, nominal)
+    model = nominal.model
+    retuned = fitting.fit(replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
+    if fitting.doubt > 1.5:
+        fitting.doubt = doubt(fitting, retuned)
+        retuned = fitting.fit(retuned.model)
+    return retuned
+
+
+def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple[Windows, Floats]:
+    """Free runs as long as the nominal model stays near the recording, and the noise that they show."""
+    longer = 1.0
+    while True:
+        runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
+        part.begin_at(seen.stamps_ns[runs.first(train).start])
+        sigma = _noise(part, settled.spec, runs.first(train))
+        if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
+            return runs, sigma
+        fitting = Fitting(part, runs.first(train), sigma, settled)
+        if doubt(fitting, fitting.fit(settled)) > NEAR:
+            return runs, sigma
+        longer *= 2.0
+
+
+def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
+    measured = experiment.evidence.measured
+    residual = measured - experiment.predicted(spec, runs)
+    return np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])

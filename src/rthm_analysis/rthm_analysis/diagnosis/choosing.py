@@ -51,6 +51,9 @@ PRUNING = 8
 
 REFINED, MOST_EFFECTS = 10, 3
 
+NUMERICS = 1e-6
+"""Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
+
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
 
@@ -257,7 +260,7 @@ def _limits(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, fl
         key = (added.block, added.kind, added.place)
         if one.start.amplitude and np.isfinite(one.std):
             name = one.start.amplitude[0]
-            limits.setdefault(key, {name: float(np.sqrt(ENOUGH) * one.std)})
+            limits.setdefault(key, {name: float(np.sqrt(ENOUGH + one.start.luck) * one.std)})
     return limits
 
 
@@ -285,7 +288,8 @@ def better(new: Tried, old: Fitted) -> bool:
     gains = old.left_out - new.fitted.left_out
     more = len(new.fitted.model.parameters) - len(old.model.parameters)
     scatter = float(np.sqrt(gains.size) * gains.std())
-    return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * (more - 1), scatter)
+    enough = ENOUGH + new.start.luck + PER_PARAMETER * (more - 1)
+    return float(gains.sum()) > max(enough, scatter)
 
 
 def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
@@ -294,4 +298,12 @@ def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
     before, after = float(choice.best.left_out.sum()), new.error
     gain = before - after
     start = float(choice.base.left_out.sum()) - noise
+    if gain < _numerics(fitting):
+        return False
     return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
+
+
+def _numerics(fitting: Fitting) -> float:
+    """Squared error, in units of the noise, that a recording which was itself computed may have."""
+    spread = NUMERICS * np.nanstd(fitting.experiment.evidence.measured, axis=0)
+    return float(np.sum((fitting.weight * spread) ** 2))

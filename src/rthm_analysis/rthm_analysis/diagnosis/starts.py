@@ -25,7 +25,11 @@ SMALL = 0.02
 
 @dataclass(frozen=True)
 class Start:
-    """A first guess of an effect; `also` is a second parameter in which it is linear by itself."""
+    """A first guess of an effect.
+
+    `also` is a second parameter in which it is linear by itself; `luck` is the gain that the best of all
+    places where it was looked for has by chance, beyond what every kind has to bring.
+    """
 
     added: Added
     free: tuple[str, ...]
@@ -34,6 +38,7 @@ class Start:
     signed: bool = False
     neutral: float = 0.0
     also: str | None = None
+    luck: float = 0.0
 
     def added_to(self, model: Model) -> Model:
         """A model with this effect, as large as it is here."""

@@ -43,6 +43,7 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
     for column in residual.T:
         known = np.isfinite(column)
         spectra.append(np.fft.rfft(np.interp(even, time[known], column[known]), count)[band])
+    luck = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
     gains = _gains(mechanics(spec, experiment.first), spec, experiment, omega[band], sigma)
     for d, dof in enumerate(spec.plant.dofs):
         gain = gains[:, :, d]
@@ -60,7 +61,8 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
                 "phase": phase,
             }
             scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
-            yield Start(Added("plant", "harmonic_load", dof, values), tuple(values), ("amplitude",), scales)
+            added = Added("plant", "harmonic_load", dof, values)
+            yield Start(added, tuple(values), ("amplitude",), scales, luck=luck)
             score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
 
 

@@ -25,9 +25,15 @@ NEAR = 10.0
 UNSETTLED = 1.02
 """Doubt that is left, from which on another way of a load between its samples is tried again."""
 
+AGAIN = 4
+"""Steps of a fit that shows whether another way fits."""
+
 
 class Begun(NamedTuple):
-    """Free runs over the whole recording, the noise of the channels, and what the spec alone can explain."""
+    """Free runs over the whole recording, the noise of the channels, and what the spec alone can explain.
+
+    What is `retuned` may only be near its best, where another way of the loads is likelier.
+    """
 
     runs: Windows
     sigma: Floats
@@ -39,7 +45,9 @@ class Begun(NamedTuple):
 def begin(
     seen: Evidence, settled: Model, first: Floats, train: int, progress: Callable[[str], None]
 ) -> list[Begun]:
-    """Begin with the loads between their samples in every way that is possible, the likeliest first.
+    """Begin with the loads between their samples in every way that is possible.
+
+    The first is the smooth curve, unless another leaves next to nothing.
 
     Parameters
     ----------
@@ -57,14 +65,24 @@ def begin(
     runs, sigma = _runs(seen, settled, train, parts[0])
     if len(parts) > 1:
         sigma = np.min([_noise(part, settled.spec, runs.first(train)) for part in parts], axis=0)
-    begun = []
+    begun: list[Begun] = []
     for part in parts:
         part.begin_at(seen.stamps_ns[runs.first(train).start])
         fitting = Fitting(part, runs.first(train), sigma, settled, progress)
         nominal = fitting.fit(settled)
-        begun.append(Begun(runs, sigma, fitting, nominal, retuned_from(fitting, nominal)))
-    plain = begun[0].retuned.squares - ENOUGH * begun[0].fitting.doubt
-    return sorted(begun, key=lambda one: min(one.retuned.squares, plain if one is begun[0] else np.inf))
+        near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
+        begun.append(Begun(runs, sigma, fitting, nominal, near))
+    best = min(begun, key=lambda one: one.retuned.squares)
+    if _explains_most(best.fitting, best.retuned, begun[0].retuned):
+        others = [one for one in begun if one is not best]
+        return [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
+    return begun
+
+
+def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
+    """Whether little is left of what was: far from the noise, the smaller of two errors says nothing."""
+    left = old.squares - float(np.count_nonzero(fitting.weight))
+    return old.squares - new.squares > max(0.5 * left, ENOUGH)
 
 
 def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Begun, Choice]:
@@ -73,16 +91,15 @@ def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Beg
     What is missing may have made a wrong way look right. The right one then explains most of what is left.
     """
     fitting = begun.fitting
-    left = choice.best.squares - float(np.count_nonzero(fitting.weight))
     for other in others:
         if fitting.doubt < UNSETTLED or other.runs.length != begun.runs.length:
             break
         try:
-            there = other.fitting.fit(choice.best.model)
+            there = other.fitting.fit(choice.best.model, most=AGAIN)
         except np.linalg.LinAlgError:
             continue
-        if choice.best.squares - there.squares > max(0.5 * left, ENOUGH):
-            again = choose(other.fitting, other.retuned)
+        if _explains_most(fitting, there, choice.best):
+            again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
             if again.best.squares < choice.best.squares:
                 return other, again
     return begun, choice

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.evidence import gather
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.result import Part
 from rthm_analysis.recording import Recording
@@ -74,6 +75,14 @@ def test_stamps_of_another_clock_are_a_clock_offset_and_no_delay(link):
     part = diagnose_links(replace(one, links=one.links | {link: shifted}), paper())
     assert found(part) == [(f"link.{link}", "clock_offset")]
     assert part.physics[0].parameters["offset"].value == pytest.approx(offset * 1e-9)
+
+
+def test_a_clock_that_is_behind_does_not_mix_up_the_commands():
+    plain = recording(paper())
+    offset = -round(0.3 * paper().loop().timing.ns("td3"))
+    shifted = replace(plain.links["tau4"], sample_ns=plain.links["tau4"].sample_ns + offset)
+    mixed = replace(plain, links=plain.links | {"tau4": shifted})
+    np.testing.assert_array_equal(gather(mixed, paper()).commands, gather(plain, paper()).commands)
 
 
 def test_a_clock_offset_of_whole_periods_is_told_by_the_values_used():

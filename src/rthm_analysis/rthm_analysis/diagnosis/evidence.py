@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.links.stamps import stamp_offset
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 
@@ -101,7 +102,7 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
     notes: list[str] = []
     load = np.nan_to_num(plant.columns("effort", dofs))
     names = spec.actuator.names if spec.actuator else ()
-    due, commands = _commands(recording, names)
+    due, commands = _commands(recording, spec, names)
     if names and not due.size:
         notes.append(
             "No commands are recorded: motor and wire cannot be checked; the measured force drives the plant."
@@ -149,7 +150,7 @@ def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats: 
     return total
 
 
-def _commands(recording: Recording, names: tuple[str, ...]) -> tuple[Integers, Floats]:
+def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple[Integers, Floats]:
     """Instants at which commands reached the motors, and the commands."""
     sent = recording.tables.get("actuator/command")
     if sent is None or not names:
@@ -157,9 +158,10 @@ def _commands(recording: Recording, names: tuple[str, ...]) -> tuple[Integers, F
     uses = recording.links.get("tau4")
     values = sent.columns("position", names)
     if uses is None:
-        spec = recording.spec
-        delay = spec.timing.ns("tau4") if spec is not None and spec.timing is not None else 0
+        known = recording.spec
+        delay = known.timing.ns("tau4") if known is not None and known.timing is not None else 0
         return sent.stamp_ns - recording.start_ns + delay, values
     order = np.argsort(uses.use_ns, kind="stable")
-    used = hold(sent.stamp_ns, values, uses.sample_ns[order])
+    offset = stamp_offset(recording, spec, "tau4", sent) if spec.is_loop else 0
+    used = hold(sent.stamp_ns, values, uses.sample_ns[order] - (offset or 0))
     return uses.use_ns[order] - recording.start_ns, used

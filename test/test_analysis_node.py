@@ -29,7 +29,7 @@ RTHM = [sys.executable, "-m", "rthm_bringup"]
 def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a run in simulated time."""
     folder = tmp_path_factory.mktemp("run") / "out"
-    command = [*RTHM, "run", "--virtual", "--duration", "1.5", "--out", str(folder)]
+    command = [*RTHM, "run", "--virtual", "--duration", "4", "--out", str(folder)]
     environment = without_parents_ros(os.environ, has_wheels())
     subprocess.run(command, env=environment, check=True, timeout=600, capture_output=True)
     return folder
@@ -63,7 +63,7 @@ def await_file(file: Path, seconds: float = 60.0) -> dict[str, object]:
 def test_the_books_published_in_a_run_are_those_of_its_recording(out: Path) -> None:
     recording = read_recording(out / "bag")
     published, counted = recording.tables["energy"], energy_of(recording, None)
-    assert len(published) > 2  # while the test went on, not only at its end
+    assert len(published) > 5
     rows = np.searchsorted(counted.t, recording.seconds(published.stamp_ns) - 1e-7)
     for term in TERMS:
         np.testing.assert_allclose(

@@ -20,7 +20,15 @@ from benchmarks.engine.dde import delayed
 from benchmarks.engine.limit import NoCompilerError, event_engine
 from benchmarks.engine.others import Entry, pade, restarted, runge_kutta
 from benchmarks.engine.reference import reference
-from benchmarks.engine.scale import long_run, per_one, stability_checks, starts, with_delays, with_masses
+from benchmarks.engine.scale import (
+    long_run,
+    per_one,
+    sensitive,
+    stability_checks,
+    starts,
+    with_delays,
+    with_masses,
+)
 from benchmarks.engine.table import markdown
 from benchmarks.engine.twin import kernel_and_twin
 
@@ -124,6 +132,7 @@ def scaled(spec: Spec) -> dict[str, float]:
     with suppress(NoCompilerError):
         seldom, often = (_c_engine(spec, DURATION, sample)[0] for sample in (1.0, SAMPLE))
     ensembles = {"per_loop": with_masses(spec, DURATION, 1.0), "own_delays": with_delays(spec, DURATION, 1.0)}
+    found |= sensitive(ours.nonlinear(spec)["Coulomb friction"], DURATION, SAMPLE)
     return found | per_one(ensembles, seldom) | per_one({"check": stability_checks(spec)}, often)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
 from rthm_core.engine import simulate
-from rthm_core.engine.linear import kernel_call
+from rthm_core.engine.linear.run import kernel_call
 from rthm_core.spec import Spec, apply, shipped_spec
 
 WAVE = {"dof": "x1", "kind": "harmonic", "amplitude": 1.0, "frequency": 2.4, "phase": 0.3}

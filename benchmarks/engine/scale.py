@@ -17,7 +17,7 @@ from benchmarks.engine.clock import interleaved
 from rthm_analysis.lifted.commensurate import period_of
 from rthm_analysis.lifted.matrices import linear_loop
 from rthm_analysis.stability.rates import of_scale
-from rthm_core.engine import simulate_blocks, simulate_many
+from rthm_core.engine import sensitivities, simulate, simulate_blocks, simulate_many
 from rthm_core.spec import Spec
 
 COUNT = 1024
@@ -58,6 +58,20 @@ def per_one(calls: dict[str, Callable[[], object]], unit: Callable[[], object] |
     if unit:
         found |= {f"{name}_ratio": found[name] / (times["unit"] / 100) for name in calls}
     return found
+
+
+def sensitive(spec: Spec, duration: float, sample: float) -> dict[str, float]:
+    """CPU seconds of a simulation with sensitivities to all parameters, their number, and the ratio to the
+    same simulation without them.
+    """
+    calls: dict[str, Callable[[], object]] = {
+        "without": lambda: simulate(spec, duration, sample, energies=False),
+        "sensitive": lambda: sensitivities(spec, duration, sample=sample),
+    }
+    times = interleaved(calls, 31, {})
+    parameters = len(sensitivities(spec, 0.1, sample=sample).by_parameter)
+    ratio = times["sensitive"] / times["without"]
+    return {"sensitive": times["sensitive"], "sensitive_ratio": ratio, "parameters": parameters}
 
 
 def long_run(spec: Spec, duration: float, sample: float) -> tuple[float, float]:

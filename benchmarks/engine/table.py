@@ -34,13 +34,15 @@ plant.
 """
 
 SCALE = """
-Many loops (`simulate_many`), a long loop (`simulate_blocks`), and the start of the program:
+Many loops (`simulate_many`), sensitivities (`sensitivities`), a long loop (`simulate_blocks`), and the start
+of the program:
 
 | what | measured |
 |---|---|
 | one of 1024 loops of {duration:g} s side by side, a row every second | {per_loop}, {ratio} of C |
 | one of 1024 loops of {duration:g} s with delays of their own, a row every second | {own}, {own_ratio} of C |
 | one of 1024 stability checks | {check}, {check_ratio} of {duration:g} s in C |
+| Coulomb friction, sensitivities to {parameters} parameters | {sensitive}, {sensitive_ratio} of without |
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |
@@ -85,6 +87,9 @@ def markdown(found: dict[str, Any]) -> str:
         own_ratio=_number(scale.get("own_delays_ratio")),
         check=_time(scale["check"]),
         check_ratio=_number(scale.get("check_ratio")),
+        parameters=scale["parameters"],
+        sensitive=_time(scale["sensitive"]),
+        sensitive_ratio=_number(scale["sensitive_ratio"]),
         hour=_time(scale["hour"]),
         added=scale["hour_added_mb"],
         first=_time(scale["first_start"]),

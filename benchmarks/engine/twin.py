@@ -12,9 +12,9 @@ from benchmarks.engine.limit import build
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
-from rthm_core.engine.blocks import Rows
-from rthm_core.engine.linear import kernel_call, prepared_loop
-from rthm_core.engine.preparation import Prepared, Start
+from rthm_core.engine.linear.blocks import Rows
+from rthm_core.engine.linear.preparation import Prepared, Start
+from rthm_core.engine.linear.run import kernel_call, prepared_loop
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.spec import Spec
 

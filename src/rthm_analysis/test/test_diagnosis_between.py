@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from rthm_analysis.diagnosis.between import Between, ways
-from rthm_analysis.diagnosis.evidence import Channel, Evidence
-from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.side import diagnose_physical
+from rthm_analysis.diagnosis.replay.between import Between, ways
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_core.spec import Spec, spec_from_parameters
 
 RATE, COUNT = 200.0, 4000

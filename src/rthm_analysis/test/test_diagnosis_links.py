@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.evidence import gather
 from rthm_analysis.diagnosis.links import diagnose_links
+from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.result import Part
 from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec, apply
@@ -83,6 +83,13 @@ def test_a_clock_that_is_behind_does_not_mix_up_the_commands():
     shifted = replace(plain.links["tau4"], sample_ns=plain.links["tau4"].sample_ns + offset)
     mixed = replace(plain, links=plain.links | {"tau4": shifted})
     np.testing.assert_array_equal(gather(mixed, paper()).commands, gather(plain, paper()).commands)
+
+
+def test_without_any_use_of_a_command_the_force_drives_the_plant():
+    plain = recording(paper())
+    unused = plain.links["tau4"].rows(np.empty(0, dtype=np.int64))
+    evidence = gather(replace(plain, links=plain.links | {"tau4": unused}), paper())
+    assert evidence.driven_by == "force" and "No commands are recorded" in evidence.notes[0]
 
 
 def test_a_clock_offset_of_whole_periods_is_told_by_the_values_used():

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.drives import choose_drives
-from rthm_analysis.diagnosis.evidence import Channel, Evidence
-from rthm_analysis.diagnosis.experiment import Experiment
-from rthm_analysis.diagnosis.windows import windows
+from rthm_analysis.diagnosis.physical.drives import choose_drives
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_core.physical.side import PhysicalSide, first_command
 from rthm_core.spec import Spec, apply, shipped_spec
 

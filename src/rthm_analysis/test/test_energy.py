@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -134,6 +135,14 @@ def test_links_that_are_not_recorded_are_derived_from_the_stamps(tmp_path: Path)
     result = energy_of(recording(tmp_path, without=("links/tau2", "links/tau4")), None)
     np.testing.assert_allclose(energies(result), exact(SPEC), atol=1e-6)
     assert sum("is not recorded" in note for note in result.notes) == 2
+
+
+def test_uses_whose_stamps_are_of_another_clock_do_not_silence_the_commands(tmp_path: Path) -> None:
+    bag = recording(tmp_path)
+    uses = bag.links["tau4"]
+    elsewhere = replace(uses, sample_ns=uses.sample_ns + 1_700_000)
+    result = energy_of(replace(bag, links=bag.links | {"tau4": elsewhere}), None)
+    np.testing.assert_allclose(energies(result), exact(SPEC), atol=1e-6)
 
 
 def test_without_commands_the_books_are_those_of_the_plant_and_say_so(tmp_path: Path) -> None:

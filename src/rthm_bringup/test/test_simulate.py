@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rthm_core.engine import simulate
-from rthm_core.spec import shipped_spec
+from rthm_core.spec import apply, shipped_spec
 
 
 @pytest.mark.parametrize("system", ["hybrid", "ideal", "taylor"])
@@ -29,6 +29,27 @@ def test_the_file_holds_the_trajectory_of_the_engine(system: str, tmp_path: Path
         errors = file["E_num"] + file["E_ff"] + file["E_fx"]
         assert np.allclose(file["E_err"], errors, rtol=0, atol=1e-15)
         assert json.loads(done.stdout)["energies"]["E_total"] == file["E_total"][-1]
+
+
+def test_the_file_holds_how_the_motion_changes_with_the_numbers_asked_for(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", "paper", "--duration", "0.5"]
+    command += ["--sample", "0.01", "--out", str(tmp_path / "a.npz"), "--sensitivity", "plant.mass"]
+    subprocess.run(command, capture_output=True, check=True)
+    beside = [simulate(apply(shipped_spec(), {"plant.mass": m}), 0.5, 0.01) for m in (1.2 - 1e-5, 1.2 + 1e-5)]
+    with np.load(tmp_path / "a.npz") as file:
+        change = (beside[1].plant_position - beside[0].plant_position) / 2e-5
+        assert np.allclose(
+            file["d_plant_position.d_plant.mass"], change, rtol=0, atol=1e-6 * abs(change).max()
+        )
+
+
+def test_sensitivities_of_another_system_are_refused_in_a_sentence(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", "paper", "--duration", "0.5", "--system"]
+    command += ["ideal", "--out", str(tmp_path / "a.npz"), "--sensitivity", "plant.mass"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "--system hybrid" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 MEASURED = """

@@ -78,6 +78,26 @@ def compiled_in_place(function: F) -> F:
     return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)(function)  # type: ignore[no-any-return]
 
 
+def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:
+    """A way to compile functions outside this package: their cache is keyed by all sources of their folder
+    as well.
+    """
+    digest = hashlib.sha256()
+    for source in sorted(folder.glob("*.py")):
+        digest.update(source.read_bytes())
+    key = digest.hexdigest()[:16]
+
+    def compiled_there(function: F) -> F:
+        core = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(Path(core) / key)
+        try:
+            return compile_(function)
+        finally:
+            numba.config.CACHE_DIR = core
+
+    return compiled_there
+
+
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call and that makes no arrays: without a way in from
     Python, and as part of its callers' cache.

@@ -221,6 +221,12 @@ def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
     dof and one actuator a side, and written
     here for every actuator by itself. A compensator takes the terms of the plant's rows out.
     """
+    mass, damping = delay_terms(spec)
+    return np.asarray(mass.sum(axis=0)), np.asarray(damping.sum(axis=0))
+
+
+def delay_terms(spec: Spec) -> tuple[Floats, Floats]:
+    """M_tau and C_tau (3, n1 + n2, n1 + n2) by the error that they stand for: `NUM`, `FF`, `FX`."""
     loop, sides = spec.loop(), interface(spec)
     timing, n1, n2 = loop.timing, len(loop.plant.dofs), len(loop.numerical.dofs)
     tau1 = timing.tau1 + 0.5 * (timing.td1 + timing.td3)
@@ -229,16 +235,17 @@ def delay_matrices(spec: Spec) -> tuple[Floats, Floats]:
     tau14, tau234, tau34 = tau1 + timing.tau4, tau2 + timing.tau3 + timing.tau4, tau3 + timing.tau4
     if loop.actuator.compensator != "none":
         tau14 = tau234 = tau34 = 0.0
-    mass, damping = np.zeros((n1 + n2, n1 + n2)), np.zeros((n1 + n2, n1 + n2))
+    mass, damping = np.zeros((3, n1 + n2, n1 + n2)), np.zeros((3, n1 + n2, n1 + n2))
     for a in range(sides.actuators):
         i, j = int(sides.plant[a]), n1 + int(sides.numerical[a])
         k, c = float(sides.stiffness[a]), float(sides.damping[a])
-        mass[i, i] -= c * tau234
-        mass[i, j] += c * tau34
-        mass[j, i] += c * tau2
-        damping[i, i] += spec.k_tot[a] * tau14 - k * tau234
-        damping[i, j] += k * tau34
-        damping[j, i] += k * tau2
+        mass[NUM, j, i] += c * tau2
+        mass[FF, i, i] -= c * tau234
+        mass[FF, i, j] += c * tau34
+        damping[NUM, j, i] += k * tau2
+        damping[FF, i, i] -= k * tau234
+        damping[FF, i, j] += k * tau34
+        damping[FX, i, i] += spec.k_tot[a] * tau14
     return mass, damping
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rthm_core.engine.curved import curved_blocks
+from rthm_core.engine.curved.run import curved_blocks
 from rthm_core.engine.simulate import simulate, simulate_any, simulate_blocks
 from rthm_core.spec import apply, shipped_spec
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rthm_core.engine.linear import linear_blocks
+from rthm_core.engine.linear.run import linear_blocks
 from rthm_core.engine.simulate import simulate, simulate_any
 from rthm_core.spec import apply, shipped_spec
 

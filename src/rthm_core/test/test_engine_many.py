@@ -100,7 +100,7 @@ def test_exponentials_of_slow_modes_are_exact_beside_fast_ones():
 
 @pytest.mark.parametrize("system", ["ideal", "taylor"])
 def test_linear_systems_without_a_loop_swing_like_their_modes(system):
-    from rthm_core.engine.coupled import coupled_body
+    from rthm_core.engine.coupled.body import coupled_body
 
     spec = shipped_spec("paper")
     body = coupled_body(spec, system)

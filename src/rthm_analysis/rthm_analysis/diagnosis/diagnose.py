@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
-from rthm_analysis.diagnosis.evidence import gather
 from rthm_analysis.diagnosis.experiments import next_experiment
-from rthm_analysis.diagnosis.findings import physical_part
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import verdict_words
 from rthm_analysis.recording import Recording

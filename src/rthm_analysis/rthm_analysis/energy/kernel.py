@@ -17,7 +17,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
 from rthm_core.energy import total_energy
-from rthm_core.engine.ledger import Ledger, advance_counting
+from rthm_core.engine.general.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
 from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT

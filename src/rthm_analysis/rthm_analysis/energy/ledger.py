@@ -219,11 +219,11 @@ class EnergyLedger:
         if self._schedule is None or not stamps.size:
             return np.empty(0, dtype=np.int64), parts
         pairs = self._uses["tau4"].pairs
-        if pairs.size:
-            row = np.minimum(np.searchsorted(stamps, pairs[:, 1]), stamps.size - 1)
-            found = stamps[row] == pairs[:, 1]
+        row = np.minimum(np.searchsorted(stamps, pairs[:, 1]), stamps.size - 1)
+        found = stamps[row] == pairs[:, 1]
+        if found.any():
             use, row = pairs[found, 0], row[found]
-        else:
+        else:  # none recorded, or stamps of another clock
             due = self._schedule.links["tau4"].due_all(stamps - self.start_ns)
             row = overtaking(due)
             use = due[row] + self.start_ns

@@ -11,7 +11,7 @@ from rthm_analysis.energy.series import Series
 from rthm_core.compensators import first_parts as command_parts
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import delay_matrices
-from rthm_core.engine.ledger import Ledger, ledger
+from rthm_core.engine.general.ledger import Ledger, ledger
 from rthm_core.linear import linear_system
 from rthm_core.loads import NO_LOAD, Load, load, together
 from rthm_core.numerical import Numerical, NumericalSide, as_built, numerical

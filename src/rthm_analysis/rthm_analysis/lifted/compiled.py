@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 
-import numba
-
-from rthm_core.compiled import F, inlined, inlined_allocating
 from rthm_core.compiled import compiled as compiled_in_core
+from rthm_core.compiled import inlined, inlined_allocating, keyed_by
 
 __all__ = ["compiled", "inlined", "inlined_allocating"]
 
-
-def _folder() -> str:
-    digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
-    return str(Path(numba.config.CACHE_DIR) / digest.hexdigest()[:16])
-
-
-def compiled(function: F) -> F:
-    """Compile a pure function of numbers and arrays; the result is cached on disk."""
-    core = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _folder()
-    try:
-        return compiled_in_core(function)
-    finally:
-        numba.config.CACHE_DIR = core
+compiled = keyed_by(Path(__file__).parent, compiled_in_core)
+"""Compile a pure function of numbers and arrays; the result is cached on disk."""

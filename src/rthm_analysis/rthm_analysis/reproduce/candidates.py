@@ -60,7 +60,7 @@ def spread(measure: Callable[[Candidate], float]) -> tuple[float, float]:
 
 def modes(one: Candidate) -> Floats:
     """Undamped natural frequencies of the ideal system, rad/s, ascending."""
-    from rthm_core.engine.coupled import coupled_body
+    from rthm_core.engine.coupled.body import coupled_body
 
     body = coupled_body(loop(one), "ideal")
     return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(body.mass, body.stiffness)).real))

@@ -12,7 +12,7 @@ import numpy as np
 
 from rthm_analysis.lifted.matrices import LinearLoop
 from rthm_core.compiled import Floats
-from rthm_core.engine.coupled import coupled_body
+from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.loads import NO_LOAD
 from rthm_core.physical.model import physical_model
 from rthm_core.schedule import Schedule

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.sweep.ranges import Range
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-from rthm_core.spec import apply, parameters
+from rthm_core.spec import apply, number_at
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -64,12 +64,7 @@ def value_of(spec: Spec, key: str) -> float | None:
     """Value that the spec itself has; None for what is no single number."""
     if key == SCALE:
         return 1.0
-    values = {one.name: one.value for one in parameters(spec)}
-    name, _, index = key.removesuffix("]").partition("[")
-    value = values.get(name)
-    if isinstance(value, list | tuple) and (index or len(value) == 1):
-        value = value[int(index or 0)]
-    return float(value) if isinstance(value, int | float) else None
+    return number_at(spec, key)
 
 
 def check_ends(spec: Spec, ranges: Sequence[Range]) -> None:

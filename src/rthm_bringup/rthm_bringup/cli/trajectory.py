@@ -10,6 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.engine import Trajectory
@@ -52,6 +54,16 @@ class TrajectoryFile:
             with (self._folder / name).open("ab") as column:
                 column.write(values.tobytes())
         self.energies = {name: float(values[-1]) for name, values in energies.items()}
+
+    def add_change(self, name: str, change: Trajectory) -> None:
+        """Append the derivative of the motion with respect to a number of the spec, as
+        ``d_plant_position.d_plant.mass``.
+        """
+        for signal in MOTION[1:]:
+            values = getattr(change, signal)
+            column = f"d_{signal}.d_{name}"
+            self._shapes[column] = values.shape
+            (self._folder / column).write_bytes(np.ascontiguousarray(values).tobytes())
 
     def put_together(self, path: Path) -> None:
         """Write the file."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled
 from rthm_core.engine.exponential import exponentials
-from rthm_core.engine.linear_ledger import LinearLedger, packed, works_over
+from rthm_core.engine.linear.ledger import LinearLedger, packed, works_over
 from rthm_core.engine.program import STEP, Program
 
 BITS, PLACES = 8, 4

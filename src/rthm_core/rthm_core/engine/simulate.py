@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,13 +11,13 @@ from rthm_core.clock import to_ns
 from rthm_core.compensators import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
-from rthm_core.energy import TERMS
-from rthm_core.engine.blocks import CHUNK_NS, Rows
-from rthm_core.engine.coupled import simulate_coupled
-from rthm_core.engine.curved import curved_blocks
-from rthm_core.engine.ledger import ledger
-from rthm_core.engine.linear import linear_blocks
-from rthm_core.engine.loop import Loop, rings, run
+from rthm_core.engine.coupled.run import simulate_coupled
+from rthm_core.engine.curved.run import curved_blocks
+from rthm_core.engine.general.ledger import ledger
+from rthm_core.engine.general.loop import Loop, rings, run
+from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, joined
+from rthm_core.engine.linear.run import linear_blocks
+from rthm_core.engine.trajectory import Trajectory, of_columns, of_rows
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
 from rthm_core.physical.side import build
@@ -29,38 +28,6 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 SYSTEMS = ("hybrid", "ideal", "taylor")
-
-
-@dataclass
-class Trajectory:
-    """True motion of a simulated test at the instants `t` (s, N of them); SI units.
-
-    Attributes
-    ----------
-    plant_position, plant_velocity, numerical_position, numerical_velocity : (N, n) arrays
-    force_reference, actuator_force : (N, m) arrays
-        F_d in use by the controller, and the force in the wire.
-    energies : dict of (N,) arrays
-        Works and E_total of the contract, section 1; empty when they were not counted.
-    """
-
-    t: Floats
-    plant_position: Floats
-    plant_velocity: Floats
-    numerical_position: Floats
-    numerical_velocity: Floats
-    force_reference: Floats
-    actuator_force: Floats
-    energies: dict[str, Floats] = field(default_factory=dict)
-
-    @property
-    def balance_error(self) -> Floats:
-        """E_total - E_total(0) - sum of the works, in J (N,)."""
-        return np.asarray(
-            self.energies["E_total"]
-            - self.energies["E_total"][0]
-            - sum(self.energies[term] for term in TERMS)
-        )
 
 
 def simulate(
@@ -92,12 +59,12 @@ def simulate(
     InputError
         When duration or sample is not a positive number, or `system` is unknown.
     """
-    step = _checked(spec, duration, sample, system)
+    step = checked_step(spec, duration, sample, system)
     if system != "hybrid" or not spec.is_loop:
         return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
     rows = _fast_rows(spec, to_ns(duration), step, energies=energies)
     if rows is not None:
-        return _of_rows(spec, rows, step)
+        return of_rows(spec, rows, step)
     return simulate_any(spec, to_ns(duration), step, energies=energies)
 
 
@@ -114,18 +81,18 @@ def simulate_blocks(
 
 def _all_blocks(spec: Spec, duration: float, sample: float | None, *, energies: bool) -> Iterator[Trajectory]:
     """Blocks of rows; one that is shorter than the distance of the rows may have none."""
-    step, end = _checked(spec, duration, sample, "hybrid"), to_ns(duration)
+    step, end = checked_step(spec, duration, sample, "hybrid"), to_ns(duration)
     n1, n2, m = len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
     blocks = fast_blocks(spec, end, step, energies=energies)
     first_row = 0
     if blocks is not None:
         for rows in blocks:
-            yield _of_rows(spec, rows, step, first_row)
+            yield of_rows(spec, rows, step, first_row)
             first_row += rows.plant.shape[0]
         return
     loop = _loop(spec, energies=energies)
     for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7):
-        yield _trajectory(block, step, n1, n2, m, energies=energies, first_row=first_row)
+        yield of_columns(block, step, n1, n2, m, energies=energies, first_row=first_row)
         first_row += block.shape[0]
 
 
@@ -141,10 +108,7 @@ def _fast_rows(spec: Spec, end: int, step: int, *, energies: bool) -> Rows | Non
     blocks = fast_blocks(spec, end, step, energies=energies, span=end + 1)
     if blocks is None:
         return None
-    found = list(blocks)
-    return (
-        found[0] if len(found) == 1 else Rows(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
-    )
+    return Rows(*joined(list(blocks)))
 
 
 def simulate_any(
@@ -158,11 +122,11 @@ def simulate_any(
     loop = _loop(spec, energies=energies)
     n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
     rows = list(_chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7))
-    return _trajectory(np.concatenate(rows), step, n1, n2, m, energies=energies)
+    return of_columns(np.concatenate(rows), step, n1, n2, m, energies=energies)
 
 
-def _checked(spec: Spec, duration: float, sample: float | None, system: str) -> int:
-    """Distance of the rows in ns."""
+def checked_step(spec: Spec, duration: float, sample: float | None, system: str = "hybrid") -> int:
+    """Distance of the rows in ns; refuses what `simulate` says it does."""
     if system not in SYSTEMS:
         raise InputError(
             f"system {system!r} is not known, allowed is one of {', '.join(SYSTEMS)}; choose one of them."
@@ -219,36 +183,3 @@ def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int) -> Iterator
         run(loop, schedule.events(begin, until, step), out, first_row)
         yield out
         begin = until
-
-
-def _of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory:
-    n1, n2 = len(spec.plant.dofs), rows.numerical.shape[1] // 2
-    return Trajectory(
-        np.arange(first_row, first_row + rows.plant.shape[0], dtype=float) * (step * 1e-9),
-        rows.plant[:, :n1],
-        rows.plant[:, n1 : 2 * n1],
-        rows.numerical[:, :n2],
-        rows.numerical[:, n2:],
-        rows.reference,
-        rows.plant[:, 2 * n1 :],
-        dict(zip((*TERMS, "E_total"), rows.works.T, strict=False)) if rows.works.size else {},
-    )
-
-
-def _trajectory(
-    rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool, first_row: int = 0
-) -> Trajectory:
-    x1, v1, x2, v2, reference, force, works, total = np.split(
-        rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1
-    )
-    found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
-    return Trajectory(
-        np.arange(first_row, first_row + rows.shape[0], dtype=float) * (step * 1e-9),
-        x1,
-        v1,
-        x2,
-        v2,
-        reference,
-        force,
-        found,
-    )

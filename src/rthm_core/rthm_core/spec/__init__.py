@@ -1,7 +1,7 @@
 """The spec: one ROS 2 parameter file that describes a test for every part of the system."""
 
 from rthm_core.spec.building import spec_from_parameters
-from rthm_core.spec.changes import apply
+from rthm_core.spec.changes import apply, number_at
 from rthm_core.spec.numbers import numbers
 from rthm_core.spec.parameters import Parameter, parameters
 from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text
@@ -50,6 +50,7 @@ __all__ = [
     "TransmissionSpec",
     "UncertaintySpec",
     "apply",
+    "number_at",
     "numbers",
     "parameters",
     "read_spec",

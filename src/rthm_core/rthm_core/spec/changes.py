@@ -44,6 +44,17 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
     return spec_from_parameters(flat)
 
 
+def number_at(spec: Spec, name: str) -> float | None:
+    """Number that a spec has under a dotted name; None for what is no single number of it."""
+    values = {one.name: one.value for one in parameters(spec)}
+    indexed = _INDEXED.fullmatch(name)
+    value = values.get(indexed["name"] if indexed else name)
+    if isinstance(value, list):
+        index = int(indexed["index"]) if indexed else 0
+        value = value[index] if index < len(value) and (indexed or len(value) == 1) else None
+    return float(value) if isinstance(value, int | float) else None
+
+
 def _flattened(changes: Mapping[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in changes.items():

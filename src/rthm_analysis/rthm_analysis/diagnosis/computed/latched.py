@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.stamps import stamp_offset
+from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording
 from rthm_analysis.timing.links import SOURCES, clock_of, derived_uses, ticks_of
 from rthm_core.schedule import Schedule
@@ -54,17 +54,14 @@ class Latched:
 def latched(recording: Recording, spec: Spec, schedule: Schedule, name: str) -> Latched | None:
     """Samples that came over link `name` (``tau1`` or ``tau2``); None: nothing is known of them."""
     source, period = recording.tables[SOURCES[name]], clock_of(name, schedule)[1]
-    uses, offset = recording.links.get(name), 0
-    told = uses is not None
-    if uses is None:
-        uses = derived_uses(recording, schedule, name)
-    else:
-        offset = stamp_offset(recording, spec, name, source) or 0
+    told = name in recording.links
+    uses = recording.links[name] if told else derived_uses(recording, schedule, name)
     if uses is None or not len(uses):
         return None
+    stamps = sent_stamps(recording, spec, name, source) if told else uses.sample_ns
     tick = ticks_of(uses.use_ns - recording.start_ns, period)
     known = tick >= 0
-    tick, stamps = tick[known], uses.sample_ns[known] - offset
+    tick, stamps = tick[known], stamps[known]
     dofs = spec.loop().interface.plant_dof
     motion = np.hstack([source.columns(field, dofs) for field in ("position", "velocity")])
     row = np.minimum(np.searchsorted(source.stamp_ns, stamps), len(source) - 1)

@@ -40,6 +40,8 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
         Topic of the samples that go over the link.
     """
     uses = recording.links[name]
+    if not (len(uses) and len(source)):
+        return None
     some = np.unique(np.linspace(0, len(uses) - 1, LOOKED_AT).astype(np.int64))
     for reach in REACHES:
         shifts = _shifts(source.stamp_ns, uses.sample_ns[some], reach)
@@ -50,6 +52,11 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
             return nearest
         return _told_by_values(recording, spec, name, uses.rows(some), shifts, nearest)
     return None
+
+
+def sent_stamps(recording: Recording, spec: Spec, name: str, source: Table) -> Integers:
+    """Stamps of the samples that the receiver of link `name` used, as their sender wrote them, ns."""
+    return recording.links[name].sample_ns - (stamp_offset(recording, spec, name, source) or 0)
 
 
 def _shifts(source: Integers, used: Integers, reach: int) -> Integers:

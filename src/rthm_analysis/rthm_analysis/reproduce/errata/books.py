@@ -13,7 +13,7 @@ from rthm_analysis.energy.model import estimated_power
 from rthm_analysis.reproduce.candidates import loop
 from rthm_analysis.reproduce.errata.erratum import Erratum
 from rthm_core.engine import Trajectory, simulate
-from rthm_core.engine.coupled import coupled_body
+from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.physical.side import PhysicalSide
 
 DURATION, STEP = 20.0, 0.0012

@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_analysis.reproduce.candidates import loop
 from rthm_analysis.reproduce.errata.erratum import Erratum
-from rthm_core.engine.coupled import coupled_body
+from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.physical.side import PhysicalSide
 from rthm_core.spec import apply, shipped_spec
 

@@ -8,7 +8,7 @@ from rthm_analysis.reproduce.candidates import loop
 from rthm_analysis.reproduce.errata.erratum import Erratum
 from rthm_analysis.reproduce.errata.expansion import primed
 from rthm_analysis.response import response
-from rthm_core.engine.coupled import coupled_body
+from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.spec import shipped_spec
 
 STATED_DAMPING = 0.66

@@ -35,6 +35,14 @@ def verb(
     system: Annotated[
         System, typer.Option(help="hybrid: the loop; ideal: without delays and holds; taylor: (26).")
     ] = System.hybrid,
+    sensitivity: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY",
+            help="Also how the motion changes with this number of the spec, as plant.mass; again for "
+            "another; all: with every number of the physics.",
+        ),
+    ] = None,
     json: Json = None,
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
@@ -45,13 +53,33 @@ def verb(
     test = spec_named(spec)
     if not out.parent.is_dir():
         raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
+    changes = _changes(test, duration, sample, system, sensitivity or [])
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
         for block in _blocks(test, duration, sample, system):
             file.add(block)
             report(float(block.t[-1]))
+        for name, change in changes.items():
+            file.add_change(name, change)
     result = {"file": str(out), "duration": duration, "system": system.value, "energies": file.energies}
     put(result, [str(out), *table((name, f"{value:+.6e} J") for name, value in file.energies.items())], json)
     return 0
+
+
+def _changes(
+    test: Spec, duration: float, sample: float | None, system: System, names: list[str]
+) -> dict[str, Trajectory]:
+    """Derivatives of the motion with respect to some numbers of the spec."""
+    from rthm_core.engine import sensitivities
+
+    if not names:
+        return {}
+    if not test.is_loop or system is not System.hybrid:
+        raise InputError(
+            "sensitivities are those of a loop with its delays; leave out --sensitivity, or simulate a loop "
+            "with --system hybrid."
+        )
+    chosen = None if names == ["all"] else names
+    return sensitivities(test, duration, chosen, sample).by_parameter
 
 
 def _blocks(test: Spec, duration: float, sample: float | None, system: System) -> Iterator[Trajectory]:

@@ -1,0 +1,307 @@
+"""Fit models to a recording: weighted residuals, sensitivities, Levenberg-Marquardt, and cross-validation.
+
+Unknown initial states of the free runs are taken out of everything by projection, so that no fit spends its
+effort on them. All sums of squares are in units of the noise.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.sums import Sums
+from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model, Parameter
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.compiled import Floats
+
+BLOCKS = 20
+"""Parts of the data that take turns at being left out."""
+
+STEP = 1e-3
+"""Step of finite differences, in the scale of a parameter."""
+
+FINE, FINER = 1e-4, 0.02
+"""Part of the squared error up to which a fit is one that finishes; factor of its last finite differences."""
+
+LARGEST_STEP = 1.2
+"""Largest step of a positive parameter, as the logarithm of a factor."""
+
+WRONG = 3.0
+"""Doubt above which sensitivities are computed anew at every step of a fit."""
+
+Bases = list[tuple[slice, Floats]]
+"""Orthonormal bases of what initial states can explain, in the training part of each free run."""
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A model at its best.
+
+    Attributes
+    ----------
+    model : Model
+    squares : float
+        Squared error on the training data, in units of the noise, priors included.
+    sums : Sums
+    residual : (s k,) array
+        In units of the noise; initial states not yet fitted.
+    settled : float
+        Part of the squared error that a step no longer gained where the fit ended; inf where it ended sooner.
+    """
+
+    model: Model
+    squares: float
+    sums: Sums
+    residual: Floats
+    settled: float = np.inf
+
+    @property
+    def left_out(self) -> Floats:
+        """Cross-validated squared error by block."""
+        return self.sums.left_out()
+
+
+@dataclass
+class Fitting:
+    """Fits of the training part of one recording: the experiment holds nothing else.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    windows : Windows
+    sigma : (k,) array
+        Noise of the channels; inf leaves a channel out.
+    base : Model
+        Where the sensitivities to the initial states are taken at first.
+    doubt : float
+        Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
+        model is wrong, data count less against what the spec states.
+
+    Attributes
+    ----------
+    expected : float
+        Squared error that noise alone would leave: one for each sample that counts.
+    """
+
+    experiment: Experiment
+    windows: Windows
+    sigma: Floats
+    base: Model
+    progress: Callable[[str], None] = lambda said: None
+    doubt: float = 1.0
+    _bases: Bases = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        measured = self.experiment.evidence.measured
+        self.channels = measured.shape[1]
+        self.weight = np.where(np.isfinite(measured), 1.0 / self.sigma, 0.0)
+        self.expected = float(np.count_nonzero(self.weight))
+        self.measured = np.nan_to_num(measured)
+        self.pool = ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, 8)))
+        edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
+        self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
+        self.rebase(self.base)
+
+    @cached_property
+    def wires_alone(self) -> WiresAlone:
+        """Check of the wires by their own forces."""
+        return WiresAlone(self.experiment, self.base.spec, self.sigma)
+
+    def each(self, work: Callable[[A], B], items: Iterable[A]) -> list[B]:
+        """Do some work for all items, on all cores."""
+        return list(self.pool.map(work, items))
+
+    def residual(self, model: Model, windows: Windows | None = None) -> Floats:
+        """Measured minus predicted, over the noise: (s k,)."""
+        predicted = self.experiment.predicted(model.spec, windows or self.windows)
+        return np.asarray(((self.measured - predicted) * self.weight).ravel())
+
+    def squares(self, model: Model) -> float:
+        """Squared error of a model as it stands, in units of the noise; inf where it diverges."""
+        residual = self.residual(model)
+        return self._cost(model, residual, self._bases_of(model, residual))
+
+    def rebase(self, model: Model) -> None:
+        """Take the sensitivities to the initial states at a model that is nearer to the recording."""
+        self._bases = self.bases(self.states(model, self.residual(model)))
+
+    def states(self, model: Model, here: Floats) -> Floats:
+        """Change of the prediction with the initial states (2 n, s k), over the noise."""
+        size = 1e-3 * (float(np.nanstd(self.experiment.evidence.measured[:, 0])) or 1.0)
+
+        def one(i: int) -> Floats:
+            return (here - self.residual(model, self.windows.moved(i, size))) / size
+
+        return np.stack(self.each(one, range(self.windows.state.shape[1])))
+
+    def bases(self, states: Floats) -> Bases:
+        """Orthonormal bases of the changes with the initial states."""
+        found = []
+        ends = np.append(self.windows.start[1:], self.measured.shape[0])
+        for begin, end in zip(self.windows.start, ends, strict=True):
+            part = slice(int(begin) * self.channels, int(end) * self.channels)
+            found.append((part, _basis(states[:, part].T)))
+        return found
+
+    def projected(self, columns: Floats, bases: Bases | None = None) -> Floats:
+        """Some columns (..., s k) without what initial states can explain."""
+        kept = np.array(columns)
+        for part, basis in bases or self._bases:
+            kept[..., part] -= (kept[..., part] @ basis) @ basis.T
+        return kept
+
+    def state_correction(self, fitted: Fitted) -> Floats:
+        """Change (2 n,) of the initial state of a run over everything that fits best; zero in windows."""
+        unchanged = np.zeros(self.windows.state.shape[1])
+        if self.windows.length is not None:
+            return unchanged
+        residual = self.residual(fitted.model)
+        states = self.states(fitted.model, residual)
+        if not np.isfinite(residual).all() or not np.isfinite(states).all():
+            return unchanged
+        return np.asarray(np.linalg.lstsq(states.T, residual, rcond=1e-10)[0])
+
+    def columns(self, model: Model, residual: Floats, which: Iterable[int], small: float = STEP) -> Floats:
+        """Change of the prediction with some parameters (p, s k), over the noise."""
+
+        def one(i: int) -> Floats:
+            parameter = model.parameters[i]
+            step = small * (parameter.value if parameter.positive else parameter.scale)
+            if parameter.value + step > parameter.high:
+                step = -step
+            values = model.values
+            values[i] += step
+            return (residual - self.residual(model.at(values))) / step
+
+        found = self.each(one, which)
+        columns = np.stack(found) if found else np.empty((0, residual.size))
+        if not np.isfinite(columns).all():
+            raise np.linalg.LinAlgError("a model has no finite sensitivities")
+        return columns
+
+    def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
+        """Normal equations of a model whose residual and columns are known and projected."""
+        priors = [p.prior for p in model.parameters]
+        precision = self.doubt * np.array([0.0 if p is None else p[1] ** -2 for p in priors])
+        pull = self.doubt * np.array(
+            [0.0 if p is None else (p[0] - v) / p[1] ** 2 for p, v in zip(priors, model.values, strict=True)]
+        )
+        hessian = np.stack([columns[:, b] @ columns[:, b].T for b in self.blocks])
+        gradient = np.stack([columns[:, b] @ residual[b] for b in self.blocks])
+        squares = np.array([float(residual[b] @ residual[b]) for b in self.blocks])
+        return Sums(hessian, gradient, squares, precision, pull)
+
+    def fit(self, model: Model, known: Floats | None = None, most: int = 8, least: float = 3e-4) -> Fitted:
+        """Levenberg-Marquardt from the model's present values.
+
+        Parameters
+        ----------
+        model : Model
+        known : (q, s k) array, optional
+            Columns of the first q parameters, which then are not computed anew.
+        most : int
+            Largest number of steps.
+        least : float
+            Part of the squared error below which a step gains too little to go on.
+        """
+        anew = known is None or self.doubt > WRONG
+        kept = 0 if anew or known is None else known.shape[0]
+        residual = self.residual(model)
+        bases = self._bases_of(model, residual)
+        best, damping = self._cost(model, residual, bases), 1e-4
+        columns, small, settled = np.empty((0, residual.size)), STEP, np.inf
+        for _ in range(most):
+            free = range(kept, len(model.parameters))
+            columns = self.projected(self.columns(model, residual, free, small), bases)
+            columns = np.vstack([known, columns]) if kept and known is not None else columns
+            sums = self.sums(model, self.projected(residual, bases), columns)
+            if not len(model.parameters):
+                break
+            before = best
+            for _ in range(6):
+                trial = model.at(self._moved(model, sums, damping))
+                trial_residual = self.residual(trial)
+                cost = self._cost(trial, trial_residual, bases)
+                if cost < best:
+                    model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
+                    break
+                damping = max(damping * 10.0, 1e-3)
+            if before - best < max(0.1, least * best):
+                if small < STEP or least > FINE:
+                    settled = least
+                    break
+                small = STEP * FINER  # where motions part quickly, a longer step tells little
+            if self.doubt > WRONG:
+                bases = self._bases_of(model, residual)
+                best = self._cost(model, residual, bases)
+        sums = self.sums(model, self.projected(residual, bases), columns)
+        return Fitted(model, best, sums, residual, settled)
+
+    def _bases_of(self, model: Model, residual: Floats) -> Bases:
+        """What initial states can explain: of this model as long as models are wrong, else of the base."""
+        return self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
+
+    def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
+        priors = [(p.value - p.prior[0]) / p.prior[1] for p in model.parameters if p.prior]
+        kept = self.projected(residual, bases)
+        cost = float(kept @ kept) + self.doubt * float(np.square(priors).sum())
+        return cost if np.isfinite(cost) else np.inf
+
+    @staticmethod
+    def _moved(model: Model, sums: Sums, damping: float) -> Floats:
+        """Values after a damped step; what is positive moves by factors, and stays positive."""
+        values, directions = model.values, _directions(model)
+        positive = np.array([p.positive for p in model.parameters])
+        whole = directions.T @ (sums.hessian.sum(0) + np.diag(sums.precision)) @ directions
+        gradient = directions.T @ (sums.gradient.sum(0) + sums.pull)
+        stuck = np.array([_leaves(p, g) for p, g in zip(model.parameters, gradient, strict=True)])
+        diagonal = np.diag(whole).copy()
+        whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
+        whole[stuck], whole[:, stuck] = 0.0, 0.0
+        whole[stuck, stuck] = 1.0
+        step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
+        factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+        moved = np.where(positive, values * factor, values + step * np.diag(directions))
+        for i, p in enumerate(model.parameters):
+            if p.along is not None:
+                moved[i] *= factor[p.along]
+        return np.asarray(moved)
+
+
+def _directions(model: Model) -> Floats:
+    """Change of the parameters (p, p) with the steps of a fit.
+
+    What is positive moves by factors; what moves along with another keeps its ratio to it.
+    """
+    scale = [p.value if p.positive else p.scale for p in model.parameters]
+    directions = np.diag(np.array(scale, dtype=float))
+    for i, p in enumerate(model.parameters):
+        if p.along is not None:
+            directions[i, p.along] = p.value
+    return directions
+
+
+def _leaves(parameter: Parameter, gradient: float) -> bool:
+    """Whether a parameter at a bound wants to leave it."""
+    low, high = parameter.value <= parameter.low, parameter.value >= parameter.high
+    return (low and gradient < 0.0) or (high and gradient > 0.0)
+
+
+def _basis(columns: Floats) -> Floats:
+    """Orthonormal basis of the columns (rows, c); empty where a model diverges: its cost is infinite."""
+    if not np.isfinite(columns).all():
+        return np.empty((columns.shape[0], 0))
+    left, size, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(left[:, size > 1e-9 * max(float(size.max(initial=0.0)), 1e-300)])

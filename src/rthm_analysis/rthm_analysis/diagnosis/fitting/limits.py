@@ -1,0 +1,123 @@
+"""Detection limits of kinds that no sensitivity measures: sizes at which they would just have been seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from rthm_analysis.diagnosis.fitting.noise import lattice
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.motor import motor_delay
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+    from rthm_analysis.diagnosis.replay.evidence import Evidence
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+Limits = dict[tuple[str, str, str], dict[str, float]]
+"""By block, kind and place: sizes of parameters."""
+
+HALVINGS = 8
+
+COINCIDENT_NS = 10_000
+"""A sample this near to a command's step sees it or not by chance."""
+
+MOTOR = {
+    "lag": ("time_constant", 1e-6, 0.1, {}),
+    "second_order": ("frequency", 1e5, 1.0, {"damping_ratio": 0.7}),
+    "extra_delay": ("delay", 1e-6, 0.1, {}),
+    "rate_limit": ("rate", 1e3, 1e-3, {}),
+    "saturation": ("limit", 1e1, 1e-5, {}),
+    "quantisation": ("step", 1e-8, 1e-1, {}),
+}
+"""Parameter of each kind, a value that hardly matters, one that nobody could miss, and what else it needs."""
+
+
+def just_seen(power: Callable[[float], float], harmless: float, gross: float, enough: float) -> float | None:
+    """Value between two at which an effect has `enough` power, by halving their ratio; None if it never has.
+
+    Parameters
+    ----------
+    power : callable
+        Squared change that the effect makes, in units of the noise; grows from `harmless` to `gross`.
+    """
+    if not power(gross) > enough:
+        return None
+    for _ in range(HALVINGS):
+        middle = float(np.sqrt(harmless * gross))
+        harmless, gross = (harmless, middle) if power(middle) > enough else (middle, gross)
+    return gross
+
+
+def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
+    """Limits of what can be wrong with the motors, whose positions alone `fitting` sees."""
+    model = here.model
+    present = {(one.kind, one.place) for one in model.added}
+    places = [one.place for one in fitting.experiment.evidence.channels]
+    apart = _apart(fitting.experiment.evidence, model.spec)
+    asked = [(kind, place) for kind in MOTOR for place in places if (kind, place) not in present]
+
+    def limit(one: tuple[str, str]) -> float | None:
+        kind, place = one
+        key, harmless, gross, others = MOTOR[kind]
+
+        def power(value: float) -> float:
+            added = Added("motor", kind, place, {key: value, **others})
+            try:
+                change = fitting.residual(model.plus(added, (), {})) - here.residual
+            except InputError:
+                return np.inf
+            return float(np.sum(np.square(change.reshape(apart.size, -1)[apart])))
+
+        return just_seen(power, harmless, gross, enough)
+
+    found = zip(asked, fitting.each(limit, asked), strict=True)
+    return {("motor", kind, place): {MOTOR[kind][0]: value} for (kind, place), value in found if value}
+
+
+def _apart(evidence: Evidence, spec: Spec) -> npt.NDArray[np.bool_]:
+    """Samples (s,) that are not at the very step of a command."""
+    due = evidence.due_ns + motor_delay(spec)
+    at = np.clip(np.searchsorted(due, evidence.stamps_ns), 1, due.size - 1)
+    nearest = np.minimum(np.abs(evidence.stamps_ns - due[at - 1]), np.abs(evidence.stamps_ns - due[at]))
+    return np.asarray(nearest > COINCIDENT_NS)
+
+
+def slack_limits(model: Model, forces: dict[str, Floats], noise: dict[str, float], enough: float) -> Limits:
+    """Largest pretension that would have been seen to run out, for wires that had one to spare.
+
+    Parameters
+    ----------
+    model : Model
+    forces : dict
+        Wire force (s,) by actuator, N.
+    noise : dict
+        Of its sensor, N.
+    """
+    slack = {one.place for one in model.spec.effects if one.kind == "slack"}
+    limits: Limits = {}
+    for place, force in forces.items():
+        lowest = max(-float(force.min()), 0.0)
+        if place in slack or lowest == 0.0:
+            continue
+
+        def power(pretension: float, force: Floats = force, place: str = place) -> float:
+            return float(np.sum(np.square(np.minimum(force + pretension, 0.0) / noise[place])))
+
+        found = just_seen(power, lowest, 1e-6 * lowest, enough)
+        if found:
+            limits["wire", "slack", place] = {"pretension": found}
+    return limits
+
+
+def rounding_limits(fitting: Fitting, matters: float) -> Iterator[tuple[tuple[str, str, str], float]]:
+    """Smallest steps of the sensors that would be told, for those that do not round already."""
+    evidence = fitting.experiment.evidence
+    for channel, noise, column in zip(evidence.channels, fitting.sigma, evidence.measured.T, strict=True):
+        if np.isfinite(noise) and lattice(column) is None:
+            yield (f"sensor.{channel.family}", "quantisation", channel.place), matters * float(noise)

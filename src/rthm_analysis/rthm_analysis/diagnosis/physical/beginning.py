@@ -1,0 +1,136 @@
+"""Where a diagnosis of the physical side begins: free runs, noise, loads between samples, retuned model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.noise import noise_levels
+from rthm_analysis.diagnosis.replay.between import ways
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model, uncertain
+from rthm_analysis.diagnosis.replay.windows import Windows, windows
+from rthm_analysis.diagnosis.search.choosing import ENOUGH, UNFINISHED, Choice, choose, doubt
+from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
+
+NEAR = 10.0
+"""Squared error per sample, in units of the noise, from which longer windows would only drift further."""
+
+AGAIN = 4
+"""Steps of a fit that shows whether another way fits."""
+
+
+class Begun(NamedTuple):
+    """Free runs over the whole recording, the noise of the channels, and what the spec alone can explain.
+
+    What is `retuned` may only be near its best, where another way of the loads is likelier.
+    """
+
+    runs: Windows
+    sigma: Floats
+    fitting: Fitting
+    nominal: Fitted
+    retuned: Fitted
+
+
+def begin(
+    seen: Evidence, settled: Model, first: Floats, train: int, progress: Callable[[str], None]
+) -> list[Begun]:
+    """Begin with the loads between their samples in every way that is possible.
+
+    The first is the smooth curve, unless another leaves next to nothing.
+
+    Parameters
+    ----------
+    seen : Evidence
+    settled : Model
+        With what was found in the motors.
+    first : (m,) array
+        Command that had been there for ever before the test, m.
+    train : int
+        Samples that fits may see.
+    progress : callable
+        Told what is being done, in words.
+    """
+    parts = [Experiment(seen.first(train), first, between=way) for way in ways(seen)]
+    runs, sigma = _runs(seen, settled, train, parts[0])
+    for part in parts[1:]:
+        part.begin_at(seen.stamps_ns[runs.first(train).start])
+        sigma = np.minimum(sigma, _noise(part, settled.spec, runs.first(train)))
+    begun: list[Begun] = []
+    for part in parts:
+        fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+        nominal = fitting.fit(settled)
+        near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
+        begun.append(Begun(runs, sigma, fitting, nominal, near))
+    best = min(begun, key=lambda one: one.retuned.squares)
+    if _explains_most(best.fitting, best.retuned, begun[0].retuned):
+        others = [one for one in begun if one is not best]
+        return [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
+    return begun
+
+
+def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
+    """Whether little is left of what was: far from the noise, the smaller of two errors says nothing."""
+    left = old.squares - fitting.expected
+    return old.squares - new.squares > max(0.5 * left, ENOUGH)
+
+
+def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Begun, Choice]:
+    """Take another way of the loads where it explains more with the effects that were chosen.
+
+    What is missing may have made a wrong way look right. The right one then explains most of what is left.
+    """
+    fitting = begun.fitting
+    if fitting.doubt < UNFINISHED:
+        return begun, choice
+    for other in others:
+        if other.runs.length != begun.runs.length:
+            break
+        try:
+            there = other.fitting.fit(choice.best.model, most=AGAIN)
+        except np.linalg.LinAlgError:
+            continue
+        if _explains_most(fitting, there, choice.best):
+            again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
+            if again.best.squares < choice.best.squares:
+                return other, again
+    return begun, choice
+
+
+def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
+    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
+    fitting.progress("retuning what is uncertain")
+    fitting.doubt = doubt(fitting, nominal)
+    model = nominal.model
+    retuned = fitting.fit(replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
+    if fitting.doubt > 1.5:
+        fitting.doubt = doubt(fitting, retuned)
+        retuned = fitting.fit(retuned.model)
+    return retuned
+
+
+def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple[Windows, Floats]:
+    """Free runs as long as the nominal model stays near the recording, and the noise that they show."""
+    longer = 1.0
+    while True:
+        runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
+        part.begin_at(seen.stamps_ns[runs.first(train).start])
+        sigma = _noise(part, settled.spec, runs.first(train))
+        if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
+            return runs, sigma
+        fitting = Fitting(part, runs.first(train), sigma, settled)
+        if doubt(fitting, fitting.fit(settled)) > NEAR:
+            return runs, sigma
+        longer *= 2.0
+
+
+def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
+    measured = experiment.evidence.measured
+    return noise_levels(measured - experiment.predicted(spec, runs), measured)

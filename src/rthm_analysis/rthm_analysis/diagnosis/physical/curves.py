@@ -1,0 +1,91 @@
+"""The force that the retuned model lacks, drawn over the variable that explains it best.
+
+The motion that the best model leaves, smoothed just enough, gives the force that would have made it. With
+the force of what was named added, this is what the data say about the named physics, whatever they say.
+Averages over many samples at the same abscissa let the noise drown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from rthm_analysis.diagnosis.physical.binned import binned
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.work import law_force
+from rthm_analysis.diagnosis.result import Curve, Physics
+from rthm_core.compiled import Floats
+
+SMOOTHING = 9
+"""Samples of the parabola through which the residual motion is differentiated."""
+
+
+def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics]) -> Iterator[Curve]:
+    """Missing force on each dof over x, v or t, whichever it depends on most; none without a mismatch.
+
+    `predicted` is the prediction of the best model.
+    """
+    spec = physical.settled
+    assert spec.plant is not None
+    for dof in spec.plant.dofs:
+        found = residual_force(physical, predicted, dof)
+        if found is None:
+            continue
+        x, v, left = found
+        named = named_force(physical, dof, x, v)
+        force = left if named is None else left + named
+        variables = {"x": (x, "m"), "v": (v, "m/s"), "t": (physical.evidence.time, "s")}
+        curves = {name: binned(values, force) for name, (values, _) in variables.items()}
+        best = max(curves, key=lambda name: curves[name][3])
+        at, mean, std, share = curves[best]
+        if share > 0.02 or any(one.block == "plant" for one in physics):
+            law = None if named is None else binned(variables[best][0], named)[1]
+            yield Curve("plant", best, variables[best][1], at, mean, std, law, share)
+
+
+def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:
+    """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
+    model = physical.choice.best.model
+    names = {model.name(i) for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof}
+    effects = [one for one in model.spec.effects if one.name in names]
+    if not effects:
+        return None
+    return np.sum([law_force(one, physical.evidence.time, x, v) for one in effects], axis=0)
+
+
+def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Floats, Floats, Floats] | None:
+    """Measured position and velocity of a dof, and the force that the model lacks there: (s,) each."""
+    from scipy.signal import savgol_filter
+
+    spec, evidence = physical.settled, physical.evidence
+    assert spec.plant is not None
+    i, n = spec.plant.dofs.index(dof), len(spec.plant.dofs)
+    channels = {(c.family, c.place): k for k, c in enumerate(evidence.channels)}
+    where = channels.get(("position", dof))
+    if where is None or evidence.stamps_ns.size < 10 * SMOOTHING:
+        return None
+    step = float(np.median(np.diff(evidence.time)))
+    left = np.nan_to_num(evidence.measured - predicted)
+    x = np.nan_to_num(evidence.measured[:, where])
+    speed = channels.get(("velocity", dof))
+    width = SMOOTHING if speed is not None else 4 * SMOOTHING + 1
+    dx = savgol_filter(left[:, where], width, 2)
+    dv = left[:, speed] if speed is not None else savgol_filter(left[:, where], width, 2, 1, step)
+    da = (
+        savgol_filter(left[:, speed], width, 2, 1, step)
+        if speed is not None
+        else savgol_filter(left[:, where], width, 2, 2, step)
+    )
+    v = (
+        np.nan_to_num(evidence.measured[:, speed])
+        if speed is not None
+        else savgol_filter(x, width, 2, 1, step)
+    )
+    mass, damping, stiffness = (
+        float(getattr(spec.plant, p)[i * n + i]) for p in ("mass", "damping", "stiffness")
+    )
+    pull = 0.0
+    if spec.interface is not None and spec.actuator is not None and evidence.driven_by == "command":
+        pull = sum(k for k, at in zip(spec.k_tot, spec.interface.plant_dof, strict=True) if at == dof)
+    return x, v, mass * da + damping * dv + (stiffness + pull) * dx

@@ -1,0 +1,132 @@
+"""Diagnose the motors: their position is measured, and depends on the commands alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.limits import Limits, motor_limits
+from rthm_analysis.diagnosis.fitting.noise import noise_levels
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model, Parameter
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.search.choosing import ENOUGH
+from rthm_analysis.diagnosis.search.drive_starts import drive_starts
+from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, Tried, in_order
+from rthm_analysis.diagnosis.search.screening import best_of_each, screen
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec
+
+MOST_EFFECTS = 2
+PREFIX = "drive"
+
+SURE = 1e-6
+"""Doubt about a delay, s, that makes no difference."""
+
+
+@dataclass(frozen=True)
+class Drives:
+    """What was found in the motors.
+
+    Attributes
+    ----------
+    rounds : list of list of Tried
+        Effects, best first in each round.
+    settled : Spec
+        With those that were chosen.
+    limits : dict
+        Sizes at which other kinds would have been seen.
+    """
+
+    rounds: list[list[Tried]]
+    settled: Spec
+    limits: Limits
+
+    @property
+    def model(self) -> Model:
+        """The settled spec, with delays that the motors' positions leave open within bounds.
+
+        What the plant does tells them; taken for exact, they would make physics of the rest.
+        """
+        return Model(self.settled, tuple(_open_delays(self.rounds)))
+
+
+def _open_delays(rounds: list[list[Tried]]) -> Iterator[Parameter]:
+    """Delays of the effects that were added, as far as they are open."""
+    for i, tried in enumerate(rounds):
+        one, doubt = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
+        if one.kind == "extra_delay" and doubt > SURE:
+            value = float(one.parameters["delay"])
+            prior = (value, doubt / np.sqrt(3.0))
+            yield Parameter(f"{PREFIX}{i + 1}.delay", value, doubt, value - doubt, value + doubt, prior)
+
+
+def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
+    """Find what the motors do beside what the spec says.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Motor positions of the training part.
+    spec : Spec
+    first : (m,) array
+        Command before the test.
+    """
+    assert spec.plant is not None
+    experiment = Experiment(evidence, first)
+    n = len(spec.plant.dofs)
+    runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
+    rounds: list[list[Tried]] = []
+    model, limits = Model(spec, prefix=PREFIX), {}
+    for _ in range(MOST_EFFECTS):
+        fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
+        here = fitting.fit(model)
+        limits = limits or motor_limits(fitting, here, ENOUGH + PER_PARAMETER)
+        tried = _tried(fitting, model, here, runs)
+        if not tried or not _better(tried[0], here):
+            break
+        rounds.append(tried)
+        model = tried[0].fitted.model
+    return Drives(rounds, model.spec, limits)
+
+
+def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:
+    """Noise of the motor sensors: steps of a mismatch look like it, so what is stated is an upper bound."""
+    measured = experiment.evidence.measured
+    residual = measured - experiment.predicted(model.spec, runs)
+    found = noise_levels(residual, measured)
+    stated = spec.noise.motor
+    return np.where((stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * measured.std(0)), found)
+
+
+def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[Tried]:
+    present = {(one.kind, one.place) for one in model.added}
+    starts = [
+        s
+        for s in drive_starts(model.spec, fitting.experiment, runs)
+        if (s.added.kind, s.added.place) not in present
+    ]
+    nothing = np.empty((0, here.residual.size))
+    promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in best_of_each(promising, 2):
+        try:
+            fitted = fitting.fit(one.start.added_to(model), None, 12)
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        new = Tried(one.start, fitted, float(fitted.left_out.sum()))
+        if new.label not in best or new.error < best[new.label].error:
+            best[new.label] = new
+    return in_order(list(best.values()))
+
+
+def _better(new: Tried, old: Fitted) -> bool:
+    gains = old.left_out - new.fitted.left_out
+    more = max(len(new.start.added.parameters), 1)
+    scatter = float(np.sqrt(gains.size) * gains.std())
+    return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * more, scatter)

@@ -1,0 +1,46 @@
+"""Sensors that round: their readings lie on a lattice, which needs no fit to be seen."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.noise import lattice
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.result import Physics, Value, place_key
+from rthm_analysis.diagnosis.words import physics_words
+from rthm_core.compiled import Floats
+
+MATTERS = 0.8
+"""Step, over what the best model leaves unexplained, from which rounding is worth a word."""
+
+
+def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
+    """Sensors whose rounding matters beside everything else that is left."""
+    found = []
+    known = {(e.block, e.place) for e in physical.spec.effects if e.kind == "quantisation"}
+    for k, channel in enumerate(physical.evidence.channels):
+        block = f"sensor.{channel.family}"
+        if (block, channel.place) in known:
+            continue
+        measured = physical.evidence.measured[: physical.train, k]
+        step = lattice(measured)
+        left = float(np.sqrt(np.nanmean(np.square(measured - predicted[: physical.train, k]))))
+        if step is None or step < MATTERS * left:
+            continue
+        values: dict[str, Value | str] = {"step": Value(step, 1e-6 * step, _unit(channel.family))}
+        words = physics_words(block, "quantisation", channel.place, values, float("nan"), 0.0)
+        found.append(Physics(block, "quantisation", channel.place, values, words, 0.0, 0.0))
+    return found
+
+
+def rounded_section(one: Physics) -> dict[str, Any]:
+    """Section of a spec."""
+    step = one.parameters["step"]
+    assert isinstance(step, Value)
+    return {"block": one.block, "kind": one.kind, place_key(one.block): one.place, "step": step.value}
+
+
+def _unit(family: str) -> str:
+    return {"position": "m", "velocity": "m/s", "force": "N"}[family]

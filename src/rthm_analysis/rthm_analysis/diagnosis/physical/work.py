@@ -1,0 +1,83 @@
+"""Energy that the physics that was found put into the moving masses or took out of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.effects import effect
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
+
+
+def wire_work(experiment: Experiment, runs: Windows, spec: Spec, without: Spec) -> float:
+    """Work over the recording, in J, + introduced, of what wires or motors of `spec` do beyond `without`."""
+    motion, bare = experiment.motion(spec, runs), experiment.motion(without, runs)
+    force = _on_dofs(spec, motion.force - _linear(without, bare.motor, motion))
+    return _work(experiment, force, motion.velocity)
+
+
+def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec) -> float:
+    """Work over the recording, in J, + introduced, of one effect on the plant along the model's motion."""
+    assert spec.plant is not None
+    motion = experiment.motion(spec, runs)
+    i = spec.plant.dofs.index(str(one.dof))
+    force = law_force(one, experiment.evidence.time, motion.position[:, i], motion.velocity[:, i])
+    return _work(experiment, force, motion.velocity[:, i])
+
+
+def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
+    """Force (s,) of a law of the plant along a given motion; its own states by Heun's method."""
+    law: Any = effect(one.kind, one.block)
+    p = tuple(float(one.parameters[name]) for name in law.parameters)
+    shape = law.excitation(p)
+    if shape is not None:
+        return np.asarray(shape[0] + shape[1] * np.sin(shape[2] * time + shape[3]))
+    z = [*law.initial(float(x[0]), p)]
+    first, second, force = [0.0] * law.states, [0.0] * law.states, np.empty(time.size)
+    limits = law.thresholds(p)
+    rows = zip(time.tolist(), x.tolist(), v.tolist(), strict=True)
+    before: tuple[float, float, float, int] | None = None
+    for k, (t, here, speed) in enumerate(rows):
+        piece = (
+            sum(here > limit for limit in limits)
+            if law.split == "position"
+            else (speed > 0.0) - (speed < 0.0)
+        )
+        if before is not None and z:
+            t0, x0, v0, piece0 = before
+            law.rate(x0, v0, z, t0, p, piece0, first)
+            guess = [a + (t - t0) * b for a, b in zip(z, first, strict=True)]
+            law.rate(here, speed, guess, t, p, piece, second)
+            z = [a + 0.5 * (t - t0) * (b + c) for a, b, c in zip(z, first, second, strict=True)]
+        force[k] = law.force(here, speed, z, t, p, piece)
+        before = (t, here, speed, piece)
+    return force
+
+
+def _work(experiment: Experiment, force: Floats, velocity: Floats) -> float:
+    power = force * velocity
+    return float(np.trapezoid(power if power.ndim == 1 else power.sum(1), experiment.evidence.time))
+
+
+def _on_dofs(spec: Spec, force: Floats) -> Floats:
+    """Wire forces (s, m) as forces on the dofs (s, n)."""
+    assert spec.plant is not None
+    total = np.zeros((force.shape[0], len(spec.plant.dofs)))
+    if spec.interface is not None:
+        for actuator in range(force.shape[1]):
+            total[:, spec.plant.dofs.index(spec.interface.plant_dof[actuator])] += force[:, actuator]
+    return total
+
+
+def _linear(spec: Spec, motor: Floats, motion: Motion) -> Floats:
+    """Forces of linear massless wires between motor positions and the dofs: (s, m)."""
+    assert spec.plant is not None and spec.interface is not None
+    at = [spec.plant.dofs.index(dof) for dof in spec.interface.plant_dof]
+    return np.asarray((motor - motion.position[:, at]) * np.array(spec.k_tot))

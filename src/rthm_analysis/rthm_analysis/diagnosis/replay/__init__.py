@@ -1,0 +1,17 @@
+"""The recorded test, repeated with another model of motors, wires, plant and sensors.
+
+==============  ===============================================================================
+``evidence``    what went in, what was measured, and when
+``between``     what a load did between two of its samples
+``grid``        the time grid of a replay, and what is known on it
+``windows``     where free runs begin
+``model``       the nominal spec, retuned parameters, added effects
+``motor``       motor positions on the grid, from the commands as they fell due
+``mechanics``   a spec as the arrays on which the compiled replay works
+``rates``       compiled: dy/dt of plant and wires
+``switching``   compiled: where a law leaves its piece
+``kernel``      compiled: the replay of plant and wires
+``sensing``     what the sensors make of the motion
+``experiment``  all of it: what a model predicts for the samples of the recording
+==============  ===============================================================================
+"""

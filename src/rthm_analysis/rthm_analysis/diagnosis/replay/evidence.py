@@ -1,0 +1,166 @@
+"""What a recording holds of the physical side: what went in, what was measured, and when."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.links.stamps import sent_stamps
+from rthm_analysis.recording import Recording, hold
+from rthm_core.clock import NS
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+    from rthm_core.spec import Spec
+
+CHANNELS = ("position", "velocity", "force", "motor")
+"""Families of measured signals of the physical side."""
+
+UNITS = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One measured signal: its family and its place (dof or actuator)."""
+
+    family: str
+    place: str
+
+    @property
+    def signal(self) -> str:
+        """Name for the eye: x1, v1, F and u where there is one of each."""
+        number = (
+            self.place[1:] if self.place[:1] in ("x", "a") and self.place[1:].isdigit() else f"_{self.place}"
+        )
+        if self.family == "position":
+            return self.place
+        if self.family == "velocity":
+            return f"v{number}"
+        return ("F" if self.family == "force" else "u") + (number if number != "1" else "")
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Inputs and outputs of the physical side in one recording.
+
+    Attributes
+    ----------
+    stamps_ns : (s,) array
+        Of the samples, ns since the start of the test.
+    due_ns, commands : (c,), (c, m) arrays
+        Commands and the instants at which they reached the motors; empty without actuators.
+    load : (s, n) array
+        Known external loads on the dofs, N.
+    channels : tuple of k Channel
+        What was measured.
+    measured : (s, k) array
+        NaN where it is not known.
+    driven_by : str
+        ``"command"``, or ``"force"`` when the known forces are all that drives the plant.
+    notes : tuple of str
+        What could not be used.
+    """
+
+    stamps_ns: Integers
+    due_ns: Integers
+    commands: Floats
+    load: Floats
+    channels: tuple[Channel, ...]
+    measured: Floats
+    driven_by: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def time(self) -> Floats:
+        """Of the samples, s."""
+        return self.stamps_ns / NS
+
+    def first(self, samples: int) -> Evidence:
+        """The first part of it."""
+        return replace(
+            self,
+            stamps_ns=self.stamps_ns[:samples],
+            load=self.load[:samples],
+            measured=self.measured[:samples],
+        )
+
+    def only(self, *families: str) -> Evidence:
+        """What channels of some families say."""
+        kept = [i for i, channel in enumerate(self.channels) if channel.family in families]
+        channels = tuple(self.channels[i] for i in kept)
+        return replace(self, channels=channels, measured=self.measured[:, kept])
+
+
+def gather(recording: Recording, spec: Spec) -> Evidence:
+    """Collect what drives the physical side and what was measured of it."""
+    assert spec.plant is not None
+    plant = recording.plant
+    stamps = plant.stamp_ns - recording.start_ns
+    dofs = spec.plant.dofs
+    notes: list[str] = []
+    load = np.nan_to_num(plant.columns("effort", dofs))
+    names = spec.actuator.names if spec.actuator else ()
+    due, commands = _commands(recording, spec, names)
+    if names and not due.size:
+        notes.append(
+            "No commands are recorded: motor and wire cannot be checked; the measured force drives the plant."
+        )
+        names = ()
+        others = [name for name in plant.names if name not in dofs]
+        load = _with_forces(plant, others, load, spec)
+    elif not names:
+        load = _with_forces(plant, [name for name in plant.names if name not in dofs], load, spec)
+    channels, columns = [], []
+    for family, field, places in (
+        ("position", "position", dofs),
+        ("velocity", "velocity", dofs),
+        ("force", "effort", names),
+        ("motor", "position", names),
+    ):
+        values = plant.columns(field, places)
+        for place, column in zip(places, values.T, strict=True):
+            if np.isfinite(column).mean() > 0.5:
+                channels.append(Channel(family, place))
+                columns.append(column)
+            else:
+                notes.append(f"The {family} of {place} is not recorded.")
+    return Evidence(
+        stamps,
+        due,
+        commands,
+        load,
+        tuple(channels),
+        np.stack(columns, axis=1),
+        "command" if due.size else "force",
+        tuple(notes),
+    )
+
+
+def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats:  # type: ignore[no-untyped-def]
+    """Add the forces of the names beyond the dofs: on the dof of their actuator, or on the only one."""
+    total = load.copy()
+    places: dict[str, str] = {}
+    if spec.actuator and spec.interface:
+        places = dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False))
+    for name, column in zip(others, np.nan_to_num(plant.columns("effort", others)).T, strict=True):
+        dof = spec.plant.dofs.index(places[name]) if name in places else 0  # type: ignore[union-attr]
+        total[:, dof] += column
+    return total
+
+
+def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple[Integers, Floats]:
+    """Instants at which commands reached the motors, and the commands."""
+    sent = recording.tables.get("actuator/command")
+    if sent is None or not names:
+        return np.empty(0, dtype=np.int64), np.empty((0, len(names)))
+    uses = recording.links.get("tau4")
+    values = sent.columns("position", names)
+    if uses is None:
+        known = recording.spec
+        delay = known.timing.ns("tau4") if known is not None and known.timing is not None else 0
+        return sent.stamp_ns - recording.start_ns + delay, values
+    order = np.argsort(uses.use_ns, kind="stable")
+    used = hold(sent.stamp_ns, values, sent_stamps(recording, spec, "tau4", sent)[order])
+    return uses.use_ns[order] - recording.start_ns, used

@@ -1,0 +1,239 @@
+"""The recorded test as something that can be repeated with another model of the physical side."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.between import Between, load_on
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.grid import Grid, grid
+from rthm_analysis.diagnosis.replay.kernel import replay_mechanics
+from rthm_analysis.diagnosis.replay.mechanics import fastest, mechanics
+from rthm_analysis.diagnosis.replay.motor import drive_speed, motor_delay, motor_motion
+from rthm_analysis.diagnosis.replay.sensing import sensed
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.clock import NS
+from rthm_core.effects import effect
+from rthm_core.spec import apply
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+    from rthm_core.spec import Spec
+
+LONGEST_PHASE = 0.2
+"""Longest step of a replay, in radians of the fastest motion of the mechanics."""
+
+MOST_SUBSTEPS = 50
+
+KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
+"""Laws with kinks that the replay does not locate."""
+
+LONGEST_NS = 5_000_000
+"""Longest interval of the grid."""
+
+TURN, SHARP = 1.5, 0.35
+"""Longest interval, in radians of the fastest motor, where a wire remembers its path: between the points of
+the grid the motor moves along parabolas, and one that overshoots turns the wire where nothing turned it. The
+second is as good as exact.
+"""
+
+Inputs = tuple[Grid, "Floats", "Floats", "Floats"]
+
+KEPT = 3
+"""Motions that are kept."""
+
+SENSORS = ("sensor.position", "sensor.velocity", "sensor.force")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a model of the physical side does in the recorded test.
+
+    Attributes
+    ----------
+    position, velocity : (s, n) arrays
+    force, motor : (s, m) arrays
+        Wire forces and motor positions.
+    """
+
+    position: Floats
+    velocity: Floats
+    force: Floats
+    motor: Floats
+
+
+@dataclass
+class Experiment:
+    """Recorded inputs, ready to be replayed; keeps the motor motion of models with the same motors.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    first : (m,) array
+        Command that had been there for ever before the test.
+    starts_ns : (r,) array
+        Instants at which free runs may begin.
+    between : Between
+        How a load that is known by its samples goes between them.
+    sharp : bool
+        Whether the grid is as fine as wires that remember their path need it.
+    """
+
+    evidence: Evidence
+    first: Floats
+    starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
+    between: Between = Between.SMOOTH
+    sharp: bool = False
+    _motors: dict[str, Inputs] = field(default_factory=dict)
+    _motions: dict[str, Motion] = field(default_factory=dict)
+    _lock: Lock = field(default_factory=Lock)
+
+    def begin_at(self, starts_ns: Integers) -> None:
+        """Let free runs begin at some instants."""
+        self.starts_ns = starts_ns
+        self._forget()
+
+    def sharpen(self, spec: Spec) -> bool:
+        """Refine the grid from now on if a wire of this model needs it; whether anything changed."""
+        if self.sharp or self._longest_interval(spec) == LONGEST_NS:
+            return False
+        self.sharp = True
+        self._forget()
+        return True
+
+    def _forget(self) -> None:
+        self._motors.clear()
+        self._motions.clear()
+
+    def _longest_interval(self, spec: Spec) -> int:
+        """Longest interval of the grid in ns."""
+        fastest_motor = drive_speed(spec) if _remembers(spec) else 0.0
+        if not fastest_motor:
+            return LONGEST_NS
+        return min(LONGEST_NS, int((SHARP if self.sharp else TURN) / fastest_motor * NS))
+
+    def motion(self, spec: Spec, windows: Windows) -> Motion:
+        """Motion of the physical side of `spec` under the recorded inputs; kept for the last few models."""
+        bare = _without_sensors(spec)
+        key = repr(bare) + str(hash(windows.state.tobytes()))
+        with self._lock:
+            kept = self._motions.get(key)
+        if kept is None:
+            kept = self._moved(bare, windows)
+            with self._lock:
+                while len(self._motions) > KEPT:
+                    self._motions.pop(next(iter(self._motions)))
+                self._motions[key] = kept
+        return kept
+
+    def predicted(self, spec: Spec, windows: Windows) -> Floats:
+        """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
+        motion = self.motion(spec, windows)
+        assert spec.plant is not None
+        columns = []
+        for channel in self.evidence.channels:
+            places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
+            true = getattr(motion, channel.family)[:, places.index(channel.place)]
+            columns.append(sensed(self.evidence.time, true, _effects_on(spec, channel)))
+        return np.stack(columns, axis=1)
+
+    @property
+    def _motors_alone(self) -> bool:
+        return all(channel.family == "motor" for channel in self.evidence.channels)
+
+    def _moved(self, spec: Spec, windows: Windows) -> Motion:
+        points, motor, load, seen = self._inputs(spec)
+        n, m = load.shape[2], motor.shape[2]
+        if self._motors_alone:
+            nothing = np.empty((seen.shape[0], 0))
+            return Motion(nothing, nothing, nothing, seen)
+        arrays = mechanics(spec, motor[0, 0])
+        longest = float(np.diff(points.time).max(initial=0.0))
+        needed = longest * max(fastest(arrays, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
+        substeps = min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
+        out = np.zeros((self.evidence.stamps_ns.size, 2 * n + m))
+        starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
+        replay_mechanics(
+            arrays, points.time, substeps, motor, load, starts, windows.state, self.evidence.time, seen, out
+        )
+        x, v, force = np.split(out, [n, 2 * n], axis=1)
+        return Motion(x, v, force, seen)
+
+    def _inputs(self, spec: Spec) -> Inputs:
+        """Grid, motor positions and loads on it, motor positions at the samples; kept for a few motors."""
+        poles = spec.actuator and spec.actuator.motor_poles
+        key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
+        key += str(self._longest_interval(spec))
+        with self._lock:
+            kept = self._motors.get(key)
+        if kept is None:
+            kept = self._new_inputs(spec)
+            with self._lock:
+                while len(self._motors) > KEPT:
+                    self._motors.pop(next(iter(self._motors)))
+                self._motors[key] = kept
+        points, motor, load, seen = kept
+        hidden = _hidden_loads(spec, points)
+        return points, motor, load if hidden is None else load + hidden, seen
+
+    def _new_inputs(self, spec: Spec) -> Inputs:
+        e = self.evidence
+        due, end = e.due_ns + motor_delay(spec), int(e.stamps_ns[-1])
+        m = e.commands.shape[1] if e.driven_by == "command" else 0
+        fine = grid(np.concatenate([due, e.stamps_ns]), end, LONGEST_NS)
+        points = fine
+        if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
+            points = grid(np.concatenate([due, self.starts_ns]), end, self._longest_interval(spec))
+        motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
+        if m:
+            moved = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
+            seen = np.ascontiguousarray(moved[np.searchsorted(fine.time_ns, e.stamps_ns), 0])
+            if points is not fine:
+                moved = motor_motion(spec, points.time_ns, due, e.commands, self.first)
+            motor = moved
+        return points, motor, load_on(points, e, self.between), seen
+
+
+def _longest_step(spec: Spec) -> float:
+    """Longest step in s: short where a law has kinks that nobody locates."""
+    kinks = any(e.kind in KINKED for e in spec.effects)
+    return 2.1e-3 if kinks or _remembers(spec) else np.inf
+
+
+def _remembers(spec: Spec) -> bool:
+    """Whether a wire has kinks: its force depends on where the motor has been."""
+    pretension = spec.actuator is not None and any(spec.actuator.pretension)
+    return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
+
+
+def _without_sensors(spec: Spec) -> Spec:
+    if not any(e.block in SENSORS for e in spec.effects):
+        return spec
+    return apply(spec, {"effects": [e.name for e in spec.effects if e.block not in SENSORS]})
+
+
+def _effects_on(spec: Spec, channel: Channel) -> list:  # type: ignore[type-arg]
+    return [e for e in spec.effects if e.block == f"sensor.{channel.family}" and e.place == channel.place]
+
+
+def _hidden_loads(spec: Spec, points: Grid) -> Floats | None:
+    """Loads of effects that depend on time alone: (g, 3, n); None without any."""
+    assert spec.plant is not None
+    loads = None
+    for one in spec.effects:
+        if one.block != "plant":
+            continue
+        law = effect(one.kind, one.block)
+        shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
+        if shape is not None:
+            constant, amplitude, frequency, phase = shape
+            if loads is None:
+                loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
+            added = constant + amplitude * np.sin(frequency * points.points + phase)
+            loads[:, :, spec.plant.dofs.index(str(one.dof))] += added
+    return loads

@@ -1,0 +1,142 @@
+"""Where free runs begin: once at the start of the test, or again and again where they would drift away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_core.physical.laws import DOF, NONLINEAR
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
+    from rthm_core.spec import Spec
+
+PERIODS = 0.015
+"""Length of the shortest windows, in periods of the recorded motion: a wrong model stays near for so long."""
+
+FEWEST_SAMPLES = 60
+
+DRIFT = 5.0
+"""A motion that decays by less than exp(-DRIFT) over the recording without swinging back drifts."""
+
+HALF_WIDTH = 12
+"""Samples on either side from which the state at the start of a window is estimated."""
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Free runs of one recording.
+
+    Attributes
+    ----------
+    start : (r,) array
+        First sample of each.
+    state : (r, 2 n) array
+        Positions and velocities there.
+    length : float or None
+        Seconds of each; None: one run over the whole recording.
+    """
+
+    start: Integers
+    state: Floats
+    length: float | None
+
+    def of(self, samples: int) -> Integers:
+        """Which window each of the samples is in."""
+        return np.asarray(np.searchsorted(self.start, np.arange(samples), side="right") - 1)
+
+    def first(self, samples: int) -> Windows:
+        """Those that begin within the first samples."""
+        kept = self.start < samples
+        return Windows(self.start[kept], self.state[kept], self.length)
+
+    def moved(self, column: int, by: float) -> Windows:
+        """The same with one entry of every state moved."""
+        state = self.state.copy()
+        state[:, column] += by
+        return Windows(self.start, state, self.length)
+
+
+def windows(
+    evidence: Evidence, spec: Spec, known_start: bool, longer: float = 1.0, short: bool = False
+) -> Windows:
+    """Free runs for a spec: windows where it drifts or is unstable, or where short ones are asked for.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    spec : Spec
+    known_start : bool
+        Whether the test began at rest in the spec's initial state; else the state is estimated.
+    longer : float
+        Length of windows over the shortest.
+    short : bool
+        Windows of one period of the motion, in which a wrong model stays near where it would not for long.
+    """
+    assert spec.plant is not None
+    duration = float(evidence.time[-1])
+    length = None
+    if short:
+        length = _period(evidence)
+    elif _drifts(spec, duration):
+        length = min(longer * _shortest(evidence, duration), duration)
+    instants = np.arange(0.0, duration, length) if length else np.zeros(1)
+    start = np.searchsorted(evidence.time, instants)
+    state = np.array([_state(evidence, spec, int(s)) for s in start])
+    if known_start:
+        state[0] = [*spec.plant.initial_position, *spec.plant.initial_velocity]
+    return Windows(start.astype(np.int64), state, length)
+
+
+def _drifts(spec: Spec, duration: float) -> bool:
+    arrays = mechanics(spec)
+    a = arrays.a.copy()
+    n, m = arrays.inverse_mass.shape[0], arrays.stiffness.shape[0]
+    for actuator in range(m):
+        if arrays.wires[actuator, NONLINEAR]:
+            row = np.zeros(a.shape[0])
+            row[arrays.wires[actuator, DOF]] = -arrays.stiffness[actuator, 0]
+            a += np.outer(arrays.b[:, m + n + actuator], row)
+    modes = np.linalg.eigvals(a)
+    return bool(np.any(np.abs(modes) * duration < DRIFT) or np.any(modes.real * duration > DRIFT))
+
+
+def _shortest(evidence: Evidence, duration: float) -> float:
+    shortest = FEWEST_SAMPLES * duration / evidence.time.size
+    return float(min(max(PERIODS * _period(evidence), shortest), duration))
+
+
+def _period(evidence: Evidence) -> float:
+    """Mean period of the recorded motion, s."""
+    position = np.nan_to_num(evidence.measured[:, 0])
+    rate = np.gradient(position, evidence.time)
+    return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
+
+
+def _state(evidence: Evidence, spec: Spec, sample: int) -> Floats:
+    """Position and velocity at a sample, from parabolas through its neighbours."""
+    assert spec.plant is not None
+    dofs = spec.plant.dofs
+    low, high = max(sample - HALF_WIDTH, 0), min(sample + HALF_WIDTH + 1, evidence.time.size)
+    t = evidence.time[low:high] - evidence.time[sample]
+    state = np.zeros(2 * len(dofs))
+    for column, channel in enumerate(evidence.channels):
+        if channel.place not in dofs or channel.family not in ("position", "velocity"):
+            continue
+        values = evidence.measured[low:high, column]
+        known = np.isfinite(values)
+        if known.sum() < 4:
+            continue
+        curve = np.polynomial.polynomial.polyfit(t[known], values[known], 2)
+        i = dofs.index(channel.place)
+        if channel.family == "position":
+            state[i] = curve[0]
+            if not any(c.family == "velocity" and c.place == channel.place for c in evidence.channels):
+                state[len(dofs) + i] = curve[1]
+        else:
+            state[len(dofs) + i] = curve[0]
+    return state

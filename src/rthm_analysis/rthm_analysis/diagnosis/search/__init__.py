@@ -1,0 +1,13 @@
+"""The search for what a model lacks: starting values, a cheap score for each kind, fits of the best.
+
+================  =============================================================================
+``scene``         how large things are in a recording
+``starts``        starting-value finders of plant, wires and sensors
+``drive_starts``  those of motors
+``tones``         those of harmonic loads
+``candidates``    every effect that there could be, with its starting values
+``screening``     the score of every candidate from one replay each
+``refining``      fits of the promising ones: the better they do, the longer
+``choosing``      effects added one at a time, as long as unseen data are predicted better
+================  =============================================================================
+"""

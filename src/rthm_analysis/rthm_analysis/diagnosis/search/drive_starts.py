@@ -1,0 +1,139 @@
+"""Starting values of what can be wrong with a motor: seen in its position alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
+
+LONGEST_DELAY = 0.1
+"""Seconds; a longer delay of a motor is not looked for."""
+
+FLAT = 2e-3
+"""Seconds; between two samples no delay is looked for any further away."""
+
+BINS = 1 << 17
+
+
+def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterator[Start]:
+    """Starts of every kind in every motor.
+
+    Parameters
+    ----------
+    spec : Spec
+    experiment : Experiment
+        Whose channels are motor positions alone.
+    windows : Windows
+    """
+    evidence = experiment.evidence
+    residual = evidence.measured - experiment.predicted(spec, windows)
+    for column, channel in enumerate(evidence.channels):
+        name, u = channel.place, np.nan_to_num(evidence.measured[:, column])
+        left = np.nan_to_num(residual[:, column])
+
+        def start(kind: str, free: tuple[str, ...], amplitude: tuple[str, ...] = (), **p: float) -> Start:
+            scales = {key: abs(value) for key, value in p.items()}
+            return Start(Added("motor", kind, name, dict(p)), free, amplitude, scales)  # noqa: B023
+
+        for lag in (2e-4, 1e-3, 5e-3):
+            yield start("lag", ("time_constant",), ("time_constant",), time_constant=lag)
+        for frequency in (15.0, 40.0, 120.0, 400.0, 1200.0, 3600.0):
+            yield start(
+                "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
+            )
+        delay, doubt = _best_delay(spec, experiment, windows, name)
+        if delay > 0.0:
+            yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
+        rate = np.abs(np.diff(u)) / np.diff(evidence.time)
+        for share in (0.999, 0.99, 0.9):
+            yield start("rate_limit", ("rate",), rate=max(float(np.quantile(rate, share)), 1e-6))
+        for share in (1.0, 0.99, 0.9):
+            yield start("saturation", ("limit",), limit=max(float(np.quantile(np.abs(u), share)), 1e-9))
+        actuator = spec.actuator.names.index(name) if spec.actuator else 0
+        step = _step(evidence, actuator, left)
+        if step:
+            yield start("quantisation", (), step=step)
+
+
+def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str) -> tuple[float, float]:
+    """Delay with the smallest squared error, and how much longer or shorter it may be without any difference.
+
+    The best of a row is looked for, then of ever finer rows around it. Motors that follow at once move in
+    steps, and between two samples it makes no difference when.
+    """
+
+    def error(delay: float) -> float:
+        if delay < 0.0:
+            return np.inf
+        model = Model(spec, prefix="trial").plus(
+            Added("motor", "extra_delay", name, {"delay": delay}), (), {}
+        )
+        left = experiment.evidence.measured - experiment.predicted(model.spec, windows)
+        return float(np.nansum(np.square(left)))
+
+    row = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)])
+    best = float(row[int(np.argmin([error(d) for d in row]))])
+    if best == 0.0 and error(2e-4) >= error(0.0):
+        return 0.0, 0.0
+    width = max(0.001, 0.3 * best)
+    # Commands come in steps, so that a delay that is off by a microsecond already shows.
+    for _ in range(10):
+        row = best + width * np.linspace(-1.0, 1.0, 9)
+        best = float(row[int(np.argmin([error(d) for d in row]))])
+        width *= 0.25
+    low, high = (_edge(error, best, best + side * FLAT) for side in (-1.0, 1.0))
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+def _edge(error: Callable[[float], float], inside: float, outside: float) -> float:
+    """How far from `inside` towards `outside` the error stays what it is."""
+    least = error(inside) * (1.0 + 1e-9)
+    if error(outside) <= least:
+        return outside
+    while abs(outside - inside) > 1e-7:
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if error(middle) <= least else (inside, middle)
+    return inside
+
+
+def _step(evidence: Evidence, actuator: int, residual: Floats) -> float | None:
+    """Step to which commands are rounded: the period of the residual over the command.
+
+    The rounding error is a saw tooth of the command. The residual, sorted into fine bins of the command, has
+    a line in its spectrum there.
+    """
+    commands = evidence.commands[:, actuator]
+    row = np.searchsorted(evidence.due_ns, evidence.stamps_ns[: residual.size], side="right") - 1
+    known = row >= 0
+    command = commands[row[known]]
+    low, high = float(command.min()), float(command.max())
+    if high - low <= 0.0:
+        return None
+    place = ((command - low) / (high - low) * (BINS - 1)).astype(int)
+    total = np.bincount(place, weights=residual[known] - residual[known].mean(), minlength=BINS)
+    spectrum = np.abs(np.fft.rfft(total))[1 : BINS // 3]
+    best = int(np.argmax(spectrum)) + 1
+    if best < 6 or spectrum[best - 1] < 6.0 * np.sqrt(np.mean(np.square(spectrum))):
+        return None
+    return _sharpened((high - low) / best, command, residual[known])
+
+
+def _sharpened(step: float, command: Floats, residual: Floats) -> float:
+    """Best step near a first guess: the one whose rounding error fits the residual best."""
+    span = float(np.abs(command).max())
+    width = step * step / span
+    for _ in range(4):
+        row = step + width * np.linspace(-1.0, 1.0, 41)
+        errors = [np.sum(np.square(residual - (s * np.floor(command / s + 0.5) - command))) for s in row]
+        step = float(row[int(np.argmin(errors))])
+        width /= 10.0
+    return step

@@ -1,0 +1,143 @@
+"""Fit the candidates that a screening promised: the better they do, the longer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.screening import Screened
+from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+
+PER_PARAMETER = 4.0
+"""Further gain that every further parameter has to bring."""
+
+CLEAR = 6.0
+"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
+
+CLOSE = 1.2
+"""Doubt below which a model is near the noise, so that what is still missing is small."""
+
+RELEVANT = 0.03
+"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
+
+HEATS = ((2, 0), (3, 6), (8, 2))
+"""Steps of the fits of one heat, and how many candidates get into it."""
+
+REACH = 10.0
+"""How much further from the noise than the best a candidate may be that is fitted any longer."""
+
+PARTS = (1.0, 0.5, 0.25, 0.1)
+"""Parts of a candidate's estimated size from which its fit may begin."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate that was refined."""
+
+    start: Start
+    fitted: Fitted
+    error: float
+
+    @property
+    def label(self) -> tuple[str, str, str]:
+        """Block, kind and place."""
+        return self.start.added.block, self.start.added.kind, self.start.added.place
+
+
+def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
+    """Fit the promising candidates, the better the longer; best first by what data left out say."""
+    tried = []
+    for one in promising:
+        model = _begun(fitting, fitted.model, one)
+        begun = Tried(one.start, replace(fitted, model=model, settled=np.inf), np.inf)
+        new = fit_further(fitting, begun, known, HEATS[0][0])
+        if np.isfinite(new.error):
+            tried.append(new)
+    for steps, most in HEATS[1:]:
+        tried.sort(key=lambda t: t.fitted.squares)
+        most = min(most, _within_reach(fitting, tried))
+        tried = [fit_further(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in in_order(tried):
+        if _meaningful(one):
+            best.setdefault(one.label, one)
+    return _simplest_first(fitting, in_order(list(best.values())), fitted)
+
+
+def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
+    """Where the fit of a candidate begins: where it is large, what the model has already moves with it.
+
+    The size was found as if everything were linear, so parts of it are tried as well.
+    """
+    whole = one.start.added_to(model)
+    if fitting.doubt < WRONG or not one.shift.size:
+        return whole
+    begun = []
+    for part in PARTS:
+        start = one.start.sized(part)
+        moved = model.at(model.values + part * one.shift)
+        begun.append(moved.plus(start.added, start.free, one.start.scales))
+    return min([whole, *begun], key=fitting.squares)
+
+
+def _meaningful(tried: Tried) -> bool:
+    """Whether the parameters are those of the kind; friction that rises with speed is not Stribeck's."""
+    if tried.label[1] != "stribeck_friction":
+        return True
+    found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
+    return float(found["static_force"]) >= float(found["coulomb_force"])
+
+
+def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
+    """Put a simpler candidate before the best where neither reaches the noise and hardly anything is lost.
+
+    What is then left is no noise, against which a further parameter could be weighed.
+    """
+    noise = fitting.expected
+    if not tried or tried[0].error < CLOSE * noise:
+        return tried
+    gain = float(without.left_out.sum()) - tried[0].error
+    if gain <= 0.0:
+        return tried
+    equal = [
+        t for t in tried if t.error - tried[0].error < RELEVANT * gain and not distinguishable(tried[0], t)
+    ]
+    first = min(equal, key=lambda t: len(t.fitted.model.parameters))
+    return [first, *(t for t in tried if t is not first)]
+
+
+def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
+    """Of candidates in the order of their errors, how many may still become the best."""
+    noise = fitting.expected
+    best = tried[0].fitted.squares if tried else 0.0
+    return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
+
+
+def fit_further(
+    fitting: Fitting, tried: Tried, known: Floats | None, steps: int, least: float = 3e-4
+) -> Tried:
+    """Go on fitting for some steps, as long as each brings at least this part."""
+    if tried.fitted.settled <= least:
+        return tried
+    try:
+        fitted = fitting.fit(tried.fitted.model, known, steps, least)
+        return Tried(tried.start, fitted, float(fitted.left_out.sum()))
+    except (InputError, np.linalg.LinAlgError):
+        return tried
+
+
+def in_order(tried: list[Tried]) -> list[Tried]:
+    """Smallest error first, where every parameter has to earn its place."""
+    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
+
+
+def distinguishable(best: Tried, other: Tried) -> bool:
+    """Whether the recording tells two refined candidates apart."""
+    differences = other.fitted.left_out - best.fitted.left_out
+    scatter = float(np.sqrt(differences.size) * differences.std())
+    return float(differences.sum()) > max(CLEAR, scatter)

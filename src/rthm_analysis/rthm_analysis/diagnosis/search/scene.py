@@ -1,0 +1,110 @@
+"""How large things are in a recording: what starting values of effects are scaled by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Motion
+from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Motion of one dof, or of one actuator and its dof, in the recorded test.
+
+    Attributes
+    ----------
+    place : str
+        Dof or actuator.
+    x, v, a : (s,) arrays
+        Motion of the dof.
+    force : (s,) array
+        What drives it: wire forces and known loads, N.
+    elongation : (s,) array
+        Of the wire, m; empty where there is none.
+    mass, stiffness : float
+        Of the dof, and of the wire.
+    time : (s,) array
+        Of the samples, s.
+    left : (s,) array
+        What a linear wire leaves of the recorded force, N; empty where none was recorded.
+    """
+
+    place: str
+    x: Floats
+    v: Floats
+    a: Floats
+    force: Floats
+    elongation: Floats
+    mass: float
+    stiffness: float
+    time: Floats
+    left: Floats = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def frequency(self) -> float:
+        """Where most of the motion is, rad/s."""
+        return rms(self.v) / max(rms(self.x - self.x.mean()), 1e-300)
+
+    @property
+    def size(self) -> float:
+        """Force scale, N."""
+        return max(rms(self.force), self.mass * rms(self.a), 1e-300)
+
+    def level(self, signal: Floats, share: float) -> float:
+        """Magnitude that a signal exceeds for this share of the time."""
+        return float(np.quantile(np.abs(signal), 1.0 - share))
+
+
+def rms(signal: Floats) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(signal)))) if signal.size else 0.0
+
+
+def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene:
+    """Scene of a dof; its recorded position where it is recorded, else the model's."""
+    assert spec.plant is not None
+    i = spec.plant.dofs.index(dof)
+    n = len(spec.plant.dofs)
+    x = motion.position[:, i]
+    for column, channel in enumerate(evidence.channels):
+        if channel.family == "position" and channel.place == dof:
+            recorded = evidence.measured[:, column]
+            x = np.where(np.isfinite(recorded), recorded, x)
+    force = evidence.load[:, i].copy()
+    if spec.interface and motion.force.shape[1]:
+        for actuator, where in enumerate(spec.interface.plant_dof):
+            if where == dof:
+                force = force + motion.force[:, actuator]
+    mass = float(spec.plant.mass[i * n + i])
+    return Scene(
+        dof,
+        x,
+        motion.velocity[:, i],
+        np.gradient(motion.velocity[:, i], evidence.time),
+        force,
+        np.empty(0),
+        mass,
+        0.0,
+        evidence.time,
+    )
+
+
+def wire_scene(spec: Spec, evidence: Evidence, motion: Motion, actuator: str) -> Scene:
+    """Scene of an actuator's wire."""
+    assert spec.actuator is not None and spec.interface is not None
+    i = spec.actuator.names.index(actuator)
+    at = dof_scene(spec, evidence, motion, spec.interface.plant_dof[i])
+    d = motion.motor[:, i] - at.x
+    k = float(spec.k_tot[i])
+    left = [
+        recorded - k * d
+        for one, recorded in zip(evidence.channels, evidence.measured.T, strict=True)
+        if one.family == "force" and one.place == actuator
+    ]
+    known = np.nan_to_num(left[0]) if left else np.empty(0)
+    return Scene(actuator, at.x, at.v, at.a, motion.force[:, i], d, at.mass, k, evidence.time, known)

@@ -1,0 +1,91 @@
+"""Starting values of a harmonic load: the tone in the residual that a force on the dof would make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
+from rthm_analysis.diagnosis.replay.model import Added
+from rthm_analysis.diagnosis.search.starts import Start
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+PADDING = 4
+HIGHEST = 400.0
+"""rad/s; faster tones are not looked for."""
+
+
+def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma: Floats) -> Iterator[Start]:
+    """Starts of a harmonic load on each dof.
+
+    Parameters
+    ----------
+    residual : (s, k) array
+        Over the noise.
+    sigma : (k,) array
+    """
+    assert spec.plant is not None
+    evidence = experiment.evidence
+    time = evidence.time
+    step = float(np.median(np.diff(time)))
+    even = np.arange(0.0, time[-1], step)
+    count = PADDING * even.size
+    omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
+    band = (omega > 2.0 * np.pi / time[-1]) & (omega < HIGHEST)
+    spectra = []
+    for column in residual.T:
+        known = np.isfinite(column)
+        spectra.append(np.fft.rfft(np.interp(even, time[known], column[known]), count)[band])
+    luck = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
+    gains = _gains(mechanics(spec, experiment.first), spec, experiment, omega[band], sigma)
+    for d, dof in enumerate(spec.plant.dofs):
+        gain = gains[:, :, d]
+        matched = np.sum(np.conj(gain) * np.stack(spectra), axis=0) * 2.0 / even.size
+        weight = np.sum(np.abs(gain) ** 2, axis=0)
+        score = np.abs(matched) ** 2 / np.maximum(weight, 1e-300)
+        for _ in range(2):
+            best = int(np.argmax(score))
+            force = matched[best] / weight[best]
+            w = float(omega[band][best])
+            phase = float(np.angle(force) + 0.5 * np.pi - w * float(time[0]))
+            values: dict[str, float | str] = {
+                "amplitude": float(np.abs(force)),
+                "frequency": w,
+                "phase": phase,
+            }
+            scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
+            added = Added("plant", "harmonic_load", dof, values)
+            yield Start(added, tuple(values), ("amplitude",), scales, luck=luck)
+            score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
+
+
+def _gains(arrays: Mechanics, spec: Spec, experiment: Experiment, omega: Floats, sigma: Floats) -> np.ndarray:
+    """Response of every channel, over its noise, to a harmonic force on each dof: (k, frequencies, n)."""
+    assert spec.plant is not None
+    n, m, ny = arrays.inverse_mass.shape[0], arrays.stiffness.shape[0], arrays.a.shape[0]
+    a = arrays.a.copy()
+    force = arrays.force[:, :ny].copy()
+    for actuator in range(m):
+        if arrays.wires[actuator, 2]:
+            force[actuator] = 0.0
+            force[actuator, arrays.wires[actuator, 0]] = -arrays.stiffness[actuator, 1]
+            a += np.outer(arrays.b[:, m + n + actuator], force[actuator])
+    modes, vectors = np.linalg.eig(a.astype(complex))
+    entry = np.linalg.lstsq(vectors, arrays.b[:, m : m + n].astype(complex), rcond=None)[0]
+    rows = []
+    for channel, noise in zip(experiment.evidence.channels, sigma, strict=True):
+        row = np.zeros(ny)
+        if channel.family in ("position", "velocity"):
+            i = spec.plant.dofs.index(channel.place)
+            row[i if channel.family == "position" else n + i] = 1.0
+        elif channel.family == "force" and spec.actuator is not None:
+            row = force[spec.actuator.names.index(channel.place)]
+        rows.append(row / noise)
+    seen = np.stack(rows) @ vectors
+    return np.einsum("km,fm,mn->kfn", seen, 1.0 / (1j * omega[:, None] - modes), entry)

@@ -1,0 +1,157 @@
+"""The works of a linear loop, as tables: every power is a quadratic form of the joint state of both sides,
+and so is its integral over a step.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.compiled import Floats, Integers
+from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
+from rthm_core.engine.exponential import exponentials
+from rthm_core.engine.general.ledger import nothing_added
+from rthm_core.engine.linear.loop import LinearLoop, Side
+from rthm_core.numerical import numerical
+from rthm_core.physical.drive import Drive, drive, settled
+from rthm_core.physical.side import build
+from rthm_core.substructure import as_built
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+COLUMNS = 8
+"""Six works, the energy, and one that makes the row as long as two registers."""
+
+
+class LinearLedger(NamedTuple):
+    """Powers of the terms `energy.TERMS`, and the energy, as forms of the joint state
+    ``z = [plant, commands, numerical, held]``.
+
+    Attributes
+    ----------
+    loop : LinearLoop
+        The loop with its commands in two parts [u_fx, u_ff], and what h(s) makes of each as leading states.
+    joint : (d, d) array
+        Dynamics of z between two changes of an input.
+    forms : (7, d, d) array
+        Six powers in W and the energy in J.
+    """
+
+    loop: LinearLoop
+    joint: Floats
+    forms: Floats
+
+
+def linear_ledger(spec: Spec, loop: LinearLoop) -> LinearLedger:
+    """Ledger of a linear loop."""
+    believed = drive(spec, effects=False)
+    parted = _in_parts(loop, believed)
+    one, two = parted.plant, parted.numerical
+    n1, n2, m1, m2 = one.a.shape[0], two.a.shape[0], one.held.size, two.held.size
+    joint = np.zeros((n1 + m1 + n2 + m2, n1 + m1 + n2 + m2))
+    joint[:n1, :n1], joint[:n1, n1 : n1 + m1] = one.a, one.b
+    at = n1 + m1
+    joint[at : at + n2, at : at + n2], joint[at : at + n2, at + n2 :] = two.a, two.b
+    forms = _forms(spec, parted, believed, joint)
+    return LinearLedger(parted, joint, forms)
+
+
+def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
+    """The loop with [u_fx, u_ff] as inputs; the states of h(s) for each part come first."""
+    one, m = loop.plant, loop.k_tot.size
+    chain, n = believed.system.a.shape[0], loop.plant.a.shape[0]
+    a, b = np.zeros((2 * chain + n, 2 * chain + n)), np.zeros((2 * chain + n, 2 * m))
+    for part in range(2):
+        span = slice(part * chain, (part + 1) * chain)
+        a[span, span], b[span, part * m : (part + 1) * m] = believed.system.a, believed.system.b
+    a[2 * chain :, 2 * chain :], b[2 * chain :] = one.a, np.hstack([one.b, one.b])
+    fx = loop.first_sample[:m]
+    ff = one.held - fx
+    y = np.concatenate([settled(believed, fx), settled(believed, ff), one.y])
+
+    def parted(rows: Floats) -> Floats:
+        return np.hstack([np.zeros((rows.shape[0], 2 * chain)), rows, rows[:, n:]])
+
+    side = Side(a, b, y, np.concatenate([fx, ff]), one.exosystem)
+    return loop._replace(plant=side, sample=parted(loop.sample), rows=parted(loop.rows))
+
+
+def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:
+    """All signals of `energy.Moment` as rows over z."""
+    model, side2 = build(spec).model, numerical(as_built(spec, "numerical"))
+    n1, n2, m, chain = model.n, side2.n, model.m, believed.system.a.shape[0]
+    first, size = loop.plant.a.shape[0], joint.shape[0]
+    second = first + 2 * m
+    unit = np.eye(size)
+    motion = np.zeros((2 * n1, size))
+    motion[:, : first + 2 * m] = loop.rows[: 2 * n1]
+    x1, v1 = motion[:n1], motion[n1:]
+    parts = [
+        believed.out @ np.vstack([unit[part * chain : (part + 1) * chain], unit[first + part * m :][:m]])
+        for part in range(2)
+    ]
+    loads1, loads2 = np.zeros((n1, size)), np.zeros((n2, size))
+    out1, out2 = loop.plant.exosystem.out, loop.numerical.exosystem.out
+    for i in range(model.listed_loads):
+        loads1[model.load_dof[i], first - out1.shape[1] : first] += out1[i]
+    at = second + 2 * n2
+    loads2[side2.load_dof[0], at : at + out2.shape[1]] = out2[0]
+    velocity = int(np.flatnonzero(loop.rows[n1])[0])
+    free = b.m1 @ joint[velocity : velocity + n1] + b.c1 @ v1 + b.k1 @ x1
+    x2, held = unit[second : second + 2 * n2], unit[size - 2 * m :]
+    return [x1, v1, x2[:n2], x2[n2:], held, *parts, loads1, loads2, free]
+
+
+def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floats:
+    b = bodies(spec)
+    signals = _signals(spec, loop, believed, joint, b)
+    flat = np.zeros(sum(rows.shape[0] for rows in signals))
+    ends = np.cumsum([0, *(rows.shape[0] for rows in signals)]).tolist()
+    at = Moment(*(flat[begin:end] for begin, end in pairwise(ends)))
+    forms = np.zeros((len(TERMS) + 1, joint.shape[0], joint.shape[0]))
+    probe_powers(b, np.ascontiguousarray(np.vstack(signals)), at, flat, forms)
+    if nothing_added(spec, build(spec).model, believed):
+        forms[EFFECTS] = 0.0
+    return forms
+
+
+def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool) -> Floats:
+    """Works over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
+    products ``z_i z_j``, i <= j, of the state at its start.
+    """
+    size = ledger.joint.shape[0]
+    forms = np.array([works_over(ledger, int(length)) for length in lengths_ns]).reshape(-1, 6, size, size)
+    if not with_energy:
+        return packed(forms)
+    ends = exponentials(ledger.joint, lengths_ns)
+    energy = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
+    return packed(np.concatenate([forms, energy[:, None]], axis=1))
+
+
+def works_over(ledger: LinearLedger, length_ns: int) -> Floats:
+    """Works (6, d, d) over one length as forms of the state at its start."""
+    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max()) * length_ns * 1e-9
+    parts = max(1, math.ceil(fastest))
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    at = ((np.arange(parts)[:, None] + 0.5 * (nodes + 1.0)) / parts).ravel()
+    weight = np.tile(0.5 * weights / parts, parts) * (length_ns * 1e-9)
+    steps = exponentials(ledger.joint, length_ns * at)
+    works = np.zeros((len(TERMS), *ledger.joint.shape))
+    for term in range(len(TERMS)):
+        if ledger.forms[term].any():
+            power = np.swapaxes(steps, 1, 2) @ (ledger.forms[term] @ steps)
+            works[term] = np.tensordot(weight, power, axes=1)
+    return works
+
+
+def packed(forms: Floats) -> Floats:
+    """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the works, and the energy if it is there."""
+    upper = np.triu_indices(forms.shape[-1])
+    double = np.where(upper[0] == upper[1], 1.0, 2.0)
+    tables = np.zeros((forms.shape[0], upper[0].size, COLUMNS))
+    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., upper[0], upper[1]] * double, 1, 2)
+    return tables

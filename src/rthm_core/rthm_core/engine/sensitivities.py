@@ -1,0 +1,243 @@
+"""`sensitivities`: how a trajectory changes with the parameters of its spec."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_core.clock import to_ns
+from rthm_core.compiled import Floats
+from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
+from rthm_core.engine.curved.run import Portion, State, looks_of, outputs, plan, start_state
+from rthm_core.engine.kept import kept
+from rthm_core.engine.linear.blocks import Rows, joined
+from rthm_core.engine.linear.kernel import ROWS
+from rthm_core.engine.simulate import checked_step, simulate
+from rthm_core.engine.tangents.advance import TangentWork, Term
+from rthm_core.engine.tangents.changes import Tangents, columns, stencil, tangents
+from rthm_core.engine.tangents.kernel import (
+    Seen,
+    TangentRows,
+    TangentSteps,
+    run_tangents,
+)
+from rthm_core.engine.tangents.steps import LANES
+from rthm_core.engine.trajectory import Trajectory, of_rows
+from rthm_core.errors import InputError
+from rthm_core.spec import parameters
+
+if TYPE_CHECKING:
+    from rthm_core.spec import EffectSpec, Spec
+
+PHYSICAL = ("plant", "numerical", "interface", "actuator.stiffness", "actuator.motor_poles", "load")
+"""Sections whose numbers are parameters of the physics, beside those of the effects."""
+
+INITIAL = ("initial_position", "initial_velocity")
+"""Numbers of a substructure that are no property of it."""
+
+NOT_SMOOTH = ("timing", "noise", "uncertainty", "limits", "actuator.compensator_order")
+"""Sections on which no trajectory depends smoothly: clocks count in ns; what is random or rounded jumps."""
+
+
+@dataclass
+class Sensitivities:
+    """A trajectory and its derivatives.
+
+    Attributes
+    ----------
+    trajectory : Trajectory
+    by_parameter : dict of Trajectory
+        Derivative of each of its arrays with respect to one parameter, in SI units over the parameter's;
+        `t` is the time of the rows.
+    tangents : bool
+        Whether they were computed beside the trajectory, or by differences of whole simulations, which is
+        what remains where laws are neither linear nor dry friction, or samples are noisy.
+    """
+
+    trajectory: Trajectory
+    by_parameter: dict[str, Trajectory]
+    tangents: bool
+
+
+def sensitivities(
+    spec: Spec, duration: float, names: Sequence[str] | None = None, sample: float | None = None
+) -> Sensitivities:
+    """Simulate a loop exactly, and how it changes with parameters.
+
+    Parameters
+    ----------
+    spec : Spec
+        A loop.
+    duration : float
+        Length in s.
+    names : sequence of str, optional
+        Dotted names of numbers, as in `apply`; every one of the physics when absent.
+    sample : float, optional
+        Distance of the rows in s; Td1 when absent.
+
+    Raises
+    ------
+    InputError
+        When the spec is no loop, duration or sample is not a positive number, or a name is not that of a
+        number on which the motion depends smoothly.
+    """
+    step = checked_step(spec, duration, sample)
+    spec.loop()
+    chosen = physical_numbers(spec) if names is None else tuple(names)
+    for name in chosen:
+        _check(spec, name)
+    beside = _beside(spec, chosen, to_ns(duration), step)
+    if beside is not None:
+        return beside
+    trajectory = simulate(spec, duration, step * 1e-9, energies=False)
+    by_parameter = {name: _difference(spec, name, duration, step * 1e-9) for name in chosen}
+    return Sensitivities(trajectory, by_parameter, tangents=False)
+
+
+@kept
+def physical_numbers(spec: Spec) -> tuple[str, ...]:
+    """Names of all numbers of the physics that are not zero: properties of both sides and of what joins
+    them, of loads and of effects.
+    """
+    sections = (*PHYSICAL, *(one.name for one in spec.effects if not _shifts_time(one)))
+    found: list[str] = []
+    for one in parameters(spec):
+        initial = one.name.endswith(INITIAL)
+        if initial or not _within(one.name, sections) or not one.type.startswith("double"):
+            continue
+        values = one.value if isinstance(one.value, list) else [one.value]
+        single = len(values) == 1
+        found += [one.name if single else f"{one.name}[{i}]" for i, value in enumerate(values) if value]
+    return tuple(found)
+
+
+def _within(name: str, sections: Sequence[str]) -> bool:
+    """Whether a dotted name is one of some entries or stands in one of some sections."""
+    return any(f"{name.partition('[')[0]}.".startswith(f"{section}.") for section in sections)
+
+
+def _shifts_time(one: EffectSpec) -> bool:
+    """Whether an effect decides when something happens, which is an instant in ns."""
+    return one.block.startswith("link") or one.kind == "extra_delay"
+
+
+def _check(spec: Spec, name: str) -> None:
+    if _within(name, (*NOT_SMOOTH, *(one.name for one in spec.effects if _shifts_time(one)))):
+        raise InputError(
+            f"{name} is nothing on which a motion depends smoothly, allowed are numbers of the plant, the "
+            f"numerical side, the interface, the actuators, loads and effects; leave it out."
+        )
+
+
+class _Prepared(NamedTuple):
+    """A loop, its derivatives, and memory for the changes of its steps."""
+
+    loop: CurvedLoop
+    changes: Tangents
+    steps: dict[int, TangentSteps]
+
+
+@kept
+def _prepared(spec: Spec, names: tuple[str, ...], step: int) -> _Prepared | None:
+    """What the kernel needs for rows every `step` ns; None where it does not know the loop."""
+    loop = curved_loop(spec, energies=False)
+    if loop is None or not loop.curved.steady or loop.linear.sensors is not None:
+        return None
+    changes = tangents(spec, loop, names)
+    return None if changes is None else _Prepared(loop, changes, {})
+
+
+def _steps(one: _Prepared, slots: int) -> TangentSteps:
+    """Memory for the changes of so many steps."""
+    if slots not in one.steps:
+        _, n, d, *groups = one.changes.systems.shape
+        loop, none = one.loop, np.zeros(slots, dtype=np.int64)
+        seen = Seen(*(np.ascontiguousarray(rows.T) for rows in (loop.sample, loop.force, loop.reference)))
+        memory = np.empty((slots, d, n, *groups))
+        one.steps[slots] = TangentSteps(memory, none, seen, columns(loop, one.changes))
+    return one.steps[slots]
+
+
+def _tangent_work(one: _Prepared, state: State) -> TangentWork:
+    """Tangents at the start of a test."""
+    changes = one.changes
+    _, n, d, *groups = changes.systems.shape
+    dz = np.zeros((d, *groups))
+    dz[: changes.start.shape[0]] = changes.start
+    return TangentWork(
+        dz,
+        np.tile(changes.first_sample, (state.memory.samples.shape[0], 1, 1, 1)),
+        np.tile(changes.first_reference, (state.memory.references.shape[0], 1, 1, 1)),
+        np.zeros((n, *groups)),
+        np.zeros(d),
+        np.zeros(n),
+        np.zeros(groups),
+        Term(np.zeros(n), np.zeros((n, *groups))),
+        Term(np.zeros(n), np.zeros((n, *groups))),
+        np.zeros(d),
+        np.zeros((d, *groups)),
+    )
+
+
+def _beside(spec: Spec, names: tuple[str, ...], end: int, step: int) -> Sensitivities | None:
+    """Sensitivities by tangents; None where there are none."""
+    one = _prepared(spec, names, step)
+    found = None if one is None else plan(spec, one.loop, end, step, energies=False, span=end + 1)
+    if one is None or found is None:
+        return None
+    state = start_state(one.loop, found.samples, found.references)
+    own = _tangent_work(one, state)
+    blocks = [_block(one, portion, state, own) for portion in found.portions]
+    rows, beside = (joined(parts) for parts in zip(*blocks, strict=True))
+    by_parameter = {name: of_rows(spec, _of_one(beside, p), step) for p, name in enumerate(names)}
+    return Sensitivities(of_rows(spec, Rows(*rows), step), by_parameter, tangents=True)
+
+
+def _of_one(beside: Sequence[Floats], parameter: int) -> Rows:
+    """Tangents for one parameter, as the rows of a trajectory."""
+    plant, numerical, reference = (part[..., parameter // LANES, parameter % LANES] for part in beside)
+    return Rows(plant, numerical, reference, np.empty((0, 0)))
+
+
+def _block(
+    one: _Prepared, portion: Portion, state: State, own: TangentWork
+) -> tuple[list[Floats], list[Floats]]:
+    """Rows of a portion and their tangents, without the last, which is beyond it: a full block would end the
+    run.
+    """
+    loop, out = one.loop, outputs(one.loop, portion.rows + 1)
+    groups = one.changes.start.shape[1:]
+    beside = TangentRows(*(np.empty((*array.shape, *groups)) for array in out[:3]))
+    state.memory.count[ROWS] = 0
+    run_tangents(
+        loop.curved,
+        portion.steps,
+        state.work,
+        looks_of(loop),
+        portion.operations,
+        state.memory,
+        state.z,
+        portion.passes,
+        out,
+        one.changes,
+        _steps(one, portion.steps.filled.size),
+        own,
+        beside,
+    )
+    return [rows[:-1] for rows in out], [rows[:-1] for rows in beside]
+
+
+def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajectory:
+    """Derivative of a trajectory by simulating neighbours of its spec."""
+    weighted = [
+        (weight, simulate(beside, duration, sample, energies=False)) for beside, weight in stencil(spec, name)
+    ]
+    arrays = {
+        one.name: sum(weight * getattr(trajectory, one.name) for weight, trajectory in weighted)
+        for one in fields(Trajectory)
+        if one.name not in ("t", "energies")
+    }
+    return Trajectory(weighted[0][1].t, **arrays)

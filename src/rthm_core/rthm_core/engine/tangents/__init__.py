@@ -1,0 +1,9 @@
+"""Tangents: how a loop and its motion change with parameters, beside the motion itself.
+
+===========  ==================================================================================
+``changes``  of the loop's matrices, held forces and start
+``steps``    tangents over a step without a switch
+``advance``  up to the next switch, and across it
+``kernel``   compiled: what ``curved`` executes, with tangents beside it
+===========  ==================================================================================
+"""

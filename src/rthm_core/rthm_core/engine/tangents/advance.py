@@ -1,0 +1,161 @@
+"""Advance a loop and its tangents where forces of laws are constant in each piece, compiled.
+
+Where a law switches, the instant at which it does moves with the parameters, and the tangents jump:
+``dy+ = dy- + (y'- - y'+) dt`` with ``dt = -dm / m'`` for a margin m that vanishes there.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rthm_core.compiled import Floats, inlined
+from rthm_core.engine.curved.advance import MOST_SWITCHES, begin_step, step_by
+from rthm_core.engine.curved.steps import at, fill, terms_of
+from rthm_core.engine.curved.switch import first_left, product
+from rthm_core.engine.tangents.steps import LANES, by_series, fill_change
+from rthm_core.physical.laws import PLACE
+from rthm_core.physical.switching import switched
+
+
+class Term(NamedTuple):
+    """A term (N,) of the series of y and its tangents (N, Q, 4)."""
+
+    y: Floats
+    dy: Floats
+
+
+class TangentWork(NamedTuple):
+    """What lasts from step to step, and scratch.
+
+    Attributes
+    ----------
+    dz : (d, Q, 4) array
+        Tangents of [y, held, g].
+    samples, references : (length, 2 m, Q, 4), (length, m, Q, 4) arrays
+        Those of the memory.
+    after : (N, Q, 4) array
+        Tangents of y after a step.
+    before : (d,) array
+        [y, held, g] at its start.
+    rate : (N,) array
+        Of y just before a law switches.
+    shift : (Q, 4) array
+        How much later it switches, s per unit of each parameter.
+    one, other : Term
+    unit, zero : (d,), (d, Q, 4) arrays
+    """
+
+    dz: Floats
+    samples: Floats
+    references: Floats
+    after: Floats
+    before: Floats
+    rate: Floats
+    shift: Floats
+    one: Term
+    other: Term
+    unit: Floats
+    zero: Floats
+
+
+@inlined
+def keep_tangents(after, dz):  # type: ignore[no-untyped-def]
+    """Copy the tangents of the leading elements."""
+    for i in range(after.shape[0]):
+        for group in range(after.shape[1]):
+            for lane in range(LANES):
+                dz[i, group, lane] = after[i, group, lane]
+
+
+@inlined
+def _forces(forces, pieces, first, dz):  # type: ignore[no-untyped-def]
+    """Tangents of the laws' forces in their present pieces."""
+    for row in range(pieces.size):
+        for group in range(dz.shape[1]):
+            for lane in range(LANES):
+                dz[first + row, group, lane] = forces[row, pieces[row] + 1, group, lane]
+
+
+@inlined
+def _shift(curved, tangents, number, law, piece, z, dz, rate, shift):  # type: ignore[no-untyped-def]
+    """How much later a law leaves its piece, for each parameter."""
+    velocity, holds, size = curved.laws.numbers[law, PLACE] + curved.n, curved.holds[number, law], rate.size
+    slope, sign = rate[velocity], 1.0
+    if piece == 0:
+        slope, sign = 0.0, 1.0 if product(holds, z) > 0.0 else -1.0
+        for j in range(size):
+            slope += holds[j] * rate[j]
+    for group in range(dz.shape[1]):
+        for lane in range(LANES):
+            margin = dz[velocity, group, lane]
+            if piece == 0:
+                margin = -sign * tangents.breakaway[law, group, lane]
+                for j in range(z.size):
+                    change = tangents.holds[number, law, j, group, lane]
+                    margin += holds[j] * dz[j, group, lane] + change * z[j]
+            shift[group, lane] = -margin / slope if slope != 0.0 else 0.0
+
+
+@inlined
+def _cross(curved, work, tangents, own, number, law, z, t):  # type: ignore[no-untyped-def]
+    """Let a law switch at `t`, where it leaves its piece, and the tangents jump."""
+    first, size = z.size - curved.push.shape[1], curved.systems.shape[1]
+    for i in range(size):
+        own.rate[i] = product(curved.systems[number, i], z)
+    piece = work.pieces[law]
+    _shift(curved, tangents, number, law, piece, z, own.dz, own.rate, own.shift)
+    hold = product(curved.holds[number, law], z)
+    work.pieces[law] = switched(curved.laws, curved.n, law, piece, z, hold)
+    following = begin_step(curved, z, t, work.pieces)
+    _forces(tangents.forces, work.pieces, first, own.dz)
+    for i in range(size):
+        jump = own.rate[i] - product(curved.systems[following, i], z)
+        for group in range(own.shift.shape[0]):
+            for lane in range(LANES):
+                own.dz[i, group, lane] += jump * own.shift[group, lane]
+
+
+@inlined
+def advance_tangents(curved, steps, work, tangents, own, z, k, t):  # type: ignore[no-untyped-def]
+    """Advance z and its tangents over length `k`, from time `t` (s) on."""
+    size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
+    first, done, length, switches = z.size - curved.push.shape[1], 0.0, whole, 0
+    while done < whole:
+        number = begin_step(curved, z, t + done, work.pieces)
+        _forces(tangents.forces, work.pieces, first, own.dz)
+        slot = number * lengths + k if length == whole else steps.filled.size - 1
+        if length != whole or not steps.filled[slot]:
+            fill(curved.systems[number], curved.fastest, steps, slot, length)
+            steps.filled[slot] = 1
+        for j in range(size, z.size):
+            work.end[j] = z[j]
+        step_by(steps.matrices[slot, 0], z, z.size, work.end)
+        law, share, terms = -1, 1.0, 0
+        if switches < MOST_SWITCHES:
+            law, share, terms = first_left(curved, work, number, z, length)
+        by_series(
+            curved.systems[number], tangents.systems[number], share * length,
+            terms_of(curved.fastest * length), z, own.dz, own.one, own.other, own.after,
+        )  # fmt: skip
+        keep_tangents(own.after, own.dz)
+        if law >= 0:
+            at(work.terms, terms, share, work.end)
+        for i in range(size):
+            z[i] = work.end[i]
+        done = whole if law < 0 else done + share * length
+        if law >= 0:
+            _cross(curved, work, tangents, own, number, law, z, t + done)
+            switches += 1
+        length = whole - done
+    begin_step(curved, z, t + whole, work.pieces)
+    _forces(tangents.forces, work.pieces, first, own.dz)
+
+
+@inlined
+def change_of_step(curved, steps, tangents, own, number, k, out):  # type: ignore[no-untyped-def]
+    """Change of the matrix of a step over length `k`."""
+    length = steps.lengths[k]
+    fill_change(
+        curved.systems[number], tangents.systems[number], length, terms_of(curved.fastest * length),
+        own.unit, own.zero, own.one, own.other, out,
+    )  # fmt: skip

@@ -1,0 +1,174 @@
+"""How a loop changes with parameters of its spec: derivatives of its matrices, held forces and start.
+
+The matrices are smooth in every parameter, so that differences of them are as good as formulas, and no
+formula of the physics is written a second time. The last two axes of every array are the parameters, in
+groups of `LANES`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rthm_core.compiled import Flags, Floats, Integers
+from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
+from rthm_core.engine.tangents.steps import LANES
+from rthm_core.errors import InputError
+from rthm_core.physical.laws import CODE, FRICTION, PLANT_LAWS, SPLIT
+from rthm_core.spec import apply, number_at
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+STEP = 1e-5
+"""Step of the differences, relative to the parameter; absolute where that is zero."""
+
+Unsigned = NDArray[np.uint64]
+"""Array of indices; shapes are in the docstrings."""
+
+Stencil = list[tuple["Spec", float]]
+"""Specs beside the given one, and the weight of each in the derivative."""
+
+
+class Tangents(NamedTuple):
+    """Derivatives with respect to 4 Q parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
+
+    Attributes
+    ----------
+    systems, holds : (S, N, d, Q, 4), (S, L, d, Q, 4) arrays
+    forces : (L, 3, Q, 4) array
+        Force of each law in its pieces -1, 0 and 1.
+    breakaway : (L, Q, 4) array
+    sample, force, reference : (N + M, ., Q, 4) arrays
+        Of the transposed matrices.
+    bias, k_tot : (2 m, Q, 4), (m, Q, 4) arrays
+    start : (N + M, Q, 4) array
+    first_sample, first_reference : (2 m, Q, 4), (m, Q, 4) arrays
+    """
+
+    systems: Floats
+    holds: Floats
+    forces: Floats
+    breakaway: Floats
+    sample: Floats
+    force: Floats
+    reference: Floats
+    bias: Floats
+    k_tot: Floats
+    start: Floats
+    first_sample: Floats
+    first_reference: Floats
+
+
+def stencil(spec: Spec, name: str) -> Stencil:
+    """Second-order difference with respect to a parameter: central, or forward from a lower bound.
+
+    Raises
+    ------
+    InputError
+        When the spec has no such number, or it may not move.
+    """
+    value = number_at(spec, name)
+    if value is None:
+        raise InputError(f"{name} is no number of this spec; name one that it has, as plant.mass.")
+    step = STEP * (abs(value) or 1.0)
+    try:
+        below = apply(spec, {name: value - step})
+    except InputError:
+        ahead = [apply(spec, {name: value + i * step}) for i in (1, 2)]
+        return [(spec, -1.5 / step), (ahead[0], 2.0 / step), (ahead[1], -0.5 / step)]
+    return [(apply(spec, {name: value + step}), 0.5 / step), (below, -0.5 / step)]
+
+
+def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | None:
+    """Derivatives of a loop; None where a small change of a parameter changes what the loop is made of."""
+    shapes, derivatives = [one.shape for one in _arrays(loop)], []
+    for name in names:
+        weighted = []
+        for beside, weight in stencil(spec, name):
+            changed = curved_loop(beside, energies=False)
+            arrays = () if changed is None else _arrays(changed)
+            if [one.shape for one in arrays] != shapes:
+                return None
+            weighted.append([weight * one for one in arrays])
+        derivatives.append([np.sum(parts, axis=0) for parts in zip(*weighted, strict=True)])
+    return Tangents(*(_side_by_side(parts) for parts in zip(*derivatives, strict=True)))
+
+
+def _side_by_side(derivatives: Sequence[Floats]) -> Floats:
+    """Arrays stacked along a last axis that is filled up to whole groups, and parted into them."""
+    first, missing = derivatives[0], -len(derivatives) % LANES
+    stacked = np.stack([*derivatives, *([np.zeros_like(first)] * missing)], axis=-1)
+    groups = stacked.shape[-1] // LANES
+    return np.ascontiguousarray(stacked.reshape(*first.shape, groups, LANES))
+
+
+def _arrays(loop: CurvedLoop) -> tuple[Floats, ...]:
+    """What of a loop depends on parameters, in the order of `Tangents`."""
+    curved, linear = loop.curved, loop.linear
+    return (
+        curved.systems,
+        curved.holds,
+        _forces(curved.laws.numbers, curved.laws.parameters),
+        curved.laws.breakaway,
+        loop.sample.T,
+        loop.force.T,
+        loop.reference.T,
+        linear.bias,
+        linear.k_tot,
+        loop.start,
+        linear.first_sample,
+        linear.first_reference,
+    )
+
+
+def _forces(numbers: Integers, parameters: Floats) -> Floats:
+    """Force (L, 3) in the pieces -1, 0 and 1 of laws that are constant in each."""
+    found = np.zeros((numbers.shape[0], 3))
+    for row, (law, p) in enumerate(zip(numbers, parameters, strict=True)):
+        of_piece: Any = PLANT_LAWS[law[CODE]].force
+        for piece in (-1, 1):
+            found[row, piece + 1] = of_piece(0.0, 0.0, [], 0.0, p, piece)
+        assert law[SPLIT] == FRICTION
+    return found
+
+
+class Columns(NamedTuple):
+    """For each row of what is made of [y, held, g] the number of elements that count, and then these.
+
+    Unsigned, since compiled code need not ask whether such an index counts from the end.
+    """
+
+    steps: Unsigned
+    sample: Unsigned
+    force: Unsigned
+    reference: Unsigned
+
+
+def columns(loop: CurvedLoop, changes: Tangents) -> Columns:
+    """What the tangents after a step, and those of what is seen, depend on."""
+    systems = np.abs(loop.curved.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
+    n = systems.shape[0]
+    states = np.eye(n, dtype=bool)
+    for _ in range(n):
+        states = states | (states.astype(int) @ (systems[:, :n] != 0.0) > 0)
+    reached = np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0])
+    looks = zip(
+        (loop.sample, loop.force, loop.reference),
+        (changes.sample, changes.force, changes.reference),
+        strict=True,
+    )
+    seen = [(rows != 0.0) | np.any(change != 0.0, axis=(2, 3)).T for rows, change in looks]
+    return Columns(*(_numbered(rows) for rows in (reached, *seen)))
+
+
+def _numbered(rows: Flags) -> Unsigned:
+    """Number of true columns of each row, and then their indices."""
+    found = np.zeros((rows.shape[0], 1 + rows.shape[1]), dtype=np.uint64)
+    for i, row in enumerate(rows):
+        which = np.flatnonzero(row)
+        found[i, 0], found[i, 1 : 1 + which.size] = which.size, which
+    return found

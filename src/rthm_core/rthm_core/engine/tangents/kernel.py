@@ -1,0 +1,171 @@
+"""The compiled kernel of a loop and its tangents: what `curved.kernel` runs, with derivatives beside it.
+
+Clocks do not depend on physics, so that both follow one program.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
+from rthm_core.engine.curved.advance import Work, set_of
+from rthm_core.engine.curved.kernel import Looks, Operations, Outputs, command, look, sample, write_row
+from rthm_core.engine.curved.loop import Curved
+from rthm_core.engine.curved.quiet import quiet_step
+from rthm_core.engine.curved.steps import Steps
+from rthm_core.engine.linear.kernel import Memory
+from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step, keep_tangents
+from rthm_core.engine.tangents.changes import Columns, Tangents
+from rthm_core.engine.tangents.steps import LANES, by_matrix
+from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+
+
+class Seen(NamedTuple):
+    """Transposed matrices (N + M, .) of what is seen of [y, held]."""
+
+    sample: Floats
+    force: Floats
+    reference: Floats
+
+
+class TangentSteps(NamedTuple):
+    """Changes (K, d, N, Q, 4) of the steps' matrices, which of them are there, and what is seen."""
+
+    changes: Floats
+    filled: Integers
+    seen: Seen
+    columns: Columns
+
+
+class TangentRows(NamedTuple):
+    """Tangents (rows, ., Q, 4) of what `Outputs` has."""
+
+    plant: Floats
+    numerical: Floats
+    reference: Floats
+
+
+@inlined
+def _add(bias, out):  # type: ignore[no-untyped-def]
+    for i in range(out.shape[0]):
+        for group in range(out.shape[1]):
+            for lane in range(LANES):
+                out[i, group, lane] += bias[i, group, lane]
+
+
+@inlined
+def _command_change(k_tot, change, size, reference, dsample, dreference, dz):  # type: ignore[no-untyped-def]
+    for i in range(k_tot.size):
+        compliance, part = 1.0 / k_tot[i], reference[i] / k_tot[i]
+        for group in range(dz.shape[1]):
+            for lane in range(LANES):
+                feedforward = (dreference[i, group, lane] - part * change[i, group, lane]) * compliance
+                dz[size + i, group, lane] = dsample[i, group, lane] + feedforward
+
+
+@inlined
+def _put(dz, out):  # type: ignore[no-untyped-def]
+    """Write the tangents (Q, 4) of one signal."""
+    for group in range(dz.shape[0]):
+        for lane in range(LANES):
+            out[group, lane] = dz[group, lane]
+
+
+@inlined
+def _write(motion, dz, dforce, dreference, plant, numerical, reference):  # type: ignore[no-untyped-def]
+    """Tangents of a row of `Outputs`."""
+    m = reference.shape[0]
+    x1v1 = plant.shape[0] - m
+    for i in range(x1v1):
+        _put(dz[motion[i]], plant[i])
+    for i in range(numerical.shape[0]):
+        _put(dz[motion[x1v1 + i]], numerical[i])
+    for i in range(m):
+        _put(dforce[i], plant[x1v1 + i])
+        _put(dreference[i], reference[i])
+
+
+@compiled_in_place
+def run_tangents(
+    curved: Curved,
+    steps: Steps,
+    work: Work,
+    looks: Looks,
+    operations: Operations,
+    memory: Memory,
+    z: Floats,
+    passes: int,
+    out: Outputs,
+    tangents: Tangents,
+    changes: TangentSteps,
+    own: TangentWork,
+    beside: TangentRows,
+) -> None:
+    """Execute a program `passes` times or until the rows `out` and `beside` are full, from z on."""
+    samples, references, count = memory
+    s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
+    s, r, row = count[0], count[1], count[2]
+    size, held = curved.systems.shape[1], looks.sample.shape[1] - looks.sample.shape[0]
+    systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
+    breakaway, pieces, end, sums = curved.laws.breakaway, work.pieces, work.end, work.sums
+    matrices, filled, lengths, works = steps.matrices, steps.filled, steps.lengths, steps.works
+    m, seen, columns = looks.k_tot.size, changes.seen, changes.columns
+    dz, dsamples, dreferences, after, before = own.dz, own.samples, own.references, own.after, own.before
+    for p in range(passes):
+        later = min(p, 1)
+        for e in range(operations.what.size):
+            what, k = operations.what[e], operations.length[later, e]
+            now = operations.time[e] + p * operations.period
+            quiet, number = False, 0
+            if k >= 0:
+                number = set_of(bits, pieces)
+                copy_into(before, z)
+                quiet = quiet_step(
+                    systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, works,
+                    k, z, pieces, end, sums,
+                )  # fmt: skip
+            if quiet:
+                slot = number * lengths.size + k
+                if not changes.filled[slot]:
+                    change_of_step(curved, steps, tangents, own, number, k, changes.changes[slot])
+                    changes.filled[slot] = 1
+                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, before, dz, after)
+                keep_tangents(after, dz)
+            elif k >= 0:
+                advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
+            used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
+            if what == SAMPLE:
+                sample(looks, z, now, samples[s & s_mask])
+                by_matrix(seen.sample, tangents.sample, columns.sample, z, dz, dsamples[s & s_mask])
+                _add(tangents.bias, dsamples[s & s_mask])
+                s += 1
+            elif what == REFERENCE:
+                copy_into(z[held : held + samples.shape[1]], samples[used])
+                keep_tangents(dsamples[used], dz[held:])
+                look(looks.reference, z, references[r & r_mask])
+                by_matrix(
+                    seen.reference, tangents.reference, columns.reference, z, dz, dreferences[r & r_mask]
+                )
+                r += 1
+            elif what == MOTOR:
+                command(looks, False, size, samples[used], references[asked], z)
+                _command_change(
+                    looks.k_tot,
+                    tangents.k_tot,
+                    size,
+                    references[asked],
+                    dsamples[used],
+                    dreferences[asked],
+                    dz,
+                )
+            elif what == OUTPUT:
+                write_row(looks, z, references[asked], out, row)
+                by_matrix(seen.force, tangents.force, columns.force, z, dz, after[:m])
+                _write(
+                    looks.motion, dz, after, dreferences[asked],
+                    beside.plant[row], beside.numerical[row], beside.reference[row],
+                )  # fmt: skip
+                row += 1
+                if row == out.plant.shape[0]:
+                    break
+    count[0], count[1], count[2] = s, r, row

@@ -1,0 +1,132 @@
+"""Sensitivities of a trajectory against differences of whole simulations, which know nothing of tangents."""
+
+import numpy as np
+import pytest
+
+from rthm_core.engine import sensitivities, simulate
+from rthm_core.errors import InputError
+from rthm_core.spec import apply, shipped_spec
+
+SIGNALS = ("plant_position", "plant_velocity", "numerical_position", "force_reference", "actuator_force")
+WAVE = {"dof": "x1", "kind": "harmonic", "amplitude": 1.0, "frequency": 2.4, "phase": 0.3}
+SHAKY = {"block": "link.tau4", "kind": "jitter", "std": 0.001}
+
+
+GUIDE = {"block": "plant", "dof": "x1", "kind": "coulomb_friction", "force": 0.05}
+
+
+def rubbing(force, **changes):
+    guide = GUIDE | {"force": force}
+    effects = [
+        "guide",
+        *(name for name, value in changes.items() if isinstance(value, dict) and "block" in value),
+    ]
+    return apply(shipped_spec("paper"), {"effects": effects, "guide": guide} | changes)
+
+
+LOOPS = {
+    "linear": shipped_spec("paper"),
+    "friction": rubbing(0.05),
+    "friction behind motor poles": rubbing(0.05, **{"actuator.motor_poles": [400.0, 2000.0]}),
+    "stick and slip": rubbing(0.6, **{"load.plant": WAVE}),
+    "jitter": rubbing(0.05, shaky=SHAKY),
+}
+
+
+def difference(spec, name, value, duration, sample, part=1e-5):
+    """Central difference of whole simulations."""
+    high, low = (
+        simulate(apply(spec, {name: value * (1.0 + sign * part)}), duration, sample, energies=False)
+        for sign in (1.0, -1.0)
+    )
+    return {one: (getattr(high, one) - getattr(low, one)) / (2.0 * part * value) for one in SIGNALS}
+
+
+@pytest.mark.parametrize("which", LOOPS)
+def test_tangents_agree_with_differences(which):
+    spec, duration, sample = LOOPS[which], 6.0, 0.0017
+    values = {"plant.mass": 1.2, "numerical.stiffness": 6.0, "actuator.stiffness": 40.0}
+    values |= {"guide.force": spec.effects[0].parameters["force"]} if spec.effects else {}
+    found = sensitivities(spec, duration, list(values), sample)
+    assert found.tangents
+    plain = simulate(spec, duration, sample, energies=False)
+    assert np.abs(found.trajectory.plant_position - plain.plant_position).max() < 1e-12
+    for name, value in values.items():
+        expected = difference(spec, name, value, duration, sample)
+        for signal in SIGNALS:
+            apart = np.abs(getattr(found.by_parameter[name], signal) - expected[signal])
+            # a row between the two instants of a switch sees a jump in one of the two runs only
+            assert np.quantile(apart, 0.99) < 1e-6 * np.abs(expected[signal]).max(), (name, signal)
+
+
+def test_every_number_of_the_physics_is_taken_where_none_is_named():
+    found = sensitivities(LOOPS["stick and slip"], 0.1)
+    assert {"plant.mass", "interface.damping", "load.plant.amplitude", "guide.force"} <= set(
+        found.by_parameter
+    )
+    assert not any(name.startswith(("timing", "noise")) for name in found.by_parameter)
+
+
+def test_a_switch_moves_with_the_friction_that_causes_it():
+    """A dof that friction alone brings to rest: it sticks after ``m v0^2 / (2 f)``."""
+    spec = rubbing(
+        0.6,
+        **{
+            "plant.damping": 0.0,
+            "plant.stiffness": 0.0,
+            "plant.initial_position": 0.0,
+            "plant.initial_velocity": 0.01,
+            "actuator.stiffness": 1e-6,
+            "interface.stiffness": 0.0,
+            "interface.damping": 0.0,
+        },
+    )
+    found = sensitivities(spec, 0.1, ["guide.force", "plant.mass", "plant.initial_velocity"], 0.005)
+    mass, velocity, force = 1.2, 0.01, 0.6
+    rest = {
+        "guide.force": -mass * velocity**2 / (2.0 * force**2),
+        "plant.mass": velocity**2 / (2.0 * force),
+        "plant.initial_velocity": mass * velocity / force,
+    }
+    for name, expected in rest.items():
+        last = found.by_parameter[name]
+        assert last.plant_position[-1, 0] == pytest.approx(expected, rel=1e-5)
+        assert last.plant_velocity[-1, 0] == 0.0
+
+
+def test_laws_without_tangents_are_differenced():
+    spring = {"block": "plant", "dof": "x1", "kind": "cubic_stiffness", "coefficient": 8.0}
+    spec = apply(shipped_spec("paper"), {"effects": ["spring"], "spring": spring})
+    found = sensitivities(spec, 2.0, ["spring.coefficient"], 0.01)
+    assert not found.tangents
+    expected = difference(spec, "spring.coefficient", 8.0, 2.0, 0.01, part=1e-4)["plant_position"]
+    position = found.by_parameter["spring.coefficient"].plant_position
+    assert np.abs(position - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+def test_a_parameter_at_its_bound_is_differenced_from_there():
+    free = apply(shipped_spec("paper"), {"plant.damping": 0.0})
+    found = sensitivities(free, 3.0, ["plant.damping"], 0.01)
+    beside = sensitivities(apply(free, {"plant.damping": 1e-6}), 3.0, ["plant.damping"], 0.01)
+    one, other = (s.by_parameter["plant.damping"].plant_position for s in (found, beside))
+    assert np.abs(one - other).max() < 1e-5 * np.abs(other).max()
+
+
+@pytest.mark.parametrize("name", ["timing.tau1", "noise.position", "plant.weight", "plant.mass[3]"])
+def test_what_is_no_smooth_number_of_the_spec_is_refused_in_a_sentence(name):
+    with pytest.raises(InputError, match=r"^[^\n]*\.$"):
+        sensitivities(shipped_spec("paper"), 1.0, [name])
+
+
+def test_an_effect_that_decides_when_something_happens_is_refused_in_a_sentence():
+    late = {"block": "motor", "kind": "extra_delay", "actuator": "a1", "delay": 0.003}
+    spec = rubbing(0.05, loads=SHAKY, late=late)  # names that begin as sections do
+    assert not any(name.startswith(("loads", "late")) for name in sensitivities(spec, 0.1).by_parameter)
+    for name in ("loads.std", "late.delay"):
+        with pytest.raises(InputError, match=r"^[^\n]*\.$"):
+            sensitivities(spec, 0.1, [name])
+
+
+def test_an_effect_may_be_named_as_a_section_that_is_refused():
+    spec = apply(rubbing(0.05), {"effects": ["noise_of_guide"], "noise_of_guide": dict(GUIDE)})
+    assert sensitivities(spec, 0.1, ["noise_of_guide.force"]).tangents

@@ -64,7 +64,7 @@ def test_plant_on_one_host_and_controller_on_another(
         plant.terminate()
         numerical.terminate()
         said = [node.communicate(timeout=60) for node in (plant, numerical)]
-    assert leader.returncode == 0, told + complaints
+    assert leader.returncode == 0, (told, complaints, said)
     assert "waiting for numerical, plant" in complaints
     recording = read_recording(json.loads(told)["bag"])
     assert len(recording.plant) == 2_000_000_000 // 1_200_000 + 1

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rthm_analysis.recording.writing import BagWriter
-from rthm_bringup.run import shared_memory
+from rthm_bringup.run import interfaces, shared_memory
 from rthm_bringup.run.domain import Claim, wanted
 from rthm_bringup.run.environment import PROFILES, RANGE, Network, without_parents_ros
 from rthm_bringup.run.intake import Intake
@@ -61,6 +61,20 @@ def test_settings_of_the_middleware_are_the_users_if_there_are_any(monkeypatch: 
     assert Path(Network(7).variables()[PROFILES]).is_file()
     monkeypatch.setenv(PROFILES, "my_own.xml")
     assert Network(7).variables()[PROFILES] == "my_own.xml"
+
+
+def test_other_hosts_are_looked_for_once_a_network_is_up() -> None:
+    found: list[list[str]] = [[], [], ["10.0.0.1"]]
+    said: list[str] = []
+    interfaces.wait_for_one(said.append, found=lambda: found.pop(0))
+    assert found == []
+    assert said == ["waiting for a network of this host to come up"]
+    with pytest.raises(InputError, match="leave --network and --peers out"):
+        interfaces.wait_for_one(said.append, seconds=0.0, found=list)
+
+
+def test_loopback_is_no_network() -> None:
+    assert not any(address.startswith("127.") for address in interfaces.addresses())
 
 
 def test_two_runs_get_different_domains() -> None:

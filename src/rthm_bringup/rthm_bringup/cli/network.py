@@ -35,11 +35,19 @@ def network_of(domain: int | None, network: bool, peers: str, shared: bool) -> I
         The options.
     shared
         Whether others must find the domain without being told.
+
+    Raises
+    ------
+    InputError
+        If other hosts are asked for and this one has no network.
     """
+    from rthm_bringup.run import interfaces
     from rthm_bringup.run.domain import Claim, wanted
     from rthm_bringup.run.environment import Network
 
     addresses = tuple(peer.strip() for peer in peers.split(",") if peer.strip())
+    if network or addresses:
+        interfaces.wait_for_one(lambda text: typer.echo(text, err=True))
     claim = Claim(wanted(domain, shared or network or bool(addresses)))
     try:
         yield Network(claim.domain, network, addresses)

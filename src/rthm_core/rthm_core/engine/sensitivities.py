@@ -24,10 +24,10 @@ from rthm_core.engine.tangents.kernel import (
     TangentSteps,
     run_tangents,
 )
-from rthm_core.engine.tangents.steps import LANES
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.spec import parameters
+from rthm_core.wide import WIDTH
 
 if TYPE_CHECKING:
     from rthm_core.spec import EffectSpec, Spec
@@ -198,7 +198,7 @@ def _beside(spec: Spec, names: tuple[str, ...], end: int, step: int) -> Sensitiv
 
 def _of_one(beside: Sequence[Floats], parameter: int) -> Rows:
     """Tangents for one parameter, as the rows of a trajectory."""
-    plant, numerical, reference = (part[..., parameter // LANES, parameter % LANES] for part in beside)
+    plant, numerical, reference = (part[..., parameter // WIDTH, parameter % WIDTH] for part in beside)
     return Rows(plant, numerical, reference, np.empty((0, 0)))
 
 

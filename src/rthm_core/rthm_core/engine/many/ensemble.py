@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +11,15 @@ import numpy.typing as npt
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers
+from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.kernel import vector
 from rthm_core.engine.linear.run import repeating_program
 from rthm_core.engine.many.delayed import Clocks, Loops, memories, moving, run_each
-from rthm_core.engine.many.lanes import LANES, Lanes, lane_steps, run_lanes, working
+from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_lanes, scratch
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
 from rthm_core.substructure import interface
+from rthm_core.wide import WIDTH
 
 if TYPE_CHECKING:
     from rthm_core.engine.program import Program
@@ -88,7 +90,7 @@ def simulate_many(
     count = sizes.pop()
     step = to_ns(spec.loop().timing.td1 if sample is None else sample)
     plain = _is_plain(spec) and set(arrays) <= {*VARIED, *TIMES}
-    program = repeating_program(spec, step) if plain and set(arrays) <= set(VARIED) else None
+    program = _repeating(spec, step) if plain and set(arrays) <= set(VARIED) else None
     if plain:
         _check(spec, arrays)
     if program is not None:
@@ -97,6 +99,9 @@ def simulate_many(
     if plain and spec.loop().timing.td4 == 0.0 and clocks[:, -1].min() > 0:
         return _each_with_its_delays(spec, arrays, count, to_ns(duration), step, clocks)
     return _one_after_the_other(spec, arrays, count, duration, step)
+
+
+_repeating = kept(repeating_program)
 
 
 def _is_plain(spec: Spec) -> bool:
@@ -125,20 +130,35 @@ def _one_after_the_other(
 def _check(spec: Spec, arrays: dict[str, Floats]) -> None:
     """Refuse what `apply` refuses.
 
-    Looked at are the loops with the least and the largest number of every entry, and the one whose mass is
-    nearest to not being positive definite.
+    Looked at are the least and the largest number of every entry, and the mass that is nearest to not being
+    positive definite: all of a kind in one spec, and only if that is refused those loops that have them.
     """
     from rthm_core.spec import apply
 
-    for key, values in arrays.items():
-        flat = values.reshape(values.shape[0], -1)
-        suspects = {int(flat.min(axis=1).argmin()), int(flat.max(axis=1).argmax())}
-        if key.endswith(".mass") and flat.shape[1] > 1:
-            size = round(flat.shape[1] ** 0.5)
-            lowest = np.linalg.eigvalsh(flat.reshape(-1, size, size)).min(axis=1)
-            suspects.add(int(lowest.argmin()))
-        for i in suspects:
-            apply(spec, {key: float(flat[i, 0]) if key in TIMES else flat[i].tolist()})
+    suspects = {key: _suspects(key, values) for key, values in arrays.items()}
+    try:
+        for which in range(max(map(len, suspects.values()))):
+            apply(spec, {key: _of_loop(key, arrays, own[which % len(own)]) for key, own in suspects.items()})
+    except InputError:
+        for key, own in suspects.items():
+            for loop in own:
+                apply(spec, {key: _of_loop(key, arrays, loop)})
+
+
+def _suspects(key: str, values: Floats) -> list[int]:
+    """Loops whose numbers are at an end of what there is."""
+    flat = values.reshape(values.shape[0], -1)
+    suspects = [int(flat.min(axis=1).argmin()), int(flat.max(axis=1).argmax())]
+    if key.endswith(".mass") and flat.shape[1] > 1:
+        size = round(flat.shape[1] ** 0.5)
+        suspects.append(int(np.linalg.eigvalsh(flat.reshape(-1, size, size)).min(axis=1).argmin()))
+    return suspects
+
+
+def _of_loop(key: str, arrays: dict[str, Floats], loop: int) -> float | list[float]:
+    """Numbers of an entry for one loop."""
+    flat = arrays[key][loop].reshape(-1)
+    return float(flat[0]) if key in TIMES else flat.tolist()
 
 
 def _entry(spec: Spec, arrays: dict[str, Floats], key: str, *shape: int) -> Floats:
@@ -159,25 +179,24 @@ def _side_by_side(
     further: Program,
     period: int,
 ) -> Ensemble:
-    stacked = _stacked(spec, arrays, count)
+    stacked, dofs = _stacked(spec, arrays, count), interface(spec)[:2]
     lengths1, which1 = np.unique(np.stack([first.plant, further.plant]), return_inverse=True)
     lengths2, which2 = np.unique(np.stack([first.numerical, further.numerical]), return_inverse=True)
     what, back1, back2 = (np.stack([one, one]) for one in (first.what, first.sample, first.reference))
-    operations = np.stack([what, which1.reshape(what.shape), which2.reshape(what.shape), back1, back2])
-    m, rows = stacked.dof1.size, end // step + 1
+    parts = (what, which1.reshape(what.shape), which2.reshape(what.shape), back1, back2)
+    operations = np.stack(parts, axis=-1).astype(np.int32)
+    m, rows = len(dofs[0]), end // step + 1
     n1, n2 = stacked.y1.shape[0] - m, stacked.y2.shape[0] - 2 * m
     found = np.empty((count, rows, n1 + n2 + 2 * m))
-    like = tuple(vector(np.zeros(size)) for size in (n1, n1 + m, n2, n2 + 2 * m, m, 2 * m))
-    seen = np.concatenate([stacked.dof1, n1 // 2 + stacked.dof1])
-    for begin in range(0, count, LANES):
-        lanes = _lanes(stacked, begin, count)
-        steps1 = lane_steps(lanes.a1, np.asarray(lengths1 * 1e-9, dtype=float), n1)
-        steps2 = lane_steps(lanes.a2, np.asarray(lengths2 * 1e-9, dtype=float), n2)
-        steps = (steps1, np.ascontiguousarray(steps1[:, :, seen]), steps2)
-        memory = _memory(lanes, first, n1, n2)
-        out = found[begin : begin + LANES]
-        work = working(lanes, out.shape[2])
-        run_lanes(lanes, steps, operations, *memory, end // period + 1, out, like, work)
+    like = tuple(vector(np.zeros(size)) for size in (n1, n1 + m, n2, n2 + 2 * m, 2 * m))
+    seen = np.concatenate([dofs[0], n1 // 2 + dofs[0]])
+    memory = scratch(int(back1.max()), int(back2.max()), m, found.shape[2])
+    for portion, begin in zip(_portions(stacked, count), range(0, count, LANES), strict=True):
+        steps1 = lane_steps(portion.a1, np.asarray(lengths1 * 1e-9, dtype=float), n1)
+        steps2 = lane_steps(portion.a2, np.asarray(lengths2 * 1e-9, dtype=float), n2)
+        interface_steps = steps1 if np.array_equal(seen, np.arange(n1)) else steps1[:, :, seen].copy()
+        steps, out = (steps1, interface_steps, steps2), found[begin : begin + LANES]
+        run_lanes(portion, dofs, steps, operations, end // period + 1, out, like, memory)
     return _ensemble(found, step, n1, n2, m)
 
 
@@ -197,43 +216,32 @@ def _each_with_its_delays(
     spec: Spec, arrays: dict[str, Floats], count: int, end: int, step: int, clocks: Integers
 ) -> Ensemble:
     stacked = _stacked(spec, arrays, count)
-    m, rows = stacked.dof1.size, end // step + 1
+    dofs = interface(spec)[:2]
+    m, rows = len(dofs[0]), end // step + 1
     n1, n2 = stacked.y1.shape[0] - m, stacked.y2.shape[0] - 2 * m
     found = np.empty((count, rows, n1 + n2 + 2 * m))
     dynamics = (stacked.a1[:n1, :n1], stacked.a2[:n2, :n2])
     modes = [np.linalg.eigvals(np.moveaxis(a, 2, 0)) for a in dynamics]
     fastest = np.stack([np.abs(own).max(axis=1) for own in modes], axis=1)
-    a1, a2, y1, y2, k_tot, stiffness, damping = (
-        np.ascontiguousarray(np.moveaxis(part, -1, 0)) for part in stacked[:7]
+    a1, a2, y1, y2, k_tot, _, stiffness, damping = (
+        np.ascontiguousarray(np.moveaxis(part, -1, 0)) for part in stacked
     )
     like = tuple(vector(np.zeros(size)) for size in (n1, m, n2, 2 * m))
     loops = Loops(a1, a2, y1, y2, k_tot, stiffness, damping, fastest, clocks)
     sides = (moving(n1, m), moving(n2, 2 * m))
-    run_each(loops, (stacked.dof1, stacked.dof2), sides, memories(clocks, m), like, step, found)
+    run_each(loops, dofs, sides, memories(clocks, m), like, step, found)
     return _ensemble(found, step, n1, n2, m)
 
 
-def _memory(lanes: Lanes, program: Program, n1: int, n2: int) -> tuple[Floats, Floats]:
-    """Memory of samples and references, filled with the initial ones."""
-    m = lanes.dof1.size
-    x1, v1 = lanes.y1[lanes.dof1], lanes.y1[n1 // 2 + lanes.dof1]
-    x2, v2 = lanes.y2[lanes.dof2], lanes.y2[n2 // 2 + lanes.dof2]
-    force = -lanes.damping * (v1 - v2) - lanes.stiffness * (x1 - x2)
-    lengths = [1 << (int(back.max()) + 1).bit_length() for back in (program.sample, program.reference)]
-    return (
-        np.broadcast_to(np.concatenate([x1, v1]), (lengths[0], 2 * m, LANES)).copy(),
-        np.broadcast_to(force, (lengths[1], m, LANES)).copy(),
-    )
+def _portions(stacked: Lanes, count: int) -> Iterator[Lanes]:
+    """As many loops as run side by side, then the next; the last one is repeated where there are too few."""
+    chosen: Integers = np.minimum(np.arange(-(-count // LANES) * LANES), count - 1)
 
+    def parted(part: Floats) -> Floats:
+        portions = part[..., chosen].reshape(*part.shape[:-1], -1, GROUPS, WIDTH)
+        return np.ascontiguousarray(np.moveaxis(portions, -3, 0))
 
-def _lanes(stacked: Lanes, begin: int, count: int) -> Lanes:
-    """Some of the loops, the last one repeated where there are too few."""
-    chosen: Integers = np.minimum(np.arange(begin, begin + LANES), count - 1)
-    numbers = stacked._asdict()
-    own = {
-        key: np.ascontiguousarray(numbers[key][..., chosen]) for key in numbers if not key.startswith("dof")
-    }
-    return stacked._replace(**own)
+    return (Lanes(*parts) for parts in zip(*map(parted, stacked), strict=True))
 
 
 def _stacked(spec: Spec, arrays: dict[str, Floats], count: int) -> Lanes:
@@ -259,10 +267,9 @@ def _stacked(spec: Spec, arrays: dict[str, Floats], count: int) -> Lanes:
         last(x1, v1, command),
         last(x2, v2, at[0], at[1]),
         last(k_tot),
+        last(1.0 / k_tot),
         last(k),
         last(c),
-        sides.plant,
-        sides.numerical,
     )
 
 

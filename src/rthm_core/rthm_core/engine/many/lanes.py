@@ -1,6 +1,7 @@
-"""Kernels over several loops at once: the last axis of every array is the loop, `LANES` of them side by side.
+"""Kernels over several loops at once: the last two axes of every array are the loops, `GROUPS` times `WIDTH`.
 
-All lanes execute the same program, so that one decision serves them all and arithmetic fills the registers.
+All of them execute the same program, so that one decision serves them all and arithmetic is done in wide
+registers.
 """
 
 from __future__ import annotations
@@ -9,21 +10,18 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba.cpython.unsafe.tuple import tuple_setitem
 
-from rthm_core.compiled import (
-    Floats,
-    Integers,
-    compiled,
-    compiled_in_place,
-    inlined,
-    inlined_allocating,
-)
+from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
 from rthm_core.engine.curved.steps import terms_of
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several
 
-LANES = 128
-"""How many loops run side by side; kernels take it from their arrays, since a short loop of fixed length is
-written out before it could be put into wide registers."""
+GROUPS = 8
+"""How many groups execute an operation one after the other; what they need stays in the nearest memory."""
+
+LANES = GROUPS * WIDTH
+"""How many loops run side by side."""
 
 BUFFER = 32
 """Rows that are kept before they are written to each loop's own memory."""
@@ -34,15 +32,13 @@ class Lanes(NamedTuple):
 
     Attributes
     ----------
-    a1, a2 : (n, n, LANES) arrays
+    a1, a2 : (n, n, Q, 8) arrays
         Dynamics of [state, held inputs] of the plant (inputs: commands) and of the numerical side (inputs:
         latched motion), 1/s.
-    y1, y2 : (n, LANES) arrays
-        Positions and velocities, then the held inputs, at the start.
-    k_tot, stiffness, damping : (m, LANES) arrays
-        Of the actuators and of the interface.
-    dof1, dof2 : (m,) arrays
-        Interface dofs of both sides.
+    y1, y2 : (n, Q, 8) arrays
+        Positions and velocities, then the held inputs: at the start, and moved on from there.
+    k_tot, compliance, stiffness, damping : (m, Q, 8) arrays
+        Of the actuators, its inverse, and of the interface.
     """
 
     a1: Floats
@@ -50,82 +46,100 @@ class Lanes(NamedTuple):
     y1: Floats
     y2: Floats
     k_tot: Floats
+    compliance: Floats
     stiffness: Floats
     damping: Floats
-    dof1: Integers
-    dof2: Integers
 
 
-class Working(NamedTuple):
-    """States and held inputs of both sides, 1 / k_tot, scratch, and rows that are not yet written."""
+class Scratch(NamedTuple):
+    """Memory of samples (length, 2 m, Q, 8) and references (length, m, Q, 8), their lengths powers of two;
+    rows that are not yet written.
+    """
 
-    y1: Floats
-    y2: Floats
-    compliance: Floats
-    scratch: Floats
+    samples: Floats
+    references: Floats
     buffer: Floats
 
 
-def working(lanes: Lanes, columns: int) -> Working:
-    """Start of loops side by side, for rows of so many columns."""
-    longest = max(lanes.y1.shape[0], lanes.y2.shape[0])
-    return Working(
-        lanes.y1.copy(),
-        lanes.y2.copy(),
-        1.0 / lanes.k_tot,
-        np.empty((1, longest, LANES)),
-        np.empty((BUFFER, columns, LANES)),
+def scratch(samples: int, references: int, m: int, columns: int) -> Scratch:
+    """Memory that reaches back so many samples and references, for rows of so many columns."""
+    lengths = [1 << (reach + 1).bit_length() for reach in (samples, references)]
+    return Scratch(
+        np.empty((lengths[0], 2 * m, GROUPS, WIDTH)),
+        np.empty((lengths[1], m, GROUPS, WIDTH)),
+        np.empty((BUFFER, columns, GROUPS, WIDTH)),
     )
 
 
 @inlined
-def _product(a: Floats, b: Floats, out: Floats) -> None:
-    """Matrix products of all lanes, added to `out`."""
+def _product(start: Floats, factor: float, a: Floats, b: Floats, out: Floats) -> None:
+    """Let `out` be ``factor start + a b``; all are (n, n, 8), and `out` is none of the others."""
     n = a.shape[0]
     for i in range(n):
         for j in range(n):
+            total = numbers(start, (i, j)) * factor
             for k in range(n):
-                for lane in range(out.shape[2]):
-                    out[i, j, lane] += a[i, k, lane] * b[k, j, lane]
+                total += numbers(a, (i, k)) * numbers(b, (k, j))
+            put_numbers(out, (i, j), total)
 
 
-@inlined_allocating
-def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) -> None:
-    """``exp(a t) - 1`` of all lanes into `grown`, by scaling and squaring of the series."""
-    n = a.shape[0]
+@inlined
+def _scaled(a: Floats, factor: float, out: Floats) -> None:
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            put_numbers(out, (i, j), numbers(a, (i, j)) * factor)
+
+
+@inlined
+def _largest(a: Floats) -> float:
+    """Largest row sum of matrices (n, n, 8)."""
     largest = 0.0
-    for i in range(n):
+    for i in range(a.shape[0]):
         for lane in range(a.shape[2]):
             total = 0.0
-            for j in range(n):
+            for j in range(a.shape[1]):
                 total += abs(a[i, j, lane])
-            largest = max(largest, total * t)
+            largest = max(largest, total)
+    return largest
+
+
+@inlined
+def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) -> None:
+    """``exp(a t) - 1`` of matrices (n, n, 8) into `grown`, by scaling and squaring of the series."""
+    largest = _largest(a) * t
     halvings = max(0, math.ceil(math.log2(2.0 * largest))) if largest > 0.5 else 0
-    x[:] = a * (t * 0.5**halvings)
     terms = terms_of(largest * 0.5**halvings)
-    grown[:] = x / terms
+    _scaled(a, t * 0.5**halvings, x)
+    _scaled(x, 1.0 / terms, grown)
     for k in range(terms - 1, 0, -1):
-        work[:] = x
-        _product(x, grown, work)
-        grown[:] = work / k
+        _product(x, 1.0, x, grown, work)
+        _scaled(work, 1.0 / k, grown)
     for _ in range(halvings):
-        work[:] = 2.0 * grown
-        _product(grown, grown, work)
-        grown[:] = work
+        _product(grown, 2.0, grown, grown, work)
+        _scaled(work, 1.0, grown)
 
 
 @compiled
 def lane_steps(a: Floats, lengths: Floats, states: int) -> Floats:
-    """Step matrices (K, n, states, LANES), transposed, over each of the lengths (s)."""
-    n = a.shape[0]
-    steps = np.empty((lengths.size, n, states, LANES))
-    x, grown, work = np.empty_like(a), np.empty_like(a), np.empty_like(a)
-    for k in range(lengths.size):
-        _exponential(a, lengths[k], x, grown, work)
-        for i in range(states):
+    """Step matrices (K, n, states, Q, 8), transposed, over each of the lengths (s)."""
+    n, groups = a.shape[0], a.shape[2]
+    steps = np.empty((lengths.size, n, states, groups, WIDTH))
+    own, x, grown, work = (
+        np.empty((n, n, WIDTH)),
+        np.empty((n, n, WIDTH)),
+        np.empty((n, n, WIDTH)),
+        np.empty((n, n, WIDTH)),
+    )
+    for group in range(groups):
+        for i in range(n):
             for j in range(n):
-                for lane in range(a.shape[2]):
-                    steps[k, j, i, lane] = grown[i, j, lane] + (1.0 if i == j else 0.0)
+                put_numbers(own, (i, j), numbers(a, (i, j, group)))
+        for k in range(lengths.size):
+            _exponential(own, lengths[k], x, grown, work)
+            for i in range(states):
+                for j in range(n):
+                    same = 1.0 if i == j else 0.0
+                    put_numbers(steps, (k, j, i, group), numbers(grown, (i, j)) + same)
     return steps
 
 
@@ -135,115 +149,153 @@ def _looked(steps: Floats, k: int, y: Floats, out: Floats, row: int, first: int,
 
     `made` and `of` are as long as the result and as `y`.
     """
-    for i in range(len(made)):
-        for lane in range(y.shape[1]):
-            total = 0.0
+    for group in range(y.shape[1]):
+        for i in range(len(made)):
+            total = everywhere(0.0)
             for j in range(len(of)):
-                total += steps[k, j, i, lane] * y[j, lane]
-            out[row, first + i, lane] = total
+                total += numbers(steps, (k, j, i, group)) * numbers(y, (j, group))
+            put_numbers(out, (row, first + i, group), total)
 
 
 @inlined
-def _moved(steps: Floats, k: int, y: Floats, scratch: Floats, made: Any, of: Any) -> None:
+def _moved(steps: Floats, k: int, y: Floats, made: Any, of: Any) -> None:
     """Let all lanes take step `k`."""
-    _looked(steps, k, y, scratch, 0, 0, made, of)
-    for i in range(len(made)):
-        for lane in range(y.shape[1]):
-            y[i, lane] = scratch[0, i, lane]
+    for group in range(y.shape[1]):
+        result = several(made)
+        for i in range(len(made)):
+            total = everywhere(0.0)
+            for j in range(len(of)):
+                total += numbers(steps, (k, j, i, group)) * numbers(y, (j, group))
+            result = tuple_setitem(result, i, total)
+        for i in range(len(made)):
+            put_numbers(y, (i, group), result[i])
 
 
 @inlined
-def _force(lanes: Lanes, y2: Floats, out: Floats, row: int) -> None:
+def _force(lanes: Lanes, dofs: Integers, out: Floats, row: int) -> None:
     """F_d between the held and the present motion of the numerical side."""
-    m = lanes.dof2.size
-    n2 = y2.shape[0] - 2 * m
+    y, m = lanes.y2, dofs.size
+    n = y.shape[0] - 2 * m
     for i in range(m):
-        x, v = lanes.dof2[i], n2 // 2 + lanes.dof2[i]
-        for lane in range(y2.shape[1]):
-            damper = lanes.damping[i, lane] * (y2[n2 + m + i, lane] - y2[v, lane])
-            spring = lanes.stiffness[i, lane] * (y2[n2 + i, lane] - y2[x, lane])
-            out[row, i, lane] = -damper - spring
+        x, v = dofs[i], n // 2 + dofs[i]
+        for group in range(y.shape[1]):
+            slip = numbers(y, (v, group)) - numbers(y, (n + m + i, group))
+            stretch = numbers(y, (x, group)) - numbers(y, (n + i, group))
+            damper = numbers(lanes.damping, (i, group)) * slip
+            put_numbers(out, (row, i, group), damper + numbers(lanes.stiffness, (i, group)) * stretch)
+
+
+@inlined
+def _latched(samples: Floats, row: int, y: Floats, first: int) -> None:
+    """Let a sample be what the numerical side holds."""
+    for i in range(samples.shape[1]):
+        for group in range(y.shape[1]):
+            put_numbers(y, (first + i, group), numbers(samples, (row, i, group)))
+
+
+@inlined
+def _command(lanes: Lanes, samples: Floats, used: int, references: Floats, asked: int, first: int) -> None:
+    """Let the position cancellation and the feedforward of a force be what the plant is pulled by."""
+    for i in range(references.shape[1]):
+        for group in range(lanes.y1.shape[1]):
+            feedforward = numbers(references, (asked, i, group)) * numbers(lanes.compliance, (i, group))
+            put_numbers(lanes.y1, (first + i, group), numbers(samples, (used, i, group)) + feedforward)
+
+
+@inlined
+def _forces(lanes: Lanes, dofs: Integers, references: Floats, asked: int, out: Floats, row: int) -> None:
+    """Write the last 2 m columns of a row: F_d in use and the force in the wire."""
+    m = dofs.size
+    first, command = out.shape[1] - 2 * m, lanes.y1.shape[0] - m
+    for i in range(m):
+        for group in range(lanes.y1.shape[1]):
+            put_numbers(out, (row, first + i, group), numbers(references, (asked, i, group)))
+            stretch = numbers(lanes.y1, (command + i, group)) - numbers(out, (row, dofs[i], group))
+            put_numbers(out, (row, first + m + i, group), numbers(lanes.k_tot, (i, group)) * stretch)
+
+
+@inlined
+def _before(lanes: Lanes, dofs: Integers, samples: Floats, references: Floats) -> None:
+    """Fill the memory with what has been there before the test: the motion at rest with its start."""
+    first = lanes.y2.shape[0] - samples.shape[1]
+    for row in range(samples.shape[0]):
+        for i in range(samples.shape[1]):
+            for group in range(lanes.y2.shape[1]):
+                put_numbers(samples, (row, i, group), numbers(lanes.y2, (first + i, group)))
+    for row in range(references.shape[0]):
+        _force(lanes, dofs, references, row)
 
 
 @inlined
 def _unload(buffer: Floats, rows: int, out: Floats, first: int) -> None:
     """Write a few rows of all lanes to where each loop has its own."""
-    for lane in range(out.shape[0]):
+    for loop in range(out.shape[0]):
         for row in range(rows):
             for i in range(out.shape[2]):
-                out[lane, first + row, i] = buffer[row, i, lane]
+                out[loop, first + row, i] = buffer[row, i, loop // WIDTH, loop % WIDTH]
 
 
 @compiled_in_place
 def run_lanes(
     lanes: Lanes,
+    dofs: tuple[Integers, Integers],
     steps: tuple[Floats, Floats, Floats],
-    operations: Integers,
-    samples: Floats,
-    references: Floats,
+    operations: Any,
     passes: int,
-    out: Floats,
+    out: Any,
     like: Any,
-    work: Working,
+    scratch: Scratch,
 ) -> None:
-    """Execute a program on all lanes.
+    """Execute a program on all lanes, whose states are moved.
 
     Parameters
     ----------
     lanes : Lanes
         The loops.
-    steps : (K, ., ., LANES) arrays
+    dofs : (m,) arrays
+        Interface dofs of the plant and of the numerical side.
+    steps : (K, ., ., Q, 8) arrays
         Steps of the plant, of its motion at the interface, and of the numerical side.
-    operations : (5, 2, operations) array
+    operations : (2, operations, 5) array of int32
         What, step of the plant's and of the numerical side, distances of sample and reference; for the first
-        and for every further pass.
-    samples, references : (length, ., LANES) arrays
-        Memory, filled with what has been there before the test.
+        and for every further pass. Narrow, since a long program leaves less of the nearest memory to the
+        steps.
     passes : int
         How often the program is executed, unless `out` is full before.
     out : (lanes, N, n1 + n2 + 2 m) array
         Motion of the plant, motion of the numerical side, F_d in use, wire force.
     like : tuple
-        Vectors as long as the states and all that moves them, of both sides, and as the actuators.
-    work : Working
-        What is changed on the way.
+        Vectors as long as the states and all that moves them, of both sides, and as a sample.
+    scratch : Scratch
     """
-    y1, y2, compliance, scratch, buffer = work
-    made1, of1, made2, of2, actuators, latched = like
-    n1, n2, m = len(made1), len(made2), len(actuators)
+    samples, references, buffer = scratch
+    made1, of1, made2, of2, latched = like
+    n1, n2 = len(made1), len(made2)
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row, unloaded = 0, 0, 0, 0
+    _before(lanes, dofs[1], samples, references)
     for p in range(passes):
         later = min(p, 1)
-        for e in range(operations.shape[2]):
-            what = operations[0, later, e]
-            k1, k2 = operations[1, later, e], operations[2, later, e]
-            used, asked = (s - operations[3, later, e]) & s_mask, (r - operations[4, later, e]) & r_mask
+        for e in range(operations.shape[1]):
+            what, k1, k2 = operations[later, e, 0], operations[later, e, 1], operations[later, e, 2]
+            used = (s - operations[later, e, 3]) & s_mask
+            asked = (r - operations[later, e, 4]) & r_mask
             if what == SAMPLE:
-                _looked(steps[1], k1, y1, samples, s & s_mask, 0, latched, of1)
+                _looked(steps[1], k1, lanes.y1, samples, s & s_mask, 0, latched, of1)
                 s += 1
             elif what == MOTOR:
-                _moved(steps[0], k1, y1, scratch, made1, of1)
-                for i in range(m):
-                    for lane in range(y1.shape[1]):
-                        feedforward = references[asked, i, lane] * compliance[i, lane]
-                        y1[n1 + i, lane] = samples[used, i, lane] + feedforward
+                _moved(steps[0], k1, lanes.y1, made1, of1)
+                _command(lanes, samples, used, references, asked, n1)
             elif what == REFERENCE:
-                _moved(steps[2], k2, y2, scratch, made2, of2)
-                for i in range(2 * m):
-                    for lane in range(y1.shape[1]):
-                        y2[n2 + i, lane] = samples[used, i, lane]
-                _force(lanes, y2, references, r & r_mask)
+                _moved(steps[2], k2, lanes.y2, made2, of2)
+                _latched(samples, used, lanes.y2, n2)
+                _force(lanes, dofs[1], references, r & r_mask)
                 r += 1
             elif what == OUTPUT and row < out.shape[1]:
                 at = row - unloaded
-                _looked(steps[0], k1, y1, buffer, at, 0, made1, of1)
-                _looked(steps[2], k2, y2, buffer, at, n1, made2, of2)
-                for i in range(m):
-                    for lane in range(y1.shape[1]):
-                        buffer[at, n1 + n2 + i, lane] = references[asked, i, lane]
-                        stretch = y1[n1 + i, lane] - buffer[at, lanes.dof1[i], lane]
-                        buffer[at, n1 + n2 + m + i, lane] = lanes.k_tot[i, lane] * stretch
+                _looked(steps[0], k1, lanes.y1, buffer, at, 0, made1, of1)
+                _looked(steps[2], k2, lanes.y2, buffer, at, n1, made2, of2)
+                _forces(lanes, dofs[0], references, asked, buffer, at)
                 row += 1
                 if at + 1 == BUFFER or row == out.shape[1]:
                     _unload(buffer, at + 1, out, unloaded)

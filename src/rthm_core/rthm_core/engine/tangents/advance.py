@@ -12,13 +12,14 @@ from rthm_core.compiled import Floats, inlined
 from rthm_core.engine.curved.advance import MOST_SWITCHES, begin_step, step_by
 from rthm_core.engine.curved.steps import at, fill, terms_of
 from rthm_core.engine.curved.switch import first_left, product
-from rthm_core.engine.tangents.steps import LANES, by_series, fill_change
+from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
 from rthm_core.physical.switching import switched
+from rthm_core.wide import everywhere, numbers, put_numbers
 
 
 class Term(NamedTuple):
-    """A term (N,) of the series of y and its tangents (N, Q, 4)."""
+    """A term (N,) of the series of y and its tangents (N, Q, 8)."""
 
     y: Floats
     dy: Floats
@@ -29,20 +30,20 @@ class TangentWork(NamedTuple):
 
     Attributes
     ----------
-    dz : (d, Q, 4) array
+    dz : (d, Q, 8) array
         Tangents of [y, held, g].
-    samples, references : (length, 2 m, Q, 4), (length, m, Q, 4) arrays
+    samples, references : (length, 2 m, Q, 8), (length, m, Q, 8) arrays
         Those of the memory.
-    after : (N, Q, 4) array
+    after : (N, Q, 8) array
         Tangents of y after a step.
     before : (d,) array
         [y, held, g] at its start.
     rate : (N,) array
         Of y just before a law switches.
-    shift : (Q, 4) array
+    shift : (Q, 8) array
         How much later it switches, s per unit of each parameter.
     one, other : Term
-    unit, zero : (d,), (d, Q, 4) arrays
+    unit, zero : (d,), (d, Q, 8) arrays
     """
 
     dz: Floats
@@ -59,21 +60,11 @@ class TangentWork(NamedTuple):
 
 
 @inlined
-def keep_tangents(after, dz):  # type: ignore[no-untyped-def]
-    """Copy the tangents of the leading elements."""
-    for i in range(after.shape[0]):
-        for group in range(after.shape[1]):
-            for lane in range(LANES):
-                dz[i, group, lane] = after[i, group, lane]
-
-
-@inlined
 def _forces(forces, pieces, first, dz):  # type: ignore[no-untyped-def]
     """Tangents of the laws' forces in their present pieces."""
     for row in range(pieces.size):
         for group in range(dz.shape[1]):
-            for lane in range(LANES):
-                dz[first + row, group, lane] = forces[row, pieces[row] + 1, group, lane]
+            put_numbers(dz, (first + row, group), numbers(forces, (row, pieces[row] + 1, group)))
 
 
 @inlined
@@ -86,14 +77,13 @@ def _shift(curved, tangents, number, law, piece, z, dz, rate, shift):  # type: i
         for j in range(size):
             slope += holds[j] * rate[j]
     for group in range(dz.shape[1]):
-        for lane in range(LANES):
-            margin = dz[velocity, group, lane]
-            if piece == 0:
-                margin = -sign * tangents.breakaway[law, group, lane]
-                for j in range(z.size):
-                    change = tangents.holds[number, law, j, group, lane]
-                    margin += holds[j] * dz[j, group, lane] + change * z[j]
-            shift[group, lane] = -margin / slope if slope != 0.0 else 0.0
+        margin = numbers(dz, (velocity, group))
+        if piece == 0:
+            margin = numbers(tangents.breakaway, (law, group)) * -sign
+            for j in range(z.size):
+                change = numbers(tangents.holds, (number, law, j, group))
+                margin += holds[j] * numbers(dz, (j, group)) + change * z[j]
+        put_numbers(shift, (group,), margin / -slope if slope != 0.0 else everywhere(0.0))
 
 
 @inlined
@@ -111,8 +101,11 @@ def _cross(curved, work, tangents, own, number, law, z, t):  # type: ignore[no-u
     for i in range(size):
         jump = own.rate[i] - product(curved.systems[following, i], z)
         for group in range(own.shift.shape[0]):
-            for lane in range(LANES):
-                own.dz[i, group, lane] += jump * own.shift[group, lane]
+            put_numbers(own.dz, (i, group), numbers(own.dz, (i, group)) + jump * numbers(own.shift, (group,)))
+    if work.pieces[law] == 0:  # at rest, whatever the parameter
+        for group in range(own.shift.shape[0]):
+            velocity = curved.laws.numbers[law, PLACE] + curved.n
+            put_numbers(own.dz, (velocity, group), everywhere(0.0))
 
 
 @inlined
@@ -137,7 +130,7 @@ def advance_tangents(curved, steps, work, tangents, own, z, k, t):  # type: igno
             curved.systems[number], tangents.systems[number], share * length,
             terms_of(curved.fastest * length), z, own.dz, own.one, own.other, own.after,
         )  # fmt: skip
-        keep_tangents(own.after, own.dz)
+        copy_numbers(own.after, own.dz, size)
         if law >= 0:
             at(work.terms, terms, share, work.end)
         for i in range(size):

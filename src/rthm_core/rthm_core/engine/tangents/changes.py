@@ -2,7 +2,7 @@
 
 The matrices are smooth in every parameter, so that differences of them are as good as formulas, and no
 formula of the physics is written a second time. The last two axes of every array are the parameters, in
-groups of `LANES`.
+groups of `WIDTH`.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
-from rthm_core.engine.tangents.steps import LANES
 from rthm_core.errors import InputError
 from rthm_core.physical.laws import CODE, FRICTION, PLANT_LAWS, SPLIT
 from rthm_core.spec import apply, number_at
+from rthm_core.wide import WIDTH
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -34,19 +34,19 @@ Stencil = list[tuple["Spec", float]]
 
 
 class Tangents(NamedTuple):
-    """Derivatives with respect to 4 Q parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
+    """Derivatives with respect to 8 Q parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
 
     Attributes
     ----------
-    systems, holds : (S, N, d, Q, 4), (S, L, d, Q, 4) arrays
-    forces : (L, 3, Q, 4) array
+    systems, holds : (S, N, d, Q, 8), (S, L, d, Q, 8) arrays
+    forces : (L, 3, Q, 8) array
         Force of each law in its pieces -1, 0 and 1.
-    breakaway : (L, Q, 4) array
-    sample, force, reference : (N + M, ., Q, 4) arrays
+    breakaway : (L, Q, 8) array
+    sample, force, reference : (N + M, ., Q, 8) arrays
         Of the transposed matrices.
-    bias, k_tot : (2 m, Q, 4), (m, Q, 4) arrays
-    start : (N + M, Q, 4) array
-    first_sample, first_reference : (2 m, Q, 4), (m, Q, 4) arrays
+    bias, k_tot : (2 m, Q, 8), (m, Q, 8) arrays
+    start : (N + M, Q, 8) array
+    first_sample, first_reference : (2 m, Q, 8), (m, Q, 8) arrays
     """
 
     systems: Floats
@@ -100,10 +100,10 @@ def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | N
 
 def _side_by_side(derivatives: Sequence[Floats]) -> Floats:
     """Arrays stacked along a last axis that is filled up to whole groups, and parted into them."""
-    first, missing = derivatives[0], -len(derivatives) % LANES
+    first, missing = derivatives[0], -len(derivatives) % WIDTH
     stacked = np.stack([*derivatives, *([np.zeros_like(first)] * missing)], axis=-1)
-    groups = stacked.shape[-1] // LANES
-    return np.ascontiguousarray(stacked.reshape(*first.shape, groups, LANES))
+    groups = stacked.shape[-1] // WIDTH
+    return np.ascontiguousarray(stacked.reshape(*first.shape, groups, WIDTH))
 
 
 def _arrays(loop: CurvedLoop) -> tuple[Floats, ...]:

@@ -14,10 +14,11 @@ from rthm_core.engine.curved.loop import Curved
 from rthm_core.engine.curved.quiet import quiet_step
 from rthm_core.engine.curved.steps import Steps
 from rthm_core.engine.linear.kernel import Memory
-from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step, keep_tangents
+from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step
 from rthm_core.engine.tangents.changes import Columns, Tangents
-from rthm_core.engine.tangents.steps import LANES, by_matrix
+from rthm_core.engine.tangents.steps import by_matrix, copy_numbers
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+from rthm_core.wide import numbers, put_numbers
 
 
 class Seen(NamedTuple):
@@ -29,7 +30,7 @@ class Seen(NamedTuple):
 
 
 class TangentSteps(NamedTuple):
-    """Changes (K, d, N, Q, 4) of the steps' matrices, which of them are there, and what is seen."""
+    """Changes (K, d, N, Q, 8) of the steps' matrices, which of them are there, and what is seen."""
 
     changes: Floats
     filled: Integers
@@ -38,7 +39,7 @@ class TangentSteps(NamedTuple):
 
 
 class TangentRows(NamedTuple):
-    """Tangents (rows, ., Q, 4) of what `Outputs` has."""
+    """Tangents (rows, ., Q, 8) of what `Outputs` has."""
 
     plant: Floats
     numerical: Floats
@@ -49,8 +50,7 @@ class TangentRows(NamedTuple):
 def _add(bias, out):  # type: ignore[no-untyped-def]
     for i in range(out.shape[0]):
         for group in range(out.shape[1]):
-            for lane in range(LANES):
-                out[i, group, lane] += bias[i, group, lane]
+            put_numbers(out, (i, group), numbers(out, (i, group)) + numbers(bias, (i, group)))
 
 
 @inlined
@@ -58,17 +58,15 @@ def _command_change(k_tot, change, size, reference, dsample, dreference, dz):  #
     for i in range(k_tot.size):
         compliance, part = 1.0 / k_tot[i], reference[i] / k_tot[i]
         for group in range(dz.shape[1]):
-            for lane in range(LANES):
-                feedforward = (dreference[i, group, lane] - part * change[i, group, lane]) * compliance
-                dz[size + i, group, lane] = dsample[i, group, lane] + feedforward
+            beside = numbers(dreference, (i, group)) - part * numbers(change, (i, group))
+            put_numbers(dz, (size + i, group), numbers(dsample, (i, group)) + beside * compliance)
 
 
 @inlined
 def _put(dz, out):  # type: ignore[no-untyped-def]
-    """Write the tangents (Q, 4) of one signal."""
+    """Write the tangents (Q, 8) of one signal."""
     for group in range(dz.shape[0]):
-        for lane in range(LANES):
-            out[group, lane] = dz[group, lane]
+        put_numbers(out, (group,), numbers(dz, (group,)))
 
 
 @inlined
@@ -130,7 +128,7 @@ def run_tangents(
                     change_of_step(curved, steps, tangents, own, number, k, changes.changes[slot])
                     changes.filled[slot] = 1
                 by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, before, dz, after)
-                keep_tangents(after, dz)
+                copy_numbers(after, dz, size)
             elif k >= 0:
                 advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
@@ -141,7 +139,7 @@ def run_tangents(
                 s += 1
             elif what == REFERENCE:
                 copy_into(z[held : held + samples.shape[1]], samples[used])
-                keep_tangents(dsamples[used], dz[held:])
+                copy_numbers(dsamples[used], dz[held:], samples.shape[1])
                 look(looks.reference, z, references[r & r_mask])
                 by_matrix(
                     seen.reference, tangents.reference, columns.reference, z, dz, dreferences[r & r_mask]

@@ -1,0 +1,144 @@
+"""`WIDTH` numbers at once in compiled code: a kind of value with arithmetic in wide registers, whatever a
+compiler makes of loops.
+
+The numbers lie side by side along the last axis of an array, which is as long as the value is wide. On a
+processor with shorter registers the compiler uses several of them.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.errors import TypingError
+from numba.extending import intrinsic, lower_builtin, register_model, type_callable
+
+WIDTH = 8
+"""How many numbers."""
+
+_NUMBERS = ir.VectorType(ir.DoubleType(), WIDTH)
+
+
+class Wide(types.Type):
+    """Type of `WIDTH` numbers."""
+
+    def __init__(self) -> None:
+        super().__init__(f"Wide({WIDTH})")
+
+
+wide = Wide()
+
+
+@register_model(Wide)
+class _Model(models.PrimitiveModel):  # type: ignore[misc]
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _NUMBERS)
+
+
+def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Address of the numbers that begin at an index."""
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    given = zip(cgutils.unpack_tuple(builder, arguments[1]), signature.args[1], strict=True)
+    indices = [context.cast(builder, value, kind, types.intp) for value, kind in given]
+    indices.append(context.get_constant(types.intp, 0))
+    first = cgutils.get_item_pointer(
+        context, builder, signature.args[0], array, indices, wraparound=False, boundscheck=False
+    )
+    return builder.bitcast(first, _NUMBERS.as_pointer())
+
+
+def _check(array: Any, index: Any) -> None:
+    if array.layout != "C" or array.dtype != types.float64 or array.ndim != len(index) + 1:
+        raise TypingError(f"{array} holds no wide values at {index}: they lie side by side in memory.")
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def numbers(typing: Any, array: Any, index: Any) -> Any:
+    """Numbers ``array[index]``, where `index` is a tuple of all axes but the last."""
+    _check(array, index)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(_place(context, builder, signature, arguments), align=8)
+
+    return wide(array, index), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def put_numbers(typing: Any, array: Any, index: Any, value: Any) -> Any:
+    """Let ``array[index]`` be `value`, where `index` is a tuple of all axes but the last."""
+    _check(array, index)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _place(context, builder, signature, arguments), align=8)
+        return context.get_dummy_value()
+
+    return types.none(array, index, value), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def everywhere(typing: Any, number: Any) -> Any:
+    """The same number `WIDTH` times."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return _spread(builder, arguments[0])
+
+    return wide(types.float64), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def several(typing: Any, like: Any) -> Any:
+    """Tuple of wide zeros, as long as `like`."""
+    tuple_type: Any = types.UniTuple(wide, len(like))  # type: ignore[attr-defined]
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.make_tuple(builder, tuple_type, [ir.Constant(_NUMBERS, [0.0] * WIDTH)] * len(like))
+
+    return tuple_type(like), code
+
+
+def _spread(builder: Any, number: Any) -> Any:
+    nothing = ir.Constant(_NUMBERS, ir.Undefined)
+    first = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
+    order = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
+    return builder.shuffle_vector(first, nothing, order)
+
+
+def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
+    """Let compiled code apply an operation to wide values, or to one and a number.
+
+    A product and a sum may be rounded once, where the processor can do that.
+    """
+
+    @type_callable(operation)  # type: ignore[untyped-decorator]
+    def _typed(context: Any) -> Any:
+        def result(one: Any, other: Any) -> Any:
+            pair = (one, other)
+            if wide in pair and all(kind in (wide, types.float64) for kind in pair):
+                return wide
+            return None
+
+        return result
+
+    @lower_builtin(operation, wide, wide)  # type: ignore[untyped-decorator]
+    @lower_builtin(operation, wide, types.float64)  # type: ignore[untyped-decorator]
+    @lower_builtin(operation, types.float64, wide)  # type: ignore[untyped-decorator]
+    def _code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        operands = [
+            value if kind == wide else _spread(builder, value)
+            for kind, value in zip(signature.args, arguments, strict=True)
+        ]
+        return getattr(builder, instruction)(*operands, flags=("contract",))
+
+
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.iadd, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _arithmetic(_operation, _instruction)

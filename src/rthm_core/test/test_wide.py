@@ -1,0 +1,55 @@
+"""Values of several numbers in compiled code."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numba.core.errors import TypingError
+
+from rthm_core.compiled import compiled_in_place
+from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several
+
+
+@compiled_in_place
+def combined(a, b, c, out):
+    for row in range(a.shape[0]):
+        total = everywhere(1.0)
+        for i in range(a.shape[1]):
+            total += numbers(a, (row, i)) * numbers(b, (row, i)) / c - 2.0
+        put_numbers(out, (row, 1), total)
+
+
+@compiled_in_place
+def doubled(a, out):
+    put_numbers(out, (0,), 2.0 * numbers(a, (0,)))
+
+
+@compiled_in_place
+def cleared(like, out):
+    for i, zeros in enumerate(several(like)):
+        put_numbers(out, (i,), zeros)
+
+
+def test_arithmetic_is_done_on_each_number_by_itself():
+    chance = np.random.default_rng(1)
+    a, b = chance.normal(size=(2, 3, 4, WIDTH))
+    out = np.full((3, 2, WIDTH), 7.0)
+    combined(a, b, 3.0, out)
+    assert np.abs(out[:, 1] - (1.0 + (a * b / 3.0 - 2.0).sum(axis=1))).max() < 1e-14
+    assert np.all(out[:, 0] == 7.0)
+
+
+def test_as_many_zeros_as_asked_for():
+    out = np.ones((3, WIDTH))
+    cleared((1.0, 2.0), out)
+    assert np.array_equal(out, np.concatenate([np.zeros((2, WIDTH)), np.ones((1, WIDTH))]))
+
+
+@pytest.mark.parametrize(
+    "out",
+    [np.zeros((WIDTH, 2)).T, np.zeros((2, WIDTH), dtype=np.float32), np.zeros((1, 2, WIDTH))],
+    ids=["strided", "single precision", "another axis"],
+)
+def test_numbers_that_do_not_lie_side_by_side_are_refused(out):
+    with pytest.raises(TypingError, match="side by side"):
+        doubled(np.zeros((2, WIDTH)), out)

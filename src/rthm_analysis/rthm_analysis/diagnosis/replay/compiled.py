@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numba
 
-from rthm_core.compiled import keyed_by
+from rthm_core.compiled import inlined, keyed_by
 
-inlined = numba.njit(inline="always", error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-"""Compile as part of the callers."""
+__all__ = ["compiled", "inlined"]
 
-compiled = keyed_by(Path(__file__).parent, numba.njit(cache=True, nogil=True, error_model="numpy"))
-"""Compile, without a lock on the interpreter: replays run side by side."""
+compiled = keyed_by(
+    Path(__file__).parent,
+    numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False),
+)
+"""Compile a function that makes no arrays, without a lock on the interpreter: replays run side by side."""

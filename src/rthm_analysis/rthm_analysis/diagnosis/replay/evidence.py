@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,7 +73,7 @@ class Evidence:
     driven_by: str
     notes: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def time(self) -> Floats:
         """Of the samples, s."""
         return self.stamps_ns / NS

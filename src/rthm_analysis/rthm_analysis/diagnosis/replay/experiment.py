@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between, load_on
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
-from rthm_analysis.diagnosis.replay.kernel import replay_mechanics
+from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
 from rthm_analysis.diagnosis.replay.mechanics import fastest, mechanics
 from rthm_analysis.diagnosis.replay.motor import drive_speed, motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.sensing import sensed
@@ -91,6 +91,7 @@ class Experiment:
     sharp: bool = False
     _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, Motion] = field(default_factory=dict)
+    _grids: dict[tuple[int, int, bool], Grid] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
 
     def begin_at(self, starts_ns: Integers) -> None:
@@ -109,6 +110,7 @@ class Experiment:
     def _forget(self) -> None:
         self._motors.clear()
         self._motions.clear()
+        self._grids.clear()
 
     def _longest_interval(self, spec: Spec) -> int:
         """Longest interval of the grid in ns."""
@@ -125,11 +127,16 @@ class Experiment:
             kept = self._motions.get(key)
         if kept is None:
             kept = self._moved(bare, windows)
-            with self._lock:
-                while len(self._motions) > KEPT:
-                    self._motions.pop(next(iter(self._motions)))
-                self._motions[key] = kept
+        self._keep(self._motions, key, kept)
         return kept
+
+    def _keep(self, results: dict[Any, Any], key: Any, value: Any) -> None:
+        """Keep the results that were asked for last."""
+        with self._lock:
+            results.pop(key, None)
+            while len(results) > KEPT:
+                results.pop(next(iter(results)))
+            results[key] = value
 
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
@@ -159,8 +166,9 @@ class Experiment:
         out = np.zeros((self.evidence.stamps_ns.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         replay_mechanics(
-            arrays, points.time, substeps, motor, load, starts, windows.state, self.evidence.time, seen, out
-        )
+            arrays, points.time, substeps, motor, load, starts, windows.state,
+            self.evidence.time, seen, out, working(arrays),
+        )  # fmt: skip
         x, v, force = np.split(out, [n, 2 * n], axis=1)
         return Motion(x, v, force, seen)
 
@@ -173,22 +181,31 @@ class Experiment:
             kept = self._motors.get(key)
         if kept is None:
             kept = self._new_inputs(spec)
-            with self._lock:
-                while len(self._motors) > KEPT:
-                    self._motors.pop(next(iter(self._motors)))
-                self._motors[key] = kept
+        self._keep(self._motors, key, kept)
         points, motor, load, seen = kept
         hidden = _hidden_loads(spec, points)
         return points, motor, load if hidden is None else load + hidden, seen
 
+    def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
+        """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""
+        e, key = self.evidence, (delay, longest, samples)
+        with self._lock:
+            kept = self._grids.get(key)
+        if kept is None:
+            others = e.stamps_ns if samples else self.starts_ns
+            kept = grid(np.concatenate([e.due_ns + delay, others]), int(e.stamps_ns[-1]), longest)
+        self._keep(self._grids, key, kept)
+        return kept
+
     def _new_inputs(self, spec: Spec) -> Inputs:
         e = self.evidence
-        due, end = e.due_ns + motor_delay(spec), int(e.stamps_ns[-1])
+        delay = motor_delay(spec)
+        due = e.due_ns + delay
         m = e.commands.shape[1] if e.driven_by == "command" else 0
-        fine = grid(np.concatenate([due, e.stamps_ns]), end, LONGEST_NS)
+        fine = self._grid(delay, LONGEST_NS, samples=True)
         points = fine
         if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
-            points = grid(np.concatenate([due, self.starts_ns]), end, self._longest_interval(spec))
+            points = self._grid(delay, self._longest_interval(spec), samples=False)
         motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
         if m:
             moved = motor_motion(spec, fine.time_ns, due, e.commands, self.first)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,7 @@ class Grid:
 
     time_ns: Integers
 
-    @property
+    @cached_property
     def time(self) -> Floats:
         """The instants in s."""
         return self.time_ns / NS

@@ -8,6 +8,8 @@ simulator's own.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
@@ -114,6 +116,46 @@ def _between(share, h, y, point, begin, end, out):  # type: ignore[no-untyped-de
         out[i] = first * y[i] + last * point[i] + slopes
 
 
+class Working(NamedTuple):
+    """Scratch of a replay.
+
+    Attributes
+    ----------
+    y, point, z, scratch, seen, slope : (ny,) arrays
+    stages : (4, ny) array
+    u, w : (m,), (n,) arrays
+    hold, held : (R,) arrays
+    pieces : (R,) array
+    """
+
+    y: Floats
+    point: Floats
+    z: Floats
+    scratch: Floats
+    seen: Floats
+    slope: Floats
+    stages: Floats
+    u: Floats
+    w: Floats
+    hold: Floats
+    held: Floats
+    pieces: Integers
+
+
+def working(mechanics: Mechanics) -> Working:
+    """Scratch for these mechanics."""
+    ny, rows = mechanics.initial.size, mechanics.laws.shape[0]
+    return Working(
+        *(np.zeros(ny) for _ in range(6)),
+        stages=np.zeros((4, ny)),
+        u=np.zeros(mechanics.wires.shape[0]),
+        w=np.zeros(mechanics.inverse_mass.shape[0]),
+        hold=np.zeros(rows),
+        held=np.zeros(rows),
+        pieces=np.zeros(rows, dtype=np.int64),
+    )
+
+
 @compiled
 def replay_mechanics(
     mechanics: Mechanics,
@@ -126,6 +168,7 @@ def replay_mechanics(
     sample: Floats,
     seen_motor: Floats,
     out: Floats,
+    working: Working,
 ) -> None:
     """Run over the grid and write the motion at the samples.
 
@@ -151,6 +194,7 @@ def replay_mechanics(
         Motor positions at the samples.
     out : (s, 2 n + m) array
         Gets positions, velocities and wire forces.
+    working : Working
     """
     (
         a,
@@ -168,16 +212,17 @@ def replay_mechanics(
         breakaway,
         initial,
     ) = mechanics
+    y, point, z, scratch, seen, slope, stages, u, w, hold, held, pieces = working
     n, m, ny, rows = inverse_mass.shape[0], motor.shape[2], initial.size, laws.shape[0]
-    y, point, z, scratch, stages = initial.copy(), np.zeros(ny), np.zeros(ny), np.zeros(ny), np.zeros((4, ny))
-    seen, slope, held, pieces = np.zeros(ny), np.zeros(ny), np.zeros(rows), np.zeros(rows, dtype=np.int64)
-    u, w, hold = np.zeros(m), np.zeros(n), np.zeros(rows)
+    for i in range(ny):
+        y[i] = initial[i]
     s, r = 0, 0
     for g in range(time.size):
         last = g == time.size - 1
         whole = 1e-9 if last else time[g + 1] - time[g]
         if r < start.size and start[r] == g:
-            y[: 2 * n] = state[r]
+            for i in range(2 * n):
+                y[i] = state[r, i]
             first_pieces(n, laws, thresholds, y, pieces)
             r += 1
         done, length, still = 0.0, whole / substeps, 0
@@ -231,7 +276,8 @@ def replay_mechanics(
             while s < sample.size and sample[s] < until:
                 share = 0.0 if last or h <= 0.0 else min(max((sample[s] - t) / h, 0.0), 1.0)
                 _between(share, h, y, point, stages[0], slope, seen)
-                u[:] = seen_motor[s]
+                for i in range(m):
+                    u[i] = seen_motor[s, i]
                 for i in range(n):
                     out[s, i], out[s, n + i] = seen[i], seen[n + i]
                 for actuator in range(m):

@@ -42,7 +42,8 @@ def curved_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_parameters
     for row in range(wire_laws.shape[0]):
         if wire_laws[row, PLACE] == actuator:
             begin, end = wire_laws[row, STATE], wire_laws[row, STATE] + wire_laws[row, STATES]
-            z[begin:end] = y[begin:end]
+            for i in range(begin, end):
+                z[i] = y[i]
             wire_settle(wire_laws[row, CODE], position, x, k, z[begin:end], wire_parameters[row])
             position = wire_drive(wire_laws[row, CODE], position, z[begin:end], wire_parameters[row])
     force = k * (position - x)
@@ -53,7 +54,8 @@ def curved_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_parameters
             force = wire_law_force(wire_laws[row, CODE], position, x, v, k, force, own, p)
             wire_rate(wire_laws[row, CODE], position, x, v, k, own, p, dy[begin:end])
             if commit:
-                y[begin:end] = own
+                for i in range(begin, end):
+                    y[i] = z[i]
     return force
 
 

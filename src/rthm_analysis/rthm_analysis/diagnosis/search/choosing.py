@@ -237,7 +237,8 @@ def _screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]
     again = [s.start for s in best_of_each(first, 1)[:12] if s.gain > ENOUGH and s.start.amplitude]
     second = screen(fitting, fitted, known, again)
     both = sorted([*first, *second], key=lambda s: -s.gain)
-    return [s for s in both if not _denied(fitting, fitted, s)]
+    denied = fitting.each(lambda s: _denied(fitting, fitted, s), both)
+    return [s for s, no in zip(both, denied, strict=True) if not no]
 
 
 def _denied(fitting: Fitting, fitted: Fitted, one: Screened) -> bool:

@@ -56,8 +56,6 @@ def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | 
 
 def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Floats, Floats, Floats] | None:
     """Measured position and velocity of a dof, and the force that the model lacks there: (s,) each."""
-    from scipy.signal import savgol_filter
-
     spec, evidence = physical.settled, physical.evidence
     assert spec.plant is not None
     i, n = spec.plant.dofs.index(dof), len(spec.plant.dofs)
@@ -70,18 +68,13 @@ def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Flo
     x = np.nan_to_num(evidence.measured[:, where])
     speed = channels.get(("velocity", dof))
     width = SMOOTHING if speed is not None else 4 * SMOOTHING + 1
-    dx = savgol_filter(left[:, where], width, 2)
-    dv = left[:, speed] if speed is not None else savgol_filter(left[:, where], width, 2, 1, step)
-    da = (
-        savgol_filter(left[:, speed], width, 2, 1, step)
-        if speed is not None
-        else savgol_filter(left[:, where], width, 2, 2, step)
-    )
-    v = (
-        np.nan_to_num(evidence.measured[:, speed])
-        if speed is not None
-        else savgol_filter(x, width, 2, 1, step)
-    )
+    dx = _smoothed(left[:, where], width)
+    if speed is not None:
+        v, dv = np.nan_to_num(evidence.measured[:, speed]), left[:, speed]
+        da = _smoothed(dv, width, 1) / step
+    else:
+        v, dv = _smoothed(x, width, 1) / step, _smoothed(left[:, where], width, 1) / step
+        da = _smoothed(left[:, where], width, 2) / step**2
     mass, damping, stiffness = (
         float(getattr(spec.plant, p)[i * n + i]) for p in ("mass", "damping", "stiffness")
     )
@@ -89,3 +82,19 @@ def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Flo
     if spec.interface is not None and spec.actuator is not None and evidence.driven_by == "command":
         pull = sum(k for k, at in zip(spec.k_tot, spec.interface.plant_dof, strict=True) if at == dof)
     return x, v, mass * da + damping * dv + (stiffness + pull) * dx
+
+
+def _smoothed(values: Floats, width: int, order: int = 0) -> Floats:
+    """Derivative with respect to the sample of the parabolas through `width` samples, in their middles; the
+    first and the last parabola hold up to the ends (Savitzky and Golay).
+    """
+    half = width // 2
+    powers = np.vander(np.arange(-half, half + 1.0), 3, increasing=True)
+    fits = np.linalg.pinv(powers)
+    smooth = np.empty_like(values)
+    weights = fits[order] * (2.0 if order == 2 else 1.0)
+    smooth[half : values.size - half] = np.convolve(values, weights[::-1], "valid")
+    for samples, at in ((slice(0, width), slice(0, half)), (slice(-width, None), slice(-half, None))):
+        derivative = np.polynomial.polynomial.polyder(fits @ values[samples], order)
+        smooth[at] = np.polynomial.polynomial.polyval(powers[at, 1], derivative)
+    return smooth

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-import numba
 import numpy as np
+import numpy.typing as npt
 
+from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.physical.drive import LIMIT, QUANTUM, RATE, Drive, drive
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
+
+
+Complex = npt.NDArray[np.complex128]
+"""Array of modes; shapes are in the docstrings."""
 
 
 def motor_delay(spec: Spec) -> int:
@@ -63,11 +68,12 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
         np.ascontiguousarray(motors.out[:, :nq] @ vectors),
         np.ascontiguousarray(motors.out[:, nq:]),
         result,
+        _working(first.size, nq),
     )
     return result
 
 
-def _modes(motors: Drive) -> tuple[np.ndarray, np.ndarray]:
+def _modes(motors: Drive) -> tuple[Complex, Complex]:
     """Eigenvalues and vectors of the motor chain; poles that coincide are moved apart by a hair."""
     a = motors.system.a
     if not a.size:
@@ -85,69 +91,103 @@ def _accepted(commands: Floats, motors: Drive) -> Floats:
     return np.ascontiguousarray(np.clip(rounded, -limit, limit))
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+class _Working(NamedTuple):
+    """Commands (m,): the target, the present one, that half an interval later; modes (nq,): their state, its
+    integral, and what half an interval does to them.
+    """
+
+    target: Floats
+    now: Floats
+    later: Floats
+    q: Complex
+    travelled: Complex
+    step: Complex
+    level: Complex
+    slope: Complex
+
+
+def _working(m: int, nq: int) -> _Working:
+    commands, modes = (np.zeros(m) for _ in range(3)), (np.zeros(nq, complex) for _ in range(5))
+    return _Working(*commands, *modes)
+
+
+@compiled
 def _run(
     time_ns: Integers,
     due_ns: Integers,
     commands: Floats,
     rate: Floats,
-    modes: np.ndarray,
-    entry: np.ndarray,
-    row: np.ndarray,
+    modes: Complex,
+    entry: Complex,
+    row: Complex,
     through: Floats,
     out: Floats,
+    working: _Working,
 ) -> None:
+    target, now, later, q, travelled, step, level, slope = working
     m, nq = commands.shape[1], modes.size
-    target, now, later = commands[0].copy(), commands[0].copy(), commands[0].copy()
-    q, travelled = np.zeros(nq, dtype=np.complex128), np.zeros(nq, dtype=np.complex128)
-    for i in range(nq):
-        for k in range(m):
+    for k in range(m):
+        target[k] = now[k] = later[k] = commands[0, k]
+        for i in range(nq):
             q[i] -= entry[i, k] * now[k] / modes[i]
-    j = 0
+    j, length = 0, 0.0
     for g in range(time_ns.size):
         while j < due_ns.size and due_ns[j] <= time_ns[g]:
-            target[:] = commands[j + 1]
+            for k in range(m):
+                target[k] = commands[j + 1, k]
             j += 1
         for k in range(m):
             if rate[k] == np.inf:
                 now[k] = target[k]
         half = 0.5e-9 * (time_ns[g + 1] - time_ns[g]) if g + 1 < time_ns.size else 0.0
-        travelled[:] = 0.0
+        for i in range(nq):
+            travelled[i] = 0.0
+            if half != length and half > 0.0:  # most intervals are as long as the one before
+                step[i] = np.exp(modes[i] * half)
+                level[i] = (step[i] - 1.0) / modes[i]
+                slope[i] = (level[i] - half) / modes[i]
+        length = half
         for part in range(3):
-            for k in range(m):
-                u = 0.0
-                for i in range(m):
-                    u += through[k, i] * now[i]
-                for i in range(nq):
-                    u += (row[k, i] * q[i]).real
-                out[g, part, k] = u
+            _read(row, through, q, now, out, g, part)
             if part == 2 or half == 0.0:
                 continue
             for k in range(m):
                 reach = rate[k] * half
                 later[k] = now[k] + min(max(target[k] - now[k], -reach), reach)
             for i in range(nq):
-                step = np.exp(modes[i] * half)
-                level = (step - 1.0) / modes[i]
-                slope = (level - half) / modes[i]
                 before, entered = q[i], 0.0j
-                q[i] *= step
+                q[i] *= step[i]
                 for k in range(m):
-                    q[i] += entry[i, k] * (level * now[k] + slope * (later[k] - now[k]) / half)
+                    q[i] += entry[i, k] * (level[i] * now[k] + slope[i] * (later[k] - now[k]) / half)
                     entered += entry[i, k] * 0.5 * (now[k] + later[k]) * half
                 travelled[i] += (q[i] - before - entered) / modes[i]
-            now[:] = later
+            for k in range(m):
+                now[k] = later[k]
         if nq and half > 0.0:
-            _mean_kept(row, through, travelled / (2.0 * half), now, out[g])
+            for i in range(nq):
+                travelled[i] /= 2.0 * half
+            _mean_kept(row, through, travelled, now, out, g)
 
 
-@numba.njit(nogil=True, error_model="numpy")
-def _mean_kept(row: np.ndarray, through: Floats, mean: np.ndarray, command: Floats, out: Floats) -> None:
+@inlined
+def _read(row, through, q, command, out, g, part):  # type: ignore[no-untyped-def]
+    """Motor positions from the modes and the commands."""
+    for k in range(command.size):
+        u = 0.0
+        for i in range(command.size):
+            u += through[k, i] * command[i]
+        for i in range(q.size):
+            u += (row[k, i] * q[i]).real
+        out[g, part, k] = u
+
+
+@inlined
+def _mean_kept(row, through, mean, command, out, g):  # type: ignore[no-untyped-def]
     """Choose the middle so that the parabola through start, middle and end has the exact mean."""
-    for k in range(out.shape[1]):
+    for k in range(command.size):
         u = 0.0
         for i in range(mean.size):
             u += (row[k, i] * mean[i]).real
         for i in range(command.size):
             u += through[k, i] * command[i]
-        out[1, k] = (6.0 * u - out[0, k] - out[2, k]) / 4.0
+        out[g, 1, k] = (6.0 * u - out[g, 0, k] - out[g, 2, k]) / 4.0

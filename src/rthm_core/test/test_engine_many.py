@@ -42,6 +42,38 @@ def test_loops_side_by_side_move_like_each_alone():
             assert np.abs(getattr(together, name)[i] - getattr(alone, name)).max() < 1e-12
 
 
+def with_more_dofs(spec, more):
+    """The spec with free masses on springs beside those of the plant, so that its state is long."""
+
+    def grown(values, own):
+        size = len(spec.plant.dofs)
+        matrix = np.diag(np.full(size + more, own))
+        matrix[:size, :size] = np.reshape(values, (size, size))
+        return matrix.ravel().tolist()
+
+    return apply(
+        spec,
+        {
+            "plant.dofs": [*spec.plant.dofs, *(f"free{i}" for i in range(more))],
+            "plant.mass": grown(spec.plant.mass, 1.0),
+            "plant.damping": grown(spec.plant.damping, 0.1),
+            "plant.stiffness": grown(spec.plant.stiffness, 20.0),
+            "plant.initial_position": [*spec.plant.initial_position, *[0.1] * more],
+            "plant.initial_velocity": [*spec.plant.initial_velocity, *[0.0] * more],
+        },
+    )
+
+
+def test_loops_too_long_for_registers_move_like_each_alone():
+    spec = with_more_dofs(shipped_spec("three_mass"), 2)
+    k_tot = np.array(spec.actuator.stiffness) * np.linspace(0.9, 1.1, 70)[:, None]
+    together = simulate_many(spec, {"actuator.stiffness": k_tot}, 2.0, 0.01)
+    for i in (0, 69):
+        alone = simulate(apply(spec, {"actuator.stiffness": k_tot[i].tolist()}), 2.0, 0.01, energies=False)
+        for name in SIGNALS:
+            assert np.abs(getattr(together, name)[i] - getattr(alone, name)).max() < 1e-12
+
+
 DELAYS = ("timing.tau1", "timing.tau2", "timing.tau3", "timing.tau4")
 CLOCKS = ("timing.td1", "timing.td2", "timing.td3")
 

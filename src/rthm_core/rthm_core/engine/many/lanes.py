@@ -10,7 +10,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba.core import types
 from numba.cpython.unsafe.tuple import tuple_setitem
+from numba.extending import overload
 
 from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
 from rthm_core.engine.curved.steps import terms_of
@@ -53,11 +55,12 @@ class Lanes(NamedTuple):
 
 class Scratch(NamedTuple):
     """Memory of samples (length, 2 m, Q, 8) and references (length, m, Q, 8), their lengths powers of two;
-    rows that are not yet written.
+    a state that is being made (1, ., Q, 8), and rows that are not yet written.
     """
 
     samples: Floats
     references: Floats
+    moved: Floats
     buffer: Floats
 
 
@@ -67,6 +70,7 @@ def scratch(samples: int, references: int, m: int, columns: int) -> Scratch:
     return Scratch(
         np.empty((lengths[0], 2 * m, GROUPS, WIDTH)),
         np.empty((lengths[1], m, GROUPS, WIDTH)),
+        np.empty((1, columns, GROUPS, WIDTH)),
         np.empty((BUFFER, columns, GROUPS, WIDTH)),
     )
 
@@ -157,18 +161,34 @@ def _looked(steps: Floats, k: int, y: Floats, out: Floats, row: int, first: int,
             put_numbers(out, (row, first + i, group), total)
 
 
-@inlined
-def _moved(steps: Floats, k: int, y: Floats, made: Any, of: Any) -> None:
-    """Let all lanes take step `k`."""
-    for group in range(y.shape[1]):
-        result = several(made)
-        for i in range(len(made)):
-            total = everywhere(0.0)
-            for j in range(len(of)):
-                total += numbers(steps, (k, j, i, group)) * numbers(y, (j, group))
-            result = tuple_setitem(result, i, total)
-        for i in range(len(made)):
-            put_numbers(y, (i, group), result[i])
+def _moved(steps: Floats, k: int, y: Floats, moved: Floats, made: Any, of: Any) -> None:
+    """Let all lanes take step `k`; `moved` is scratch."""
+
+
+@overload(_moved)  # type: ignore[untyped-decorator]
+def _moved_compiled(steps: Any, k: Any, y: Any, moved: Any, made: Any, of: Any) -> Any:
+    if isinstance(made, types.Array):
+
+        def by_scratch(steps: Any, k: Any, y: Any, moved: Any, made: Any, of: Any) -> None:
+            _looked(steps, k, y, moved, 0, 0, made, of)
+            for i in range(len(made)):
+                for group in range(y.shape[1]):
+                    put_numbers(y, (i, group), numbers(moved, (0, i, group)))
+
+        return by_scratch
+
+    def in_registers(steps: Any, k: Any, y: Any, moved: Any, made: Any, of: Any) -> None:
+        for group in range(y.shape[1]):
+            result = several(made)
+            for i in range(len(made)):
+                total = everywhere(0.0)
+                for j in range(len(of)):
+                    total += numbers(steps, (k, j, i, group)) * numbers(y, (j, group))
+                result = tuple_setitem(result, i, total)
+            for i in range(len(made)):
+                put_numbers(y, (i, group), result[i])
+
+    return in_registers
 
 
 @inlined
@@ -268,7 +288,7 @@ def run_lanes(
         Vectors as long as the states and all that moves them, of both sides, and as a sample.
     scratch : Scratch
     """
-    samples, references, buffer = scratch
+    samples, references, moved, buffer = scratch
     made1, of1, made2, of2, latched = like
     n1, n2 = len(made1), len(made2)
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
@@ -284,10 +304,10 @@ def run_lanes(
                 _looked(steps[1], k1, lanes.y1, samples, s & s_mask, 0, latched, of1)
                 s += 1
             elif what == MOTOR:
-                _moved(steps[0], k1, lanes.y1, made1, of1)
+                _moved(steps[0], k1, lanes.y1, moved, made1, of1)
                 _command(lanes, samples, used, references, asked, n1)
             elif what == REFERENCE:
-                _moved(steps[2], k2, lanes.y2, made2, of2)
+                _moved(steps[2], k2, lanes.y2, moved, made2, of2)
                 _latched(samples, used, lanes.y2, n2)
                 _force(lanes, dofs[1], references, r & r_mask)
                 r += 1

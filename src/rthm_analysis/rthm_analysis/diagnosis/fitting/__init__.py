@@ -3,6 +3,7 @@
 ===============  ==============================================================================
 ``noise``        how noisy a channel is
 ``sums``         normal equations by block of data: a fit, what it leaves open, its worth unseen
+``cores``         work side by side
 ``fitting``      residuals, sensitivities, Levenberg-Marquardt, cross-validation
 ``wires_alone``  wires along the recorded motion of both their ends
 ``limits``       sizes at which effects would just have been seen

@@ -6,16 +6,14 @@ effort on them. All sums of squares are in units of the noise.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -40,9 +38,6 @@ WRONG = 3.0
 
 Bases = list[tuple[slice, Floats]]
 """Orthonormal bases of what initial states can explain, in the training part of each free run."""
-
-A = TypeVar("A")
-B = TypeVar("B")
 
 
 @dataclass(frozen=True)
@@ -101,6 +96,7 @@ class Fitting:
     base: Model
     progress: Callable[[str], None] = lambda said: None
     doubt: float = 1.0
+    cores: Cores = field(default_factory=Cores)
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -109,7 +105,6 @@ class Fitting:
         self.weight = np.where(np.isfinite(measured), 1.0 / self.sigma, 0.0)
         self.expected = float(np.count_nonzero(self.weight))
         self.measured = np.nan_to_num(measured)
-        self.pool = ThreadPoolExecutor(max(1, min(os.cpu_count() or 1, 8)))
         edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self.rebase(self.base)
@@ -118,10 +113,6 @@ class Fitting:
     def wires_alone(self) -> WiresAlone:
         """Check of the wires by their own forces."""
         return WiresAlone(self.experiment, self.base.spec, self.sigma)
-
-    def each(self, work: Callable[[A], B], items: Iterable[A]) -> list[B]:
-        """Do some work for all items, on all cores."""
-        return list(self.pool.map(work, items))
 
     def residual(self, model: Model, windows: Windows | None = None) -> Floats:
         """Measured minus predicted, over the noise: (s k,)."""
@@ -144,7 +135,7 @@ class Fitting:
         def one(i: int) -> Floats:
             return (here - self.residual(model, self.windows.moved(i, size))) / size
 
-        return np.stack(self.each(one, range(self.windows.state.shape[1])))
+        return np.stack(self.cores.each(one, range(self.windows.state.shape[1])))
 
     def bases(self, states: Floats) -> Bases:
         """Orthonormal bases of the changes with the initial states."""
@@ -185,7 +176,7 @@ class Fitting:
             values[i] += step
             return (residual - self.residual(model.at(values))) / step
 
-        found = self.each(one, which)
+        found = self.cores.each(one, which)
         columns = np.stack(found) if found else np.empty((0, residual.size))
         if not np.isfinite(columns).all():
             raise np.linalg.LinAlgError("a model has no finite sensitivities")

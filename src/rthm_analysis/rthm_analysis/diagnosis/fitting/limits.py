@@ -76,7 +76,7 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
 
         return just_seen(power, harmless, gross, enough)
 
-    found = zip(asked, fitting.each(limit, asked), strict=True)
+    found = zip(asked, fitting.cores.each(limit, asked), strict=True)
     return {("motor", kind, place): {MOTOR[kind][0]: value} for (kind, place), value in found if value}
 
 

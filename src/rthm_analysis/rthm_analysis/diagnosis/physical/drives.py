@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.choosing import ENOUGH
 from rthm_analysis.diagnosis.search.drive_starts import drive_starts
 from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, Tried, in_order
-from rthm_analysis.diagnosis.search.screening import best_of_each, screen
+from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
@@ -108,19 +108,22 @@ def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[
     present = {(one.kind, one.place) for one in model.added}
     starts = [
         s
-        for s in drive_starts(model.spec, fitting.experiment, runs)
+        for s in drive_starts(model.spec, fitting.experiment, runs, fitting.cores)
         if (s.added.kind, s.added.place) not in present
     ]
     nothing = np.empty((0, here.residual.size))
     promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
-    best: dict[tuple[str, str, str], Tried] = {}
-    for one in best_of_each(promising, 2):
+
+    def refined(one: Screened) -> Tried | None:
         try:
             fitted = fitting.fit(one.start.added_to(model), None, 12)
         except (InputError, np.linalg.LinAlgError):
-            continue
-        new = Tried(one.start, fitted, float(fitted.left_out.sum()))
-        if new.label not in best or new.error < best[new.label].error:
+            return None
+        return Tried(one.start, fitted, float(fitted.left_out.sum()))
+
+    best: dict[tuple[str, str, str], Tried] = {}
+    for new in fitting.cores.each_in_parts(refined, best_of_each(promising, 2)):
+        if new and (new.label not in best or new.error < best[new.label].error):
             best[new.label] = new
     return in_order(list(best.values()))
 

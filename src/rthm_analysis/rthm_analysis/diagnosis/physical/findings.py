@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
@@ -17,7 +19,7 @@ from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Added, Model, nominal_values
 from rthm_analysis.diagnosis.result import Alternative, Fit, Mismatch, Part, Physics, Retuned, Value
 from rthm_analysis.diagnosis.search.choosing import ENOUGH
-from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, distinguishable
+from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, Tried, distinguishable
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
 from rthm_core.effects import effect
@@ -42,11 +44,9 @@ SIGNAL_OF = {
 def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
     choice = physical.choice
-    runs = {
-        "nominal": simulate_all(physical, physical.nominal),
-        "retuned": simulate_all(physical, choice.base),
-        "explained": simulate_all(physical, choice.best),
-    }
+    fitted = {"nominal": physical.nominal, "retuned": choice.base, "explained": choice.best}
+    simulated = physical.fitting.cores.each_in_parts(partial(simulate_all, physical), fitted.values())
+    runs = dict(zip(fitted, simulated, strict=True))
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics = (*_drive_physics(physical), *_chosen_physics(physical, runs), *rounded)
     retuned = _retuned(physical)
@@ -246,12 +246,15 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
     for tried in physical.drives:
         for other in tried[1:4]:
             found.append(Alternative("motor", other.label[1], float("nan"), distinguishable(tried[0], other)))
-    for tried in physical.choice.rounds:
-        for other in tried[1:5]:
-            k = _channel(physical, other.label[0]) or 0
-            error = nrmse(physical, simulate_all(physical, other.fitted).predicted, k)
-            found.append(Alternative(other.label[0], other.label[1], error, distinguishable(tried[0], other)))
-    return tuple(found)
+    others = [(tried[0], other) for tried in physical.choice.rounds for other in tried[1:5]]
+
+    def alternative(pair: tuple[Tried, Tried]) -> Alternative:
+        best, other = pair
+        k = _channel(physical, other.label[0]) or 0
+        error = nrmse(physical, simulate_all(physical, other.fitted).predicted, k)
+        return Alternative(other.label[0], other.label[1], error, distinguishable(best, other))
+
+    return (*found, *physical.fitting.cores.each_in_parts(alternative, others))
 
 
 def _fits(physical: Physical, runs: dict[str, Simulated], blocks: set[str]) -> tuple[Fit, ...]:

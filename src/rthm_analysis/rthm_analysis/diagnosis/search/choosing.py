@@ -237,14 +237,15 @@ def _screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]
     again = [s.start for s in best_of_each(first, 1)[:12] if s.gain > ENOUGH and s.start.amplitude]
     second = screen(fitting, fitted, known, again)
     both = sorted([*first, *second], key=lambda s: -s.gain)
-    denied = fitting.each(lambda s: _denied(fitting, fitted, s), both)
-    return [s for s, no in zip(both, denied, strict=True) if not no]
+    others = max((s.gain for s in both if s.start.added.block != "wire"), default=0.0)
+    wires = [s for s in both if s.start.added.block == "wire" and s.gain > _worth_a_fit(others)]
+    denied = fitting.cores.each(lambda s: _denied(fitting, fitted, s), wires)
+    no = [id(s) for s, denied_by_force in zip(wires, denied, strict=True) if denied_by_force]
+    return [s for s in both if id(s) not in no]
 
 
 def _denied(fitting: Fitting, fitted: Fitted, one: Screened) -> bool:
     """Whether a wire that would explain the motion is denied by its own force."""
-    if one.start.added.block != "wire" or one.gain < 0.6 * ENOUGH:
-        return False
     with_it = one.start.added_to(fitted.model)
     try:
         return fitting.wires_alone.contradict(fitted.model, with_it)
@@ -269,7 +270,7 @@ def _promising(screened: list[Screened]) -> list[Screened]:
     best = screened[0].gain if screened else 0.0
     if best < 0.7 * ENOUGH:
         return []
-    near = [s for s in screened if s.gain > max(0.6 * ENOUGH, NEAR * best)]
+    near = [s for s in screened if s.gain > _worth_a_fit(best)]
     firsts = best_of_each(near, 1)[:REFINED]
     kinds = {_kind(s) for s in firsts[:5]}
     chosen = list(firsts)
@@ -277,6 +278,11 @@ def _promising(screened: list[Screened]) -> list[Screened]:
         if _kind(one) in kinds and one not in chosen:
             chosen.append(one)
     return chosen
+
+
+def _worth_a_fit(best: float) -> float:
+    """Gain from which a candidate is fitted, given that of the best."""
+    return max(0.6 * ENOUGH, NEAR * best)
 
 
 def _kind(screened: Screened) -> tuple[str, str]:

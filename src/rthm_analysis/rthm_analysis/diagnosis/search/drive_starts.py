@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Added, Model
@@ -24,7 +25,7 @@ FLAT = 2e-3
 BINS = 1 << 17
 
 
-def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterator[Start]:
+def drive_starts(spec: Spec, experiment: Experiment, windows: Windows, cores: Cores) -> Iterator[Start]:
     """Starts of every kind in every motor.
 
     Parameters
@@ -33,6 +34,7 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
     experiment : Experiment
         Whose channels are motor positions alone.
     windows : Windows
+    cores : Cores
     """
     evidence = experiment.evidence
     residual = evidence.measured - experiment.predicted(spec, windows)
@@ -50,7 +52,7 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
             yield start(
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )
-        delay, doubt = _best_delay(spec, experiment, windows, name)
+        delay, doubt = _best_delay(spec, experiment, windows, name, cores)
         if delay > 0.0:
             yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
         rate = np.abs(np.diff(u)) / np.diff(evidence.time)
@@ -64,7 +66,9 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows) -> Iterat
             yield start("quantisation", (), step=step)
 
 
-def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str) -> tuple[float, float]:
+def _best_delay(
+    spec: Spec, experiment: Experiment, windows: Windows, name: str, cores: Cores
+) -> tuple[float, float]:
     """Delay with the smallest squared error, and how much longer or shorter it may be without any difference.
 
     The best of a row is looked for, then of ever finer rows around it. Motors that follow at once move in
@@ -80,15 +84,16 @@ def _best_delay(spec: Spec, experiment: Experiment, windows: Windows, name: str)
         left = experiment.evidence.measured - experiment.predicted(model.spec, windows)
         return float(np.nansum(np.square(left)))
 
-    row = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)])
-    best = float(row[int(np.argmin([error(d) for d in row]))])
+    def best_of(row: Floats) -> float:
+        return float(row[int(np.argmin(cores.each(error, row.tolist())))])
+
+    best = best_of(np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)]))
     if best == 0.0 and error(2e-4) >= error(0.0):
         return 0.0, 0.0
     width = max(0.001, 0.3 * best)
     # Commands come in steps, so that a delay that is off by a microsecond already shows.
     for _ in range(10):
-        row = best + width * np.linspace(-1.0, 1.0, 9)
-        best = float(row[int(np.argmin([error(d) for d in row]))])
+        best = best_of(best + width * np.linspace(-1.0, 1.0, 9))
         width *= 0.25
     low, high = (_edge(error, best, best + side * FLAT) for side in (-1.0, 1.0))
     return 0.5 * (low + high), 0.5 * (high - low)

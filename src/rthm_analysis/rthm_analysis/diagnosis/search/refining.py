@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -51,17 +52,18 @@ class Tried:
 
 def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
-    tried = []
-    for one in promising:
+
+    def first(one: Screened) -> Tried:
         model = _begun(fitting, fitted.model, one)
         begun = Tried(one.start, replace(fitted, model=model, settled=np.inf), np.inf)
-        new = fit_further(fitting, begun, known, HEATS[0][0])
-        if np.isfinite(new.error):
-            tried.append(new)
+        return fit_further(fitting, begun, known, HEATS[0][0])
+
+    tried = [one for one in fitting.cores.each_in_parts(first, promising) if np.isfinite(one.error)]
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
         most = min(most, _within_reach(fitting, tried))
-        tried = [fit_further(fitting, t, known, steps) for t in tried[:most]] + tried[most:]
+        further = partial(fit_further, fitting, known=known, steps=steps)
+        tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     best: dict[tuple[str, str, str], Tried] = {}
     for one in in_order(tried):
         if _meaningful(one):

@@ -108,7 +108,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         gain = float(first * right[0] + second * right[1])
         return Screened(start.sized(limited).with_also(1.0 + float(second / first)), gain, std)
 
-    found = [one for one in fitting.each(one, starts) if one is not None]
+    found = [one for one in fitting.cores.each(one, starts) if one is not None]
     return sorted(found, key=lambda s: -s.gain)
 
 

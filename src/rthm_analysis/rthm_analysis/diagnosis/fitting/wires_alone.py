@@ -73,6 +73,17 @@ class WiresAlone:
         room = max(float(np.sum(np.square(left))) - count, 0.0) + SURE * np.sqrt(2.0 * count)
         return bool(size**2 > room and seen < min(SEEN, PART * size))
 
+    @property
+    def size(self) -> int:
+        """Number of residuals."""
+        return self.windows.start.size * len(self.forces)
+
+    def residual(self, model: Model) -> Floats:
+        """Measured minus predicted forces over their noise, in one row; 0 where nothing was measured."""
+        measured = self.experiment.evidence.measured[:, self.forces]
+        left = (measured - self._predicted(model)) * self.weight
+        return np.where(np.isfinite(measured), left, 0.0).ravel()
+
     def _predicted(self, model: Model) -> Floats:
         return self.experiment.predicted(model.spec, self.windows)[:, self.forces]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,15 +49,25 @@ class Drives:
 
     @property
     def model(self) -> Model:
-        """The settled spec, with delays that the motors' positions leave open within bounds.
+        """The settled spec, whose effects are open as far as the motors' positions leave them so.
 
         What the plant does tells them; taken for exact, they would make physics of the rest.
         """
-        return Model(self.settled, tuple(_open_delays(self.rounds)))
+        return Model(self.settled, (*_open_values(self.rounds), *_open_delays(self.rounds)))
+
+
+def _open_values(rounds: list[list[Tried]]) -> Iterator[Parameter]:
+    """Values that were fitted, with their standard deviations."""
+    if rounds:
+        fitted = rounds[-1][0].fitted
+        stds = np.sqrt(np.maximum(np.diag(fitted.sums.covariance()), 0.0))
+        for p, std in zip(fitted.model.parameters, stds.tolist(), strict=True):
+            if std > 0.0:
+                yield replace(p, scale=std, prior=(p.value, std))
 
 
 def _open_delays(rounds: list[list[Tried]]) -> Iterator[Parameter]:
-    """Delays of the effects that were added, as far as they are open."""
+    """Delays of the effects that were added, which the steps of the motors leave open between bounds."""
     for i, tried in enumerate(rounds):
         one, doubt = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
         if one.kind == "extra_delay" and doubt > SURE:

@@ -92,13 +92,15 @@ def _accepted(commands: Floats, motors: Drive) -> Floats:
 
 
 class _Working(NamedTuple):
-    """Commands (m,): the target, the present one, that half an interval later; modes (nq,): their state, its
-    integral, and what half an interval does to them.
+    """Commands (m,): the target, the present one, that half an interval later, its integral over half an
+    interval and over all of it; modes (nq,): their state, its integral, what half an interval does to them.
     """
 
     target: Floats
     now: Floats
     later: Floats
+    integral: Floats
+    whole: Floats
     q: Complex
     travelled: Complex
     step: Complex
@@ -107,7 +109,7 @@ class _Working(NamedTuple):
 
 
 def _working(m: int, nq: int) -> _Working:
-    commands, modes = (np.zeros(m) for _ in range(3)), (np.zeros(nq, complex) for _ in range(5))
+    commands, modes = (np.zeros(m) for _ in range(5)), (np.zeros(nq, complex) for _ in range(5))
     return _Working(*commands, *modes)
 
 
@@ -124,9 +126,11 @@ def _run(
     out: Floats,
     working: _Working,
 ) -> None:
-    target, now, later, q, travelled, step, level, slope = working
+    target, now, later, integral, whole, q, travelled, step, level, slope = working
     m, nq = commands.shape[1], modes.size
+    moves = nq > 0
     for k in range(m):
+        moves = moves or rate[k] < np.inf
         target[k] = now[k] = later[k] = commands[0, k]
         for i in range(nq):
             q[i] -= entry[i, k] * now[k] / modes[i]
@@ -147,26 +151,34 @@ def _run(
                 level[i] = (step[i] - 1.0) / modes[i]
                 slope[i] = (level[i] - half) / modes[i]
         length = half
+        for k in range(m):
+            whole[k] = 0.0
         for part in range(3):
             _read(row, through, q, now, out, g, part)
             if part == 2 or half == 0.0:
                 continue
             for k in range(m):
-                reach = rate[k] * half
-                later[k] = now[k] + min(max(target[k] - now[k], -reach), reach)
+                reach, gap = rate[k] * half, target[k] - now[k]
+                later[k] = now[k] + min(max(gap, -reach), reach)
+                integral[k] = 0.5 * (now[k] + later[k]) * half
+                if abs(gap) < reach:  # it arrives, and stays
+                    integral[k] = target[k] * half - 0.5 * gap * abs(gap) / rate[k]
+                whole[k] += integral[k]
             for i in range(nq):
                 before, entered = q[i], 0.0j
                 q[i] *= step[i]
                 for k in range(m):
                     q[i] += entry[i, k] * (level[i] * now[k] + slope[i] * (later[k] - now[k]) / half)
-                    entered += entry[i, k] * 0.5 * (now[k] + later[k]) * half
+                    entered += entry[i, k] * integral[k]
                 travelled[i] += (q[i] - before - entered) / modes[i]
             for k in range(m):
                 now[k] = later[k]
-        if nq and half > 0.0:
+        if moves and half > 0.0:
             for i in range(nq):
                 travelled[i] /= 2.0 * half
-            _mean_kept(row, through, travelled, now, out, g)
+            for k in range(m):
+                whole[k] /= 2.0 * half
+            _mean_kept(row, through, travelled, whole, out, g)
 
 
 @inlined

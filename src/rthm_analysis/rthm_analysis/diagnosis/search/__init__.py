@@ -8,6 +8,7 @@
 ``candidates``    every effect that there could be, with its starting values
 ``screening``     the score of every candidate from one replay each
 ``refining``      fits of the promising ones: the better they do, the longer
+``told_wires``    wires whose own force tells what they do
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

@@ -21,6 +21,7 @@ from rthm_analysis.diagnosis.search.refining import (
 )
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.told_wires import released, told_wire
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -51,8 +52,14 @@ PRUNING = 8
 
 REFINED, MOST_EFFECTS = 10, 3
 
+PAIRED = 3
+"""Plain kinds for which a companion is looked for where no single kind comes near the noise."""
+
 NUMERICS = 1e-6
 """Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
+
+PART = 0.05
+"""Part of what is left of a mismatch that an effect must explain to be what is missing."""
 
 NEAR = 0.15
 """Part of the best candidate's gain that another must promise to be refined."""
@@ -125,7 +132,9 @@ def choose(
         if fitting.experiment.sharpen(tried[0].fitted.model.spec):
             tried[0] = _finished(fitting, tried[0])
         choice.rounds.append(tried)
-        choice.best = tried[0].fitted
+        if len(choice.rounds) == 1 and fitting.doubt > WRONG:
+            choice.rounds = _paired(fitting, choice.base, tried) or choice.rounds
+        choice.best = choice.rounds[-1][0].fitted
         known = _known(fitting, choice.best)
         if stop(fitting.doubt):
             return choice
@@ -137,6 +146,37 @@ def _finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tr
     finished = fit_further(fitting, tried, known, FINISHING, least=1e-5)
     fitting.doubt = doubt(fitting, finished.fitted)
     return finished
+
+
+def _paired(fitting: Fitting, base: Fitted, tried: list[Tried]) -> list[list[Tried]]:
+    """Two rounds in which a plain kind and a companion come near the noise that no single kind came near.
+
+    Of two effects that are both large, none explains much alone, and a flexible kind imitates both.
+    """
+    plain = [one for one in tried if one.label[1] not in FLEXIBLE][:PAIRED]
+    for first in _told(fitting, base) or plain:
+        fitting.progress(f"looking for what goes with {first.label[1]}")
+        known = _known(fitting, first.fitted)
+        promising = _promising(_screened(fitting, first.fitted, known))
+        companions = refined(fitting, first.fitted, known, promising)
+        if companions and doubt(fitting, companions[0].fitted) < WRONG:
+            best = companions[0].fitted
+            fitting.doubt = doubt(fitting, best)
+            fitting.rebase(best.model)
+            freed = replace(best, model=released(best.model, len(base.model.parameters)), settled=np.inf)
+            companions[0] = _finished(fitting, replace(companions[0], fitted=freed))
+            return [[first, *(one for one in tried if one is not first)], companions]
+    return []
+
+
+def _told(fitting: Fitting, base: Fitted) -> list[Tried]:
+    """The wire that its own force tells all about; none where it does not."""
+    told = told_wire(fitting, base)
+    if told is None:
+        return []
+    start, model = told
+    begun = Tried(start, replace(base, model=model, settled=np.inf), np.inf)
+    return [one for one in [fit_further(fitting, begun, None, 1)] if np.isfinite(one.error)]
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
@@ -174,9 +214,9 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
 
     A flexible kind that came first may have imitated what two plain ones do together.
     """
-    if len(choice.rounds) < 2:
-        return choice
     others = [tried[0] for tried in choice.rounds]
+    if len(others) < 2 or (others[0].label[1] not in FLEXIBLE and fitting.doubt < CLOSE):
+        return choice
     if len(others) == 2:  # the second was the best companion of the first
         others = others[1:] if others[0].label[1] in FLEXIBLE else []
     best = choice
@@ -304,7 +344,7 @@ def _relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
     before, after = float(choice.best.left_out.sum()), new.error
     gain = before - after
     start = float(choice.base.left_out.sum()) - noise
-    if gain < _numerics(fitting):
+    if gain < max(_numerics(fitting), PART * (before - noise)):
         return False
     return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
 

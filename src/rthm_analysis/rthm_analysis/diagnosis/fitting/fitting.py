@@ -149,7 +149,7 @@ class Fitting:
     def projected(self, columns: Floats, bases: Bases | None = None) -> Floats:
         """Some columns (..., s k) without what initial states can explain."""
         kept = np.array(columns)
-        for part, basis in bases or self._bases:
+        for part, basis in self._bases if bases is None else bases:
             kept[..., part] -= (kept[..., part] @ basis) @ basis.T
         return kept
 
@@ -194,7 +194,15 @@ class Fitting:
         squares = np.array([float(residual[b] @ residual[b]) for b in self.blocks])
         return Sums(hessian, gradient, squares, precision, pull)
 
-    def fit(self, model: Model, known: Floats | None = None, most: int = 8, least: float = 3e-4) -> Fitted:
+    def fit(
+        self,
+        model: Model,
+        known: Floats | None = None,
+        most: int = 8,
+        least: float = 3e-4,
+        *,
+        started: bool = False,
+    ) -> Fitted:
         """Levenberg-Marquardt from the model's present values.
 
         Parameters
@@ -206,11 +214,13 @@ class Fitting:
             Largest number of steps.
         least : float
             Part of the squared error below which a step gains too little to go on.
+        started : bool
+            Whether the free runs start exactly where they are said to.
         """
         anew = known is None or self.doubt > WRONG
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
-        bases = self._bases_of(model, residual)
+        bases = [] if started else self._bases_of(model, residual)
         best, damping = self._cost(model, residual, bases), 1e-4
         columns, small, settled = np.empty((0, residual.size)), STEP, np.inf
         for _ in range(most):
@@ -234,7 +244,7 @@ class Fitting:
                     settled = least
                     break
                 small = STEP * FINER  # where motions part quickly, a longer step tells little
-            if self.doubt > WRONG:
+            if self.doubt > WRONG and not started:
                 bases = self._bases_of(model, residual)
                 best = self._cost(model, residual, bases)
         sums = self.sums(model, self.projected(residual, bases), columns)

@@ -109,11 +109,19 @@ def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
     fitting.progress("retuning what is uncertain")
     fitting.doubt = doubt(fitting, nominal)
     model = nominal.model
-    retuned = fitting.fit(replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
+    retuned = _retuned(fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
     if fitting.doubt > 1.5:
         fitting.doubt = doubt(fitting, retuned)
         retuned = fitting.fit(retuned.model)
     return retuned
+
+
+def _retuned(fitting: Fitting, model: Model) -> Fitted:
+    """Best of two fits: a start that is a little off can imitate wrong parameters, and a fit gets stuck."""
+    fits = [fitting.fit(model)]
+    if model.parameters and fitting.windows.length is None:
+        fits.append(fitting.fit(fitting.fit(model, started=True).model))
+    return min(fits, key=lambda fitted: fitted.squares)
 
 
 def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple[Windows, Floats]:

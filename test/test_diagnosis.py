@@ -65,6 +65,18 @@ def test_a_plant_that_gets_out_of_step_with_its_spec_is_retuned_and_not_called_p
         assert abs(found["value"] - true[name][0]) < 4.0 * found["std"]
 
 
+def test_a_late_link_is_all_that_is_named_where_retuning_could_get_stuck(tmp_path: Path) -> None:
+    late = (("link.tau3", "extra_delay"),)
+    said = diagnosed(make_case(2127483687741567034, late, 0.02, tmp_path, retune="drawn", duration=60.0))
+    assert [(one["block"], one["kind"]) for one in said["physics"]] == list(late)
+
+
+def test_a_motor_of_limited_rate_is_all_that_is_named(tmp_path: Path) -> None:
+    limited = (("motor", "rate_limit"),)
+    said = diagnosed(make_case(3769535811400870209, limited, 0.05, tmp_path, duration=60.0))
+    assert [(one["block"], one["kind"]) for one in said["physics"]] == list(limited)
+
+
 def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: Path) -> None:
     case = make_case(3945819810880683029, (("motor", "second_order"),), 0.02, tmp_path, duration=30.0)
     said = diagnosed(case)

@@ -8,45 +8,15 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.physical.drives import choose_drives
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import windows
-from rthm_core.physical.side import PhysicalSide, first_command
-from rthm_core.spec import Spec, apply, shipped_spec
+from rthm_core.physical.side import first_command
+from rthm_core.spec import Spec
 
-PAPER = shipped_spec("paper")
-STAMPS = np.arange(1700) * 1_200_000
-DUE = np.arange(0, 480) * 4_000_000 + 10_000_000
-COMMANDS = (0.5 + 0.3 * np.sin(3e-9 * DUE)).reshape(-1, 1)
-CHANNELS = (
-    Channel("position", "x1"),
-    Channel("velocity", "x1"),
-    Channel("force", "a1"),
-    Channel("motor", "a1"),
-)
-EVIDENCE = Evidence(
-    STAMPS, DUE, COMMANDS, np.zeros((STAMPS.size, 1)), CHANNELS, np.zeros((STAMPS.size, 4)), "command"
-)
+from .side import COMMANDS, DUE, EVIDENCE, PAPER, STAMPS, having, simulated
+
 FAR_BELOW_NOISE = np.array([3e-6, 1.5e-4, 1.5e-3, 1e-6])
 """Of position, velocity, force and motor; reference noise is 1e-4 m, 2e-3 m/s, 0.02 N and 1e-5 m."""
-
-
-def having(block: str, kind: str, poles: bool = False, **parameters: float) -> Spec:
-    spec = apply(PAPER, {"actuator.motor_poles": [400.0, 2000.0]}) if poles else PAPER
-    place = {"dof": "x1"} if block == "plant" or block.startswith("sensor") else {"actuator": "a1"}
-    return apply(spec, {"effects": ["one"], "one": {"block": block, "kind": kind, **place, **parameters}})
-
-
-def simulated(spec: Spec) -> np.ndarray:
-    """Position, velocity, force and motor position as the simulator's own data acquisition sees them."""
-    side, rows, j = PhysicalSide(spec), [], 0
-    for stamp in STAMPS.tolist():
-        while j < DUE.size and DUE[j] <= stamp:
-            side.command(int(DUE[j]), COMMANDS[j])
-            j += 1
-        seen = side.sample(stamp)
-        rows.append([seen.position[0], seen.velocity[0], seen.force[0], seen.motor_position[0]])
-    return np.array(rows)
 
 
 def replayed(spec: Spec) -> np.ndarray:

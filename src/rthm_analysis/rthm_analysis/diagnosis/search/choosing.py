@@ -16,6 +16,7 @@ from rthm_analysis.diagnosis.search.refining import (
     PER_PARAMETER,
     RELEVANT,
     Tried,
+    best_of_labels,
     fit_further,
     refined,
 )
@@ -122,18 +123,22 @@ def choose(
             break
         fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in promising))}")
         tried = refined(fitting, choice.best, known, promising)
+        told = _told(fitting, choice.best) if not choice.rounds and fitting.doubt > WRONG else []
+        tried = best_of_labels([*told, *tried]) if told else tried
         if not tried or not better(tried[0], choice.best) or not _relevant(fitting, tried[0], choice):
             break
         lost, fitting.doubt = fitting.doubt > WRONG, doubt(fitting, tried[0].fitted)
         if lost:
             fitting.rebase(tried[0].fitted.model)
-        if lost or fitting.doubt > UNFINISHED:
+        if told and tried[0] is told[0]:
+            tried[0] = _finished(fitting, _released(tried[0], choice.base))
+        elif lost or fitting.doubt > UNFINISHED:
             tried[0] = _finished(fitting, tried[0], None if lost else known)
         if fitting.experiment.sharpen(tried[0].fitted.model.spec):
             tried[0] = _finished(fitting, tried[0])
         choice.rounds.append(tried)
         if len(choice.rounds) == 1 and fitting.doubt > WRONG:
-            choice.rounds = _paired(fitting, choice.base, tried) or choice.rounds
+            choice.rounds = _paired(fitting, choice.base, told or tried, tried) or choice.rounds
         choice.best = choice.rounds[-1][0].fitted
         known = _known(fitting, choice.best)
         if stop(fitting.doubt):
@@ -148,25 +153,28 @@ def _finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tr
     return finished
 
 
-def _paired(fitting: Fitting, base: Fitted, tried: list[Tried]) -> list[list[Tried]]:
+def _paired(fitting: Fitting, base: Fitted, firsts: list[Tried], tried: list[Tried]) -> list[list[Tried]]:
     """Two rounds in which a plain kind and a companion come near the noise that no single kind came near.
 
     Of two effects that are both large, none explains much alone, and a flexible kind imitates both.
     """
-    plain = [one for one in tried if one.label[1] not in FLEXIBLE][:PAIRED]
-    for first in _told(fitting, base) or plain:
+    for first in [one for one in firsts if one.label[1] not in FLEXIBLE][:PAIRED]:
         fitting.progress(f"looking for what goes with {first.label[1]}")
         known = _known(fitting, first.fitted)
         promising = _promising(_screened(fitting, first.fitted, known))
         companions = refined(fitting, first.fitted, known, promising)
         if companions and doubt(fitting, companions[0].fitted) < WRONG:
-            best = companions[0].fitted
-            fitting.doubt = doubt(fitting, best)
-            fitting.rebase(best.model)
-            freed = replace(best, model=released(best.model, len(base.model.parameters)), settled=np.inf)
-            companions[0] = _finished(fitting, replace(companions[0], fitted=freed))
+            fitting.doubt = doubt(fitting, companions[0].fitted)
+            fitting.rebase(companions[0].fitted.model)
+            companions[0] = _finished(fitting, _released(companions[0], base))
             return [[first, *(one for one in tried if one is not first)], companions]
     return []
+
+
+def _released(tried: Tried, base: Fitted) -> Tried:
+    """The same, with the values of all effects left to the recording as a whole."""
+    model = released(tried.fitted.model, len(base.model.parameters))
+    return replace(tried, fitted=replace(tried.fitted, model=model, settled=np.inf))
 
 
 def _told(fitting: Fitting, base: Fitted) -> list[Tried]:

@@ -64,11 +64,8 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
         most = min(most, _within_reach(fitting, tried))
         further = partial(fit_further, fitting, known=known, steps=steps)
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
-    best: dict[tuple[str, str, str], Tried] = {}
-    for one in in_order(tried):
-        if _meaningful(one):
-            best.setdefault(one.label, one)
-    return _simplest_first(fitting, in_order(list(best.values())), fitted)
+    meaningful = [one for one in tried if _meaningful(one)]
+    return _simplest_first(fitting, best_of_labels(meaningful), fitted)
 
 
 def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
@@ -131,6 +128,14 @@ def fit_further(
         return Tried(tried.start, fitted, float(fitted.left_out.sum()))
     except (InputError, np.linalg.LinAlgError):
         return tried
+
+
+def best_of_labels(tried: list[Tried]) -> list[Tried]:
+    """Best of each kind and place, in order."""
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in in_order(tried):
+        best.setdefault(one.label, one)
+    return list(best.values())
 
 
 def in_order(tried: list[Tried]) -> list[Tried]:

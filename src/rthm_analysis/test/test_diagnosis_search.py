@@ -1,0 +1,74 @@
+"""The search for what is missing: where it begins, and what runs side by side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.fitting.cores import Cores
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.motor import motor_motion
+from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.search.told_wires import released, told_wire
+from rthm_core.physical.side import first_command
+from rthm_core.spec import Spec, apply
+
+from .side import COMMANDS, DUE, EVIDENCE, PAPER, having, simulated
+
+SIGMA = np.array([1e-4, 2e-3, 0.02])
+"""Reference noise of position, velocity and force."""
+
+
+def fitting_of(true: Spec, seed: int) -> Fitting:
+    """Fits of the paper's physical side to a recording of another one."""
+    noise = np.random.default_rng(seed).normal(size=(EVIDENCE.stamps_ns.size, 4)) * [*SIGMA, 1e-5]
+    seen = replace(EVIDENCE, measured=simulated(true) + noise).only("position", "velocity", "force")
+    runs = windows(seen, PAPER, True)
+    return Fitting(Experiment(seen, first_command(PAPER)), runs, SIGMA, Model(PAPER))
+
+
+def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of() -> None:
+    slack = having("wire", "slack", pretension=0.5)
+    stop = {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.3, "stiffness": 200.0}
+    fitting = fitting_of(apply(slack, {"effects": ["one", "stop"], "stop": stop | {"damping": 1.0}}), 1)
+    told = told_wire(fitting, fitting.fit(Model(PAPER)))
+    assert told is not None
+    start, model = told
+    (pretension,) = model.parameters
+    assert start.added.kind == "slack" and pretension.prior is not None
+    assert abs(pretension.value - 0.5) < 4.0 * pretension.prior[1] < 0.05
+    assert released(model, 0).parameters[0].prior is None
+
+
+@pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])
+def test_a_wire_that_does_nothing_tells_nothing(true: Spec) -> None:
+    fitting = fitting_of(true, 2)
+    assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
+
+
+def test_a_motor_of_limited_rate_keeps_its_mean_where_it_arrives_between_two_points_of_the_grid() -> None:
+    spec, rate = having("motor", "rate_limit", rate=0.5), 0.5
+    time = np.array([0, 5_000_000, 10_000_000])
+    for reach in (0.0006, 0.002, -0.0011, 0.01):
+        motion = motor_motion(spec, time, np.array([0]), np.array([[reach]]), np.zeros(1))[0, :, 0]
+        instants = np.linspace(0.0, 5e-3, 100_001)
+        exact = np.mean(np.sign(reach) * np.minimum(rate * instants, abs(reach)))
+        assert abs(motion @ [1.0, 4.0, 1.0] / 6.0 - exact) < 1e-8
+
+
+def test_a_motor_that_follows_at_once_stays_at_its_commands() -> None:
+    motion = motor_motion(PAPER, DUE, DUE, COMMANDS, np.zeros(1))
+    assert np.array_equal(motion[:-1], np.repeat(COMMANDS[:-1, None], 3, axis=1))
+
+
+def test_work_in_parts_may_have_its_parts_done_side_by_side() -> None:
+    cores = Cores()
+    with np.errstate(over="raise"):
+        found = cores.each_in_parts(lambda i: sum(cores.each(lambda j: i * j, range(20))), range(40))
+        assert found == [190 * i for i in range(40)]
+        with pytest.raises(FloatingPointError):
+            cores.each(lambda x: np.float64(x) * 1e10, [1e300])

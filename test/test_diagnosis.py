@@ -65,16 +65,21 @@ def test_a_plant_that_gets_out_of_step_with_its_spec_is_retuned_and_not_called_p
         assert abs(found["value"] - true[name][0]) < 4.0 * found["std"]
 
 
-def test_a_late_link_is_all_that_is_named_where_retuning_could_get_stuck(tmp_path: Path) -> None:
-    late = (("link.tau3", "extra_delay"),)
-    said = diagnosed(make_case(2127483687741567034, late, 0.02, tmp_path, retune="drawn", duration=60.0))
-    assert [(one["block"], one["kind"]) for one in said["physics"]] == list(late)
-
-
-def test_a_motor_of_limited_rate_is_all_that_is_named(tmp_path: Path) -> None:
-    limited = (("motor", "rate_limit"),)
-    said = diagnosed(make_case(3769535811400870209, limited, 0.05, tmp_path, duration=60.0))
-    assert [(one["block"], one["kind"]) for one in said["physics"]] == list(limited)
+@pytest.mark.parametrize(
+    ("hidden", "seed", "size", "retune"),
+    [
+        (("link.tau3", "extra_delay"), 2127483687741567034, 0.02, "drawn"),  # retuning could get stuck
+        (("motor", "rate_limit"), 3769535811400870209, 0.05, ""),  # arrives between two points of the grid
+        (("wire", "slack"), 1286679092002342773, 0.05, ""),  # wrong models do not get near
+        (("plant", "stribeck_friction"), 1096960604568808605, 0.15, ""),  # most of it is plain dry friction
+        (("plant", "hidden_mode"), 1478158351231339146, 0.05, ""),  # others fit better at first
+    ],
+)
+def test_one_effect_is_all_that_is_named(
+    hidden: tuple[str, str], seed: int, size: float, retune: str, tmp_path: Path
+) -> None:
+    said = diagnosed(make_case(seed, (hidden,), size, tmp_path, retune=retune, duration=60.0))
+    assert [(one["block"], one["kind"]) for one in said["physics"]] == [hidden]
 
 
 def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: Path) -> None:

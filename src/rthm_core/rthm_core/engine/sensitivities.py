@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, NamedTuple
@@ -18,12 +19,7 @@ from rthm_core.engine.linear.kernel import ROWS
 from rthm_core.engine.simulate import checked_step, simulate
 from rthm_core.engine.tangents.advance import TangentWork, Term
 from rthm_core.engine.tangents.changes import Tangents, columns, stencil, tangents
-from rthm_core.engine.tangents.kernel import (
-    Seen,
-    TangentRows,
-    TangentSteps,
-    run_tangents,
-)
+from rthm_core.engine.tangents.kernel import Seen, TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.spec import parameters
@@ -37,6 +33,9 @@ PHYSICAL = ("plant", "numerical", "interface", "actuator.stiffness", "actuator.m
 
 INITIAL = ("initial_position", "initial_velocity")
 """Numbers of a substructure that are no property of it."""
+
+SIGNALS = tuple(one.name for one in fields(Trajectory) if one.name not in ("t", "energies"))
+"""Arrays of a trajectory that have derivatives."""
 
 NOT_SMOOTH = ("timing", "noise", "uncertainty", "limits", "actuator.compensator_order")
 """Sections on which no trajectory depends smoothly: clocks count in ns; what is random or rounded jumps."""
@@ -190,27 +189,30 @@ def _beside(spec: Spec, names: tuple[str, ...], end: int, step: int) -> Sensitiv
         return None
     state = start_state(one.loop, found.samples, found.references)
     own = _tangent_work(one, state)
-    blocks = [_block(one, portion, state, own) for portion in found.portions]
-    rows, beside = (joined(parts) for parts in zip(*blocks, strict=True))
-    by_parameter = {name: of_rows(spec, _of_one(beside, p), step) for p, name in enumerate(names)}
+    blocks = [_block(one, portion, state, own, len(names)) for portion in found.portions]
+    rows, (beside,) = (joined(parts) for parts in zip(*blocks, strict=True))
+    ends = np.cumsum([part.shape[1] for part in rows[:2]])
+    plant, numerical, reference = np.split(beside, ends, axis=1)
+    every = of_rows(spec, Rows(plant, numerical, reference, np.empty((0, 0))), step)
+    by_parameter = {name: _of_one(every, p) for p, name in enumerate(names)}
     return Sensitivities(of_rows(spec, Rows(*rows), step), by_parameter, tangents=True)
 
 
-def _of_one(beside: Sequence[Floats], parameter: int) -> Rows:
-    """Tangents for one parameter, as the rows of a trajectory."""
-    plant, numerical, reference = (part[..., parameter // WIDTH, parameter % WIDTH] for part in beside)
-    return Rows(plant, numerical, reference, np.empty((0, 0)))
+def _of_one(every: Trajectory, parameter: int) -> Trajectory:
+    """Tangents for one parameter; those for all have the parameters along their last axis."""
+    return Trajectory(every.t, **{name: getattr(every, name)[..., parameter] for name in SIGNALS})
 
 
 def _block(
-    one: _Prepared, portion: Portion, state: State, own: TangentWork
+    one: _Prepared, portion: Portion, state: State, own: TangentWork, parameters: int
 ) -> tuple[list[Floats], list[Floats]]:
     """Rows of a portion and their tangents, without the last, which is beyond it: a full block would end the
     run.
     """
     loop, out = one.loop, outputs(one.loop, portion.rows + 1)
-    groups = one.changes.start.shape[1:]
-    beside = TangentRows(*(np.empty((*array.shape, *groups)) for array in out[:3]))
+    shape = (portion.rows + 1, sum(array.shape[1] for array in out[:3]), parameters)
+    beside = np.empty(math.prod(shape) + WIDTH)
+    groups = (0,) * one.changes.start.shape[1]
     state.memory.count[ROWS] = 0
     run_tangents(
         loop.curved,
@@ -225,9 +227,11 @@ def _block(
         one.changes,
         _steps(one, portion.steps.filled.size),
         own,
+        groups,
+        parameters,
         beside,
     )
-    return [rows[:-1] for rows in out], [rows[:-1] for rows in beside]
+    return [rows[:-1] for rows in out], [beside[:-WIDTH].reshape(shape)[:-1]]
 
 
 def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajectory:
@@ -236,8 +240,6 @@ def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajec
         (weight, simulate(beside, duration, sample, energies=False)) for beside, weight in stencil(spec, name)
     ]
     arrays = {
-        one.name: sum(weight * getattr(trajectory, one.name) for weight, trajectory in weighted)
-        for one in fields(Trajectory)
-        if one.name not in ("t", "energies")
+        name: sum(weight * getattr(trajectory, name) for weight, trajectory in weighted) for name in SIGNALS
     }
     return Trajectory(weighted[0][1].t, **arrays)

@@ -190,8 +190,8 @@ def _told(fitting: Fitting, base: Fitted) -> list[Tried]:
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
     """Leave out effects that only helped the others, or what is uncertain, to find their values."""
     for index in reversed(range(len(choice.rounds))):
-        if index == 0 and (len(choice.rounds) > 1 or not choice.base.model.parameters):
-            break  # the first and largest of several, or one that nothing else could stand for
+        if len(choice.rounds) == 1 and not choice.base.model.parameters:
+            break  # nothing else could stand for it
         try:
             alone = fitting.fit(_model_without(choice, index), most=FINISHING if index == 0 else PRUNING)
         except np.linalg.LinAlgError:  # without the effect the model diverges
@@ -200,8 +200,9 @@ def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
         if better(Tried(last.start, choice.best, last.error), alone):
             continue
         rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
-        choice = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
         fitting.doubt = doubt(fitting, alone)
+        fewer = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
+        return _without_the_needless(fitting, fewer)
     return choice
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -36,6 +37,14 @@ PARTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of a candidate's estimated size from which its fit may begin."""
 
 
+STRIBECK = "stribeck_friction"
+
+GROWN, WIDER = (0.95, 1.4), (1.0, 3.0)
+"""Parts of a dry friction from which that of Stribeck may begin in motion and at rest, and how much wider it
+falls than where it was looked for at first.
+"""
+
+
 @dataclass(frozen=True)
 class Tried:
     """A candidate that was refined."""
@@ -53,12 +62,17 @@ class Tried:
 def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
 
-    def first(one: Screened) -> Tried:
-        model = _begun(fitting, fitted.model, one)
-        begun = Tried(one.start, replace(fitted, model=model, settled=np.inf), np.inf)
+    def first(start: Start, model: Model) -> Tried:
+        begun = Tried(start, replace(fitted, model=model, settled=np.inf), np.inf)
         return fit_further(fitting, begun, known, HEATS[0][0])
 
-    tried = [one for one in fitting.cores.each_in_parts(first, promising) if np.isfinite(one.error)]
+    def begun(one: Screened) -> Tried:
+        return first(one.start, _begun(fitting, fitted.model, one))
+
+    tried = fitting.cores.each_in_parts(begun, promising)
+    grown = _grown(tried, promising)
+    tried += fitting.cores.each_in_parts(lambda start: first(start, start.added_to(fitted.model)), grown)
+    tried = [one for one in tried if np.isfinite(one.error)]
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
         most = min(most, _within_reach(fitting, tried))
@@ -66,6 +80,26 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     meaningful = [one for one in tried if _meaningful(one)]
     return _simplest_first(fitting, best_of_labels(meaningful), fitted)
+
+
+def _grown(tried: list[Tried], promising: list[Screened]) -> Iterator[Start]:
+    """Starts of Stribeck's friction from the dry friction that fits best, which is most of it."""
+    fitted = [one for one in tried if one.label[1] == "coulomb_friction" and np.isfinite(one.error)]
+    looked_for = [one.start for one in promising if one.start.added.kind == STRIBECK]
+    if not fitted or not looked_for:
+        return
+    best, start = min(fitted, key=lambda one: one.error), looked_for[0]
+    force = float(best.fitted.model.effect_values(len(best.fitted.model.added) - 1)["force"])
+    for wider in WIDER:
+        values: dict[str, float | str] = {
+            "coulomb_force": GROWN[0] * force,
+            "static_force": GROWN[1] * force,
+            "stribeck_velocity": wider * float(start.added.parameters["stribeck_velocity"]),
+        }
+        scales = {key: float(value) for key, value in values.items()}
+        yield replace(
+            start, added=replace(start.added, place=best.label[2], parameters=values), scales=scales
+        )
 
 
 def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
@@ -86,7 +120,7 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
 
 def _meaningful(tried: Tried) -> bool:
     """Whether the parameters are those of the kind; friction that rises with speed is not Stribeck's."""
-    if tried.label[1] != "stribeck_friction":
+    if tried.label[1] != STRIBECK:
         return True
     found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
     return float(found["static_force"]) >= float(found["coulomb_force"])

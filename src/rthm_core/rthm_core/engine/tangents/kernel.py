@@ -18,7 +18,7 @@ from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, cha
 from rthm_core.engine.tangents.changes import Columns, Tangents
 from rthm_core.engine.tangents.steps import by_matrix, copy_numbers
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import numbers, put_numbers
+from rthm_core.wide import WIDTH, numbers, put_numbers
 
 
 class Seen(NamedTuple):
@@ -38,14 +38,6 @@ class TangentSteps(NamedTuple):
     columns: Columns
 
 
-class TangentRows(NamedTuple):
-    """Tangents (rows, ., Q, 8) of what `Outputs` has."""
-
-    plant: Floats
-    numerical: Floats
-    reference: Floats
-
-
 @inlined
 def _add(bias, out):  # type: ignore[no-untyped-def]
     for i in range(out.shape[0]):
@@ -63,24 +55,26 @@ def _command_change(k_tot, change, size, reference, dsample, dreference, dz):  #
 
 
 @inlined
-def _put(dz, out):  # type: ignore[no-untyped-def]
-    """Write the tangents (Q, 8) of one signal."""
+def _put(dz, beside, place, parameters):  # type: ignore[no-untyped-def]
+    """Write the tangents (Q, 8) of one signal; those beyond the parameters are overwritten by the next."""
     for group in range(dz.shape[0]):
-        put_numbers(out, (group,), numbers(dz, (group,)))
+        begin = place * parameters + group * WIDTH
+        put_numbers(beside[begin : begin + WIDTH], (), numbers(dz, (group,)))
 
 
 @inlined
-def _write(motion, dz, dforce, dreference, plant, numerical, reference):  # type: ignore[no-untyped-def]
-    """Tangents of a row of `Outputs`."""
-    m = reference.shape[0]
-    x1v1 = plant.shape[0] - m
-    for i in range(x1v1):
-        _put(dz[motion[i]], plant[i])
-    for i in range(numerical.shape[0]):
-        _put(dz[motion[x1v1 + i]], numerical[i])
+def _write(motion, plant, dz, dforce, dreference, beside, row, parameters):  # type: ignore[no-untyped-def]
+    """Tangents of a row [x1, v1, F, x2, v2, F_d]; `plant` is how many of them belong to the plant."""
+    m = dforce.shape[0]
+    place = row * (motion.size + 2 * m)
+    for i in range(plant - m):
+        _put(dz[motion[i]], beside, place + i, parameters)
     for i in range(m):
-        _put(dforce[i], plant[x1v1 + i])
-        _put(dreference[i], reference[i])
+        _put(dforce[i], beside, place + plant - m + i, parameters)
+    for i in range(plant - m, motion.size):
+        _put(dz[motion[i]], beside, place + m + i, parameters)
+    for i in range(m):
+        _put(dreference[i], beside, place + motion.size + m + i, parameters)
 
 
 @compiled_in_place
@@ -97,9 +91,15 @@ def run_tangents(
     tangents: Tangents,
     changes: TangentSteps,
     own: TangentWork,
-    beside: TangentRows,
+    groups: tuple[int, ...],
+    parameters: int,
+    beside: Floats,
 ) -> None:
-    """Execute a program `passes` times or until the rows `out` and `beside` are full, from z on."""
+    """Execute a program `passes` times or until the rows `out` are full, from z on.
+
+    The tangents of each row [x1, v1, F, x2, v2, F_d] with respect to so many `parameters`, of which there are
+    as many `groups` as the tuple is long, follow each other in `beside`, which has `WIDTH` numbers to spare.
+    """
     samples, references, count = memory
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
@@ -127,14 +127,14 @@ def run_tangents(
                 if not changes.filled[slot]:
                     change_of_step(curved, steps, tangents, own, number, k, changes.changes[slot])
                     changes.filled[slot] = 1
-                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, before, dz, after)
+                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, before, dz, groups, after)
                 copy_numbers(after, dz, size)
             elif k >= 0:
                 advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:
                 sample(looks, z, now, samples[s & s_mask])
-                by_matrix(seen.sample, tangents.sample, columns.sample, z, dz, dsamples[s & s_mask])
+                by_matrix(seen.sample, tangents.sample, columns.sample, z, dz, groups, dsamples[s & s_mask])
                 _add(tangents.bias, dsamples[s & s_mask])
                 s += 1
             elif what == REFERENCE:
@@ -142,8 +142,9 @@ def run_tangents(
                 copy_numbers(dsamples[used], dz[held:], samples.shape[1])
                 look(looks.reference, z, references[r & r_mask])
                 by_matrix(
-                    seen.reference, tangents.reference, columns.reference, z, dz, dreferences[r & r_mask]
-                )
+                    seen.reference, tangents.reference, columns.reference, z, dz, groups,
+                    dreferences[r & r_mask],
+                )  # fmt: skip
                 r += 1
             elif what == MOTOR:
                 command(looks, False, size, samples[used], references[asked], z)
@@ -158,10 +159,10 @@ def run_tangents(
                 )
             elif what == OUTPUT:
                 write_row(looks, z, references[asked], out, row)
-                by_matrix(seen.force, tangents.force, columns.force, z, dz, after[:m])
+                by_matrix(seen.force, tangents.force, columns.force, z, dz, groups, after[:m])
                 _write(
-                    looks.motion, dz, after, dreferences[asked],
-                    beside.plant[row], beside.numerical[row], beside.reference[row],
+                    looks.motion, out.plant.shape[1], dz, after[:m], dreferences[asked], beside, row,
+                    parameters,
                 )  # fmt: skip
                 row += 1
                 if row == out.plant.shape[0]:

@@ -6,8 +6,10 @@ Where ``y' = S z`` with ``z = [y, held, g]``, the derivative dz of z with respec
 
 from __future__ import annotations
 
+from numba.cpython.unsafe.tuple import tuple_setitem
+
 from rthm_core.compiled import inlined
-from rthm_core.wide import everywhere, numbers, put_numbers
+from rthm_core.wide import everywhere, numbers, put_numbers, several
 
 
 @inlined
@@ -19,18 +21,22 @@ def copy_numbers(source, target, count):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def by_matrix(matrix, change, columns, z, dz, out):  # type: ignore[no-untyped-def]
+def by_matrix(matrix, change, columns, z, dz, groups, out):  # type: ignore[no-untyped-def]
     """Tangents (N, Q, 8) of what a transposed matrix (., N), which changes as well (., N, Q, 8), makes of z;
-    `columns` (N, .) has the number of elements of z that count for a row, and then these.
+    `columns` (N, .) has the number of elements of z that count for a row, and then these. A tuple of Q
+    `groups` lets the compiler keep a row's tangents in registers.
     """
     for i in range(out.shape[0]):
-        for group in range(out.shape[1]):
-            moved, changed = everywhere(0.0), everywhere(0.0)
-            for at in range(1, columns[i, 0] + 1):
-                j = columns[i, at]
-                moved += matrix[j, i] * numbers(dz, (j, group))
-                changed += z[j] * numbers(change, (j, i, group))
-            put_numbers(out, (i, group), moved + changed)
+        moved, changed = several(groups), several(groups)
+        for at in range(1, columns[i, 0] + 1):
+            j = columns[i, at]
+            for group in range(len(groups)):
+                more = moved[group] + matrix[j, i] * numbers(dz, (j, group))
+                moved = tuple_setitem(moved, group, more)
+                more = changed[group] + z[j] * numbers(change, (j, i, group))
+                changed = tuple_setitem(changed, group, more)
+        for group in range(len(groups)):
+            put_numbers(out, (i, group), moved[group] + changed[group])
 
 
 @inlined

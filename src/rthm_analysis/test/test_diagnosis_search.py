@@ -23,12 +23,15 @@ SIGMA = np.array([1e-4, 2e-3, 0.02])
 """Reference noise of position, velocity and force."""
 
 
-def fitting_of(true: Spec, seed: int) -> Fitting:
-    """Fits of the paper's physical side to a recording of another one."""
+FAMILIES = ("position", "velocity", "force")
+
+
+def fitting_of(true: Spec, seed: int, *families: str) -> Fitting:
+    """Fits of the paper's physical side to a recording of another one; only some channels, or all."""
     noise = np.random.default_rng(seed).normal(size=(EVIDENCE.stamps_ns.size, 4)) * [*SIGMA, 1e-5]
-    seen = replace(EVIDENCE, measured=simulated(true) + noise).only("position", "velocity", "force")
+    seen = replace(EVIDENCE, measured=simulated(true) + noise).only(*families or FAMILIES)
     runs = windows(seen, PAPER, True)
-    return Fitting(Experiment(seen, first_command(PAPER)), runs, SIGMA, Model(PAPER))
+    return Fitting(Experiment(seen, first_command(PAPER)), runs, SIGMA[: len(seen.channels)], Model(PAPER))
 
 
 def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of() -> None:
@@ -47,6 +50,11 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of() -> 
 @pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])
 def test_a_wire_that_does_nothing_tells_nothing(true: Spec) -> None:
     fitting = fitting_of(true, 2)
+    assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
+
+
+def test_a_wire_whose_force_was_not_measured_tells_nothing() -> None:
+    fitting = fitting_of(having("wire", "slack", pretension=0.5), 3, "position", "velocity")
     assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
 
 

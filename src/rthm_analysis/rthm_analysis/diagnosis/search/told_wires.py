@@ -39,7 +39,9 @@ TRUSTED = 3.0
 def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
     """Effect that explains the force of a wire, and the model with it; None where none or several do."""
     alone, without = fitting.wires_alone, fitted.model
-    here = alone.residual(without) if alone.forces else np.zeros(1)
+    if not alone.forces:
+        return None
+    here = alone.residual(without)
     before = _squares(here)
     if before < WHITE * _white(here, alone):
         return None
@@ -114,5 +116,5 @@ def _squares(residual: Floats) -> float:
 
 def _white(residual: Floats, alone: WiresAlone) -> float:
     """Squared error that white noise with the differences of a residual from sample to sample would have."""
-    columns = residual.reshape(-1, max(len(alone.forces), 1))
+    columns = residual.reshape(-1, len(alone.forces))
     return 0.5 * float(np.square(np.diff(columns, axis=0)).sum())

@@ -9,11 +9,14 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
 from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_analysis.diagnosis.search.told_wires import released, told_wire
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply
 
@@ -56,6 +59,22 @@ def test_a_wire_that_does_nothing_tells_nothing(true: Spec) -> None:
 def test_a_wire_whose_force_was_not_measured_tells_nothing() -> None:
     fitting = fitting_of(having("wire", "slack", pretension=0.5), 3, "position", "velocity")
     assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
+
+
+def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fitting = fitting_of(having("wire", "slack", pretension=0.5), 4)
+    replay = WiresAlone.residual
+
+    def refusing(alone: WiresAlone, model: Model) -> Floats:
+        if any(effect.kind == "bouc_wen" for effect in model.spec.effects):
+            raise InputError("there is none here")
+        return replay(alone, model)
+
+    monkeypatch.setattr(WiresAlone, "residual", refusing)
+    told = told_wire(fitting, fitting.fit(Model(PAPER)))
+    assert told is not None and told[0].added.kind == "slack"
 
 
 def test_a_motor_of_limited_rate_keeps_its_mean_where_it_arrives_between_two_points_of_the_grid() -> None:

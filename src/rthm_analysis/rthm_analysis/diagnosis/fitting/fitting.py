@@ -14,10 +14,11 @@ from itertools import pairwise
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.cores import Cores
+from rthm_analysis.diagnosis.fitting.steps import moved
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Model, Parameter
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 
@@ -29,9 +30,6 @@ STEP = 1e-3
 
 FINE, FINER = 1e-4, 0.02
 """Part of the squared error up to which a fit is one that finishes; factor of its last finite differences."""
-
-LARGEST_STEP = 1.2
-"""Largest step of a positive parameter, as the logarithm of a factor."""
 
 WRONG = 3.0
 """Doubt above which sensitivities are computed anew at every step of a fit."""
@@ -182,6 +180,14 @@ class Fitting:
             raise np.linalg.LinAlgError("a model has no finite sensitivities")
         return columns
 
+    def known(self, fitted: Fitted) -> Floats:
+        """Projected columns of a fitted model; none where a small change of a parameter makes it diverge."""
+        try:
+            columns = self.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+        except np.linalg.LinAlgError:
+            return np.empty((0, fitted.residual.size))
+        return self.projected(columns)
+
     def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
         """Normal equations of a model whose residual and columns are known and projected."""
         priors = [p.prior for p in model.parameters]
@@ -220,7 +226,7 @@ class Fitting:
         anew = known is None or self.doubt > WRONG
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
-        bases = [] if started else self._bases_of(model, residual)
+        bases = self._bases_of(model, residual, started=started)
         best, damping = self._cost(model, residual, bases), 1e-4
         columns, small, settled = np.empty((0, residual.size)), STEP, np.inf
         for _ in range(most):
@@ -232,7 +238,7 @@ class Fitting:
                 break
             before = best
             for _ in range(6):
-                trial = model.at(self._moved(model, sums, damping))
+                trial = model.at(moved(model, sums, damping))
                 trial_residual = self.residual(trial)
                 cost = self._cost(trial, trial_residual, bases)
                 if cost < best:
@@ -244,14 +250,19 @@ class Fitting:
                     settled = least
                     break
                 small = STEP * FINER  # where motions part quickly, a longer step tells little
-            if self.doubt > WRONG and not started:
-                bases = self._bases_of(model, residual)
+            if self.doubt > WRONG:
+                bases = self._bases_of(model, residual, started=started)
                 best = self._cost(model, residual, bases)
         sums = self.sums(model, self.projected(residual, bases), columns)
         return Fitted(model, best, sums, residual, settled)
 
-    def _bases_of(self, model: Model, residual: Floats) -> Bases:
-        """What initial states can explain: of this model as long as models are wrong, else of the base."""
+    def _bases_of(self, model: Model, residual: Floats, *, started: bool = False) -> Bases:
+        """What initial states can explain: of this model as long as models are wrong, else of the base.
+
+        Nothing where the states in which the runs started are taken for exact.
+        """
+        if started:
+            return []
         return self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
 
     def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
@@ -259,45 +270,6 @@ class Fitting:
         kept = self.projected(residual, bases)
         cost = float(kept @ kept) + self.doubt * float(np.square(priors).sum())
         return cost if np.isfinite(cost) else np.inf
-
-    @staticmethod
-    def _moved(model: Model, sums: Sums, damping: float) -> Floats:
-        """Values after a damped step; what is positive moves by factors, and stays positive."""
-        values, directions = model.values, _directions(model)
-        positive = np.array([p.positive for p in model.parameters])
-        whole = directions.T @ (sums.hessian.sum(0) + np.diag(sums.precision)) @ directions
-        gradient = directions.T @ (sums.gradient.sum(0) + sums.pull)
-        stuck = np.array([_leaves(p, g) for p, g in zip(model.parameters, gradient, strict=True)])
-        diagonal = np.diag(whole).copy()
-        whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
-        whole[stuck], whole[:, stuck] = 0.0, 0.0
-        whole[stuck, stuck] = 1.0
-        step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
-        factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
-        moved = np.where(positive, values * factor, values + step * np.diag(directions))
-        for i, p in enumerate(model.parameters):
-            if p.along is not None:
-                moved[i] *= factor[p.along]
-        return np.asarray(moved)
-
-
-def _directions(model: Model) -> Floats:
-    """Change of the parameters (p, p) with the steps of a fit.
-
-    What is positive moves by factors; what moves along with another keeps its ratio to it.
-    """
-    scale = [p.value if p.positive else p.scale for p in model.parameters]
-    directions = np.diag(np.array(scale, dtype=float))
-    for i, p in enumerate(model.parameters):
-        if p.along is not None:
-            directions[i, p.along] = p.value
-    return directions
-
-
-def _leaves(parameter: Parameter, gradient: float) -> bool:
-    """Whether a parameter at a bound wants to leave it."""
-    low, high = parameter.value <= parameter.low, parameter.value >= parameter.high
-    return (low and gradient < 0.0) or (high and gradient > 0.0)
 
 
 def _basis(columns: Floats) -> Floats:

@@ -15,7 +15,8 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
-from rthm_analysis.diagnosis.search.choosing import ENOUGH, UNFINISHED, Choice, choose, doubt
+from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
+from rthm_analysis.diagnosis.search.judging import ENOUGH, Choice, doubt
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 

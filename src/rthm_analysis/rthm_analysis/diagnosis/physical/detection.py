@@ -6,8 +6,7 @@ from rthm_analysis.diagnosis.fitting.limits import Limits, rounding_limits, slac
 from rthm_analysis.diagnosis.physical.rounding import MATTERS
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Limit
-from rthm_analysis.diagnosis.search.choosing import ENOUGH
-from rthm_analysis.diagnosis.search.refining import PER_PARAMETER
+from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
 from rthm_core.effects import effect
 
 

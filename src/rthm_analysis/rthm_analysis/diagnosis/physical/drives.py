@@ -14,9 +14,8 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_analysis.diagnosis.search.choosing import ENOUGH
 from rthm_analysis.diagnosis.search.drive_starts import drive_starts
-from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, Tried, in_order
+from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER, Tried, in_order
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -97,7 +96,7 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
         here = fitting.fit(model)
         limits = limits or motor_limits(fitting, here, ENOUGH + PER_PARAMETER)
-        tried = _tried(fitting, model, here, runs)
+        tried = _tried(fitting, model, here)
         if not tried or not _better(tried[0], here):
             break
         rounds.append(tried)
@@ -114,13 +113,9 @@ def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> F
     return np.where((stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * measured.std(0)), found)
 
 
-def _tried(fitting: Fitting, model: Model, here: Fitted, runs: Windows) -> list[Tried]:
+def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[Tried]:
     present = {(one.kind, one.place) for one in model.added}
-    starts = [
-        s
-        for s in drive_starts(model.spec, fitting.experiment, runs, fitting.cores)
-        if (s.added.kind, s.added.place) not in present
-    ]
+    starts = [s for s in drive_starts(model.spec, fitting) if (s.added.kind, s.added.place) not in present]
     nothing = np.empty((0, here.residual.size))
     promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
 

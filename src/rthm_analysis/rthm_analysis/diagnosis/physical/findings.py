@@ -18,8 +18,7 @@ from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Added, Model, nominal_values
 from rthm_analysis.diagnosis.result import Alternative, Fit, Mismatch, Part, Physics, Retuned, Value
-from rthm_analysis.diagnosis.search.choosing import ENOUGH
-from rthm_analysis.diagnosis.search.refining import PER_PARAMETER, Tried, distinguishable
+from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER, Tried, distinguishable
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
 from rthm_core.effects import effect

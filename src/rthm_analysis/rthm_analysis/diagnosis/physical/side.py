@@ -19,8 +19,9 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
-from rthm_analysis.diagnosis.search.choosing import FINISHING, Choice, choose, doubt
-from rthm_analysis.diagnosis.search.refining import Tried
+from rthm_analysis.diagnosis.search.choosing import choose
+from rthm_analysis.diagnosis.search.judging import Choice, Tried, doubt
+from rthm_analysis.diagnosis.search.refining import FINISHING
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 

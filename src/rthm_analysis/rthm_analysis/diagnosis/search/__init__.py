@@ -7,8 +7,12 @@
 ``tones``         those of harmonic loads
 ``candidates``    every effect that there could be, with its starting values
 ``screening``     the score of every candidate from one replay each
+``promising``     those that are worth a fit
+``judging``       which fitted candidate is better, and whether one earns its place
 ``refining``      fits of the promising ones: the better they do, the longer
 ``told_wires``    wires whose own force tells what they do
+``pairing``       effects that are found together only
+``simplifying``   whether every effect is needed, and whether fewer would do
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

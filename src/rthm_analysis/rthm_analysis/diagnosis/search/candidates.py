@@ -37,7 +37,7 @@ def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) ->
                 if ("wire", kind, actuator) not in present:
                     yield from _finite(find(scene))
     for start in sensor_starts(evidence, sigma):
-        if (start.added.block, start.added.kind, start.added.place) not in present:
+        if start.label not in present:
             yield start
 
 

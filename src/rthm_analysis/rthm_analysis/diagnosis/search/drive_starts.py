@@ -7,11 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.cores import Cores
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Added, Model
-from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
@@ -25,19 +23,17 @@ FLAT = 2e-3
 BINS = 1 << 17
 
 
-def drive_starts(spec: Spec, experiment: Experiment, windows: Windows, cores: Cores) -> Iterator[Start]:
+def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[Start]:
     """Starts of every kind in every motor.
 
     Parameters
     ----------
     spec : Spec
-    experiment : Experiment
-        Whose channels are motor positions alone.
-    windows : Windows
-    cores : Cores
+    fitting : Fitting
+        Of a recording whose channels are motor positions alone.
     """
-    evidence = experiment.evidence
-    residual = evidence.measured - experiment.predicted(spec, windows)
+    evidence = fitting.experiment.evidence
+    residual = evidence.measured - fitting.experiment.predicted(spec, fitting.windows)
     for column, channel in enumerate(evidence.channels):
         name, u = channel.place, np.nan_to_num(evidence.measured[:, column])
         left = np.nan_to_num(residual[:, column])
@@ -52,7 +48,7 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows, cores: Co
             yield start(
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )
-        delay, doubt = _best_delay(spec, experiment, windows, name, cores)
+        delay, doubt = _best_delay(spec, fitting, name)
         if delay > 0.0:
             yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
         rate = np.abs(np.diff(u)) / np.diff(evidence.time)
@@ -66,14 +62,13 @@ def drive_starts(spec: Spec, experiment: Experiment, windows: Windows, cores: Co
             yield start("quantisation", (), step=step)
 
 
-def _best_delay(
-    spec: Spec, experiment: Experiment, windows: Windows, name: str, cores: Cores
-) -> tuple[float, float]:
+def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
     """Delay with the smallest squared error, and how much longer or shorter it may be without any difference.
 
     The best of a row is looked for, then of ever finer rows around it. Motors that follow at once move in
     steps, and between two samples it makes no difference when.
     """
+    experiment = fitting.experiment
 
     def error(delay: float) -> float:
         if delay < 0.0:
@@ -81,11 +76,11 @@ def _best_delay(
         model = Model(spec, prefix="trial").plus(
             Added("motor", "extra_delay", name, {"delay": delay}), (), {}
         )
-        left = experiment.evidence.measured - experiment.predicted(model.spec, windows)
+        left = experiment.evidence.measured - experiment.predicted(model.spec, fitting.windows)
         return float(np.nansum(np.square(left)))
 
     def best_of(row: Floats) -> float:
-        return float(row[int(np.argmin(cores.each(error, row.tolist())))])
+        return float(row[int(np.argmin(fitting.cores.each(error, row.tolist())))])
 
     best = best_of(np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)]))
     if best == 0.0 and error(2e-4) >= error(0.0):

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import (
+    CLOSE,
+    RELEVANT,
+    Tried,
+    best_of_labels,
+    distinguishable,
+    doubt,
+)
 from rthm_analysis.diagnosis.search.screening import Screened
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-
-PER_PARAMETER = 4.0
-"""Further gain that every further parameter has to bring."""
-
-CLEAR = 6.0
-"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
-
-CLOSE = 1.2
-"""Doubt below which a model is near the noise, so that what is still missing is small."""
-
-RELEVANT = 0.03
-"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
 HEATS = ((2, 0), (3, 6), (8, 2))
 """Steps of the fits of one heat, and how many candidates get into it."""
@@ -36,6 +32,8 @@ REACH = 10.0
 PARTS = (1.0, 0.5, 0.25, 0.1)
 """Parts of a candidate's estimated size from which its fit may begin."""
 
+FINISHING, FINISHED = 24, 1e-5
+"""Steps for which the fit of an effect that was chosen goes on, and the part that each must bring."""
 
 STRIBECK = "stribeck_friction"
 
@@ -43,20 +41,6 @@ GROWN, WIDER = (0.95, 1.4), (1.0, 3.0)
 """Parts of a dry friction from which that of Stribeck may begin in motion and at rest, and how much wider it
 falls than where it was looked for at first.
 """
-
-
-@dataclass(frozen=True)
-class Tried:
-    """A candidate that was refined."""
-
-    start: Start
-    fitted: Fitted
-    error: float
-
-    @property
-    def label(self) -> tuple[str, str, str]:
-        """Block, kind and place."""
-        return self.start.added.block, self.start.added.kind, self.start.added.place
 
 
 def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
@@ -164,21 +148,8 @@ def fit_further(
         return tried
 
 
-def best_of_labels(tried: list[Tried]) -> list[Tried]:
-    """Best of each kind and place, in order."""
-    best: dict[tuple[str, str, str], Tried] = {}
-    for one in in_order(tried):
-        best.setdefault(one.label, one)
-    return list(best.values())
-
-
-def in_order(tried: list[Tried]) -> list[Tried]:
-    """Smallest error first, where every parameter has to earn its place."""
-    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
-
-
-def distinguishable(best: Tried, other: Tried) -> bool:
-    """Whether the recording tells two refined candidates apart."""
-    differences = other.fitted.left_out - best.fitted.left_out
-    scatter = float(np.sqrt(differences.size) * differences.std())
-    return float(differences.sum()) > max(CLEAR, scatter)
+def finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tried:
+    """Fit an effect that was chosen to its end, from columns that are still known."""
+    done = fit_further(fitting, tried, known, FINISHING, FINISHED)
+    fitting.doubt = doubt(fitting, done.fitted)
+    return done

@@ -117,8 +117,7 @@ def best_of_each(screened: list[Screened], most: int, apart: str = "") -> list[S
     count: dict[tuple[object, ...], int] = {}
     kept = []
     for one in screened:
-        added = one.start.added
-        key = (added.block, added.kind, added.place, added.parameters.get(apart))
+        key = (*one.start.label, one.start.added.parameters.get(apart))
         count[key] = count.get(key, 0) + 1
         if count[key] <= most:
             kept.append(one)

@@ -43,6 +43,11 @@ class Start:
     also: str | None = None
     luck: float = 0.0
 
+    @property
+    def label(self) -> tuple[str, str, str]:
+        """Block, kind and place."""
+        return self.added.block, self.added.kind, self.added.place
+
     def added_to(self, model: Model) -> Model:
         """A model with this effect, as large as it is here."""
         return model.plus(self.added, self.free, self.scales)

@@ -7,12 +7,13 @@ of a wire follows from the recorded motion of its ends alone.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
-from rthm_analysis.diagnosis.replay.model import Model, Parameter
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_core.compiled import Floats
@@ -46,17 +47,32 @@ def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
     if before < WHITE * _white(here, alone):
         return None
     best = _best_starts(fitting, without)
-    found = fitting.cores.each(lambda start: _fitted(fitting, without, start.added_to(without), ROUGH), best)
-    order = sorted(range(len(best)), key=lambda i: found[i][0])
-    if not order:
+    rough = fitting.cores.each(lambda start: _fitted(alone, without, start.added_to(without), ROUGH), best)
+    if not rough:
         return None
-    others = min((found[i][0] for i in order[1:]), default=np.inf)
-    free = released(found[order[0]][1], len(without.parameters))
-    left, model = _fitted(fitting, without, free, FINE)
-    noise = WHITE * _white(alone.residual(model), alone)
-    if left > LEFT * before or others < APART * left or left > max(SETTLED * before, noise):
+    order = sorted(range(len(best)), key=lambda i: rough[i].left)
+    others = min((rough[i].left for i in order[1:]), default=np.inf)
+    fine = _fitted(alone, without, rough[order[0]].model, FINE)
+    noise = WHITE * _white(_left(alone, fine.model), alone)
+    if fine.left > min(LEFT * before, max(SETTLED * before, noise)) or others < APART * fine.left:
         return None
-    return best[order[0]], model
+    return best[order[0]], _held(fine, len(without.parameters))
+
+
+class _Alone(NamedTuple):
+    """Squared error of a wire's force with its effect at its best, the model, and what is uncertain of it."""
+
+    left: float
+    model: Model
+    stds: Floats
+
+
+def _left(alone: WiresAlone, model: Model) -> Floats:
+    """What a model leaves of the forces, over their noise; far more than any does where it diverges."""
+    try:
+        return np.clip(np.nan_to_num(alone.residual(model), nan=DIVERGED), -DIVERGED, DIVERGED)
+    except InputError:
+        return np.full(alone.size, DIVERGED)
 
 
 def _best_starts(fitting: Fitting, model: Model) -> list[Start]:
@@ -66,19 +82,18 @@ def _best_starts(fitting: Fitting, model: Model) -> list[Start]:
     motion = experiment.motion(spec, alone.windows)
     found = candidates(spec, experiment.evidence, motion, fitting.sigma)
     starts = [start for start in found if start.added.block == "wire"]
-    squares = fitting.cores.each(lambda start: _squares(alone.residual(start.added_to(model))), starts)
-    best: dict[tuple[str, str], Start] = {}
+    squares = fitting.cores.each(lambda start: _squares(_left(alone, start.added_to(model))), starts)
+    best: dict[tuple[str, str, str], Start] = {}
     for i in np.argsort(squares).tolist():
-        best.setdefault((starts[i].added.kind, starts[i].added.place), starts[i])
+        best.setdefault(starts[i].label, starts[i])
     return list(best.values())
 
 
-def _fitted(fitting: Fitting, without: Model, model: Model, most: int) -> tuple[float, Model]:
-    """Squared error of a wire's force with its effect at its best, and the model; nothing else moves."""
+def _fitted(alone: WiresAlone, without: Model, model: Model, most: int) -> _Alone:
+    """Fit of what `model` has beyond another, by the forces alone; nothing else moves."""
     from scipy.optimize import least_squares
 
-    kept = len(without.parameters)
-    own, alone = model.parameters[kept:], fitting.wires_alone
+    own = model.parameters[len(without.parameters) :]
     positive, size = np.array([p.positive for p in own]), np.array([p.value for p in own])
     scale = np.where(positive, size, [p.scale for p in own])
 
@@ -86,22 +101,20 @@ def _fitted(fitting: Fitting, without: Model, model: Model, most: int) -> tuple[
         moved = np.where(positive, size * np.exp(values - 1.0), size + (values - 1.0) * scale)
         return model.at(np.concatenate([without.values, moved]))
 
-    def residual(values: Floats) -> Floats:
-        try:
-            return np.clip(np.nan_to_num(alone.residual(at(values)), nan=DIVERGED), -DIVERGED, DIVERGED)
-        except InputError:
-            return np.full(alone.size, DIVERGED)
-
-    done = least_squares(residual, np.ones(len(own)), method="trf", diff_step=1e-3, max_nfev=most)
+    done = least_squares(
+        lambda values: _left(alone, at(values)), np.ones(len(own)), diff_step=1e-3, max_nfev=most
+    )
     stds = TRUSTED * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
-    best = at(done.x)
-    held = [_held(p, std) for p, std in zip(best.parameters[kept:], stds.tolist(), strict=True)]
-    return 2.0 * float(done.cost), replace(best, parameters=(*without.parameters, *held))
+    return _Alone(2.0 * float(done.cost), at(done.x), stds)
 
 
-def _held(parameter: Parameter, std: float) -> Parameter:
-    """Parameter that stays where the force of the wire wants it."""
-    return replace(parameter, prior=(parameter.value, max(std, 1e-6 * abs(parameter.value))))
+def _held(found: _Alone, since: int) -> Model:
+    """Model whose parameters from number `since` on stay where the force of the wire wants them."""
+    parameters = list(found.model.parameters)
+    for i, std in enumerate(found.stds.tolist(), since):
+        value = parameters[i].value
+        parameters[i] = replace(parameters[i], prior=(value, max(std, 1e-6 * abs(value))))
+    return replace(found.model, parameters=tuple(parameters))
 
 
 def released(model: Model, since: int) -> Model:

@@ -1,0 +1,122 @@
+"""Judge fitted candidates: which is better, and whether one earns its place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.search.starts import Start
+
+ENOUGH = 16.0
+"""Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
+some hundred candidates."""
+
+PER_PARAMETER = 4.0
+"""Further gain that every further parameter has to bring."""
+
+CLEAR = 6.0
+"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
+
+CLOSE = 1.2
+"""Doubt below which a model is near the noise, so that what is still missing is small."""
+
+RELEVANT = 0.03
+"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
+
+PART = 0.05
+"""Part of what is left of a mismatch that an effect must explain to be what is missing."""
+
+NUMERICS = 1e-6
+"""Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A candidate that was refined."""
+
+    start: Start
+    fitted: Fitted
+    error: float
+
+    @property
+    def label(self) -> tuple[str, str, str]:
+        """Block, kind and place."""
+        return self.start.label
+
+
+@dataclass
+class Choice:
+    """What was chosen, and what it was chosen from.
+
+    Attributes
+    ----------
+    base, best : Fitted
+        Retuned model, and the one with all effects that were added.
+    rounds : list of list of Tried
+        Refined candidates of each round, best first; the first of a round was added if there is a next.
+    limits : dict
+        By block, kind and parameter: smallest amplitude that would have been seen.
+    """
+
+    base: Fitted
+    best: Fitted
+    rounds: list[list[Tried]] = field(default_factory=list)
+    limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
+
+
+def doubt(fitting: Fitting, fitted: Fitted) -> float:
+    """Squared error per sample of a model, in units of the noise; at least 1."""
+    return max(1.0, float(fitted.sums.squares.sum()) / max(fitting.expected, 1.0))
+
+
+def better(new: Tried, old: Fitted) -> bool:
+    """Whether an effect predicts unseen data better than chance and the scatter between parts would."""
+    gains = old.left_out - new.fitted.left_out
+    more = len(new.fitted.model.parameters) - len(old.model.parameters)
+    scatter = float(np.sqrt(gains.size) * gains.std())
+    enough = ENOUGH + new.start.luck + PER_PARAMETER * (more - 1)
+    return float(gains.sum()) > max(enough, scatter)
+
+
+def relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
+    """Whether an effect matters; where no model reaches the noise, small terms only imitate what is left."""
+    noise = fitting.expected
+    before, after = float(choice.best.left_out.sum()), new.error
+    gain = before - after
+    start = float(choice.base.left_out.sum()) - noise
+    if gain < max(_numerics(fitting), PART * (before - noise)):
+        return False
+    return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
+
+
+def _numerics(fitting: Fitting) -> float:
+    """Squared error, in units of the noise, that a recording which was itself computed may have."""
+    spread = NUMERICS * np.nanstd(fitting.experiment.evidence.measured, axis=0)
+    return float(np.sum((fitting.weight * spread) ** 2))
+
+
+def merit(fitted: Fitted) -> float:
+    """Squared error on data left out, with the price of the parameters; the smaller the better."""
+    return float(fitted.left_out.sum()) + PER_PARAMETER * len(fitted.model.parameters)
+
+
+def best_of_labels(tried: list[Tried]) -> list[Tried]:
+    """Best of each kind and place, in order."""
+    best: dict[tuple[str, str, str], Tried] = {}
+    for one in in_order(tried):
+        best.setdefault(one.label, one)
+    return list(best.values())
+
+
+def in_order(tried: list[Tried]) -> list[Tried]:
+    """Smallest error first, where every parameter has to earn its place."""
+    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
+
+
+def distinguishable(best: Tried, other: Tried) -> bool:
+    """Whether the recording tells two refined candidates apart."""
+    differences = other.fitted.left_out - best.fitted.left_out
+    scatter = float(np.sqrt(differences.size) * differences.std())
+    return float(differences.sum()) > max(CLEAR, scatter)

@@ -1,0 +1,63 @@
+"""Look for effects that go together: of two that are both large, neither explains much alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.search.judging import Tried, doubt
+from rthm_analysis.diagnosis.search.promising import promising, screened
+from rthm_analysis.diagnosis.search.refining import finished, refined
+from rthm_analysis.diagnosis.search.told_wires import released
+
+FLEXIBLE = {
+    "bouc_wen",
+    "clearance",
+    "maxwell_branch",
+    "fluid_memory",
+    "hidden_mode",
+    "harmonic_load",
+    "end_stop",
+}
+"""Kinds with enough freedom to imitate others."""
+
+PAIRED = 3
+"""Plain kinds for which a companion is looked for where no single kind comes near the noise."""
+
+
+def companions(fitting: Fitting, fitted: Fitted) -> list[Tried]:
+    """What goes best with the effects that a model has, refined, best first."""
+    known = fitting.known(fitted)
+    return refined(fitting, fitted, known, promising(screened(fitting, fitted, known)))
+
+
+def paired(fitting: Fitting, base: Fitted, firsts: list[Tried], tried: list[Tried]) -> list[list[Tried]]:
+    """Two rounds in which a plain kind and a companion come near the noise that no single kind came near.
+
+    Parameters
+    ----------
+    fitting : Fitting
+    base : Fitted
+        Model without both.
+    firsts : list of Tried
+        Those for which a companion is looked for, if they are plain: a flexible kind imitates both.
+    tried : list of Tried
+        All that the first was chosen from.
+    """
+    for first in [one for one in firsts if one.label[1] not in FLEXIBLE][:PAIRED]:
+        fitting.progress(f"looking for what goes with {first.label[1]}")
+        found = companions(fitting, first.fitted)
+        if found and doubt(fitting, found[0].fitted) < WRONG:
+            fitting.doubt = doubt(fitting, found[0].fitted)
+            fitting.rebase(found[0].fitted.model)
+            found[0] = finished(fitting, let_go(found[0], base))
+            return [[first, *(one for one in tried if one is not first)], found]
+    return []
+
+
+def let_go(tried: Tried, base: Fitted) -> Tried:
+    """The same, with the values of all effects left to the recording as a whole."""
+    model = released(tried.fitted.model, len(base.model.parameters))
+    return replace(tried, fitted=replace(tried.fitted, model=model, settled=np.inf))

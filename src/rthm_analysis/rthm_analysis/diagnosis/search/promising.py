@@ -1,0 +1,89 @@
+"""Choose the candidates that are worth a fit, from the score of each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.search.candidates import candidates
+from rthm_analysis.diagnosis.search.judging import ENOUGH
+from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
+from rthm_analysis.diagnosis.search.tones import harmonic_starts
+from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
+
+NEAR = 0.15
+"""Part of the best candidate's gain that another must promise to be refined."""
+
+REFINED = 10
+"""Most kinds that are refined."""
+
+AGAIN = 12
+"""Most kinds that are screened once more, with the size that was found."""
+
+
+def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]:
+    """Score of everything that could be added to a model, best first.
+
+    Parameters
+    ----------
+    fitting : Fitting
+    fitted : Fitted
+        The model without it.
+    known : (p, t k) array
+        Its projected columns.
+    """
+    experiment, spec = fitting.experiment, fitted.model.spec
+    motion = experiment.motion(spec, fitting.windows)
+    starts = list(candidates(spec, experiment.evidence, motion, fitting.sigma))
+    residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+    starts += list(harmonic_starts(spec, experiment, residual, fitting.sigma))
+    first = screen(fitting, fitted, known, starts)
+    # A size far from the trial's was an extrapolation: look again from there.
+    again = [s.start for s in best_of_each(first, 1)[:AGAIN] if s.gain > ENOUGH and s.start.amplitude]
+    second = screen(fitting, fitted, known, again)
+    both = sorted([*first, *second], key=lambda s: -s.gain)
+    others = max((s.gain for s in both if s.start.added.block != "wire"), default=0.0)
+    denied = fitting.cores.each(lambda s: _denied(fitting, fitted, s, _worth_a_fit(others)), both)
+    return [s for s, no in zip(both, denied, strict=True) if not no]
+
+
+def _denied(fitting: Fitting, fitted: Fitted, one: Screened, worth: float) -> bool:
+    """Whether a candidate that would be fitted is a wire's and denied by the force of the wire."""
+    if one.start.added.block != "wire" or one.gain <= worth:
+        return False
+    try:
+        return fitting.wires_alone.contradict(fitted.model, one.start.added_to(fitted.model))
+    except InputError:
+        return False
+
+
+def promising(screened: list[Screened]) -> list[Screened]:
+    """Candidates worth a fit: those near the best in gain, the best kinds from two starts."""
+    best = screened[0].gain if screened else 0.0
+    if best < 0.7 * ENOUGH:
+        return []
+    near = [s for s in screened if s.gain > _worth_a_fit(best)]
+    firsts = best_of_each(near, 1)[:REFINED]
+    kinds = {s.start.label[:2] for s in firsts[:5]}
+    chosen = list(firsts)
+    for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
+        if one.start.label[:2] in kinds and one not in chosen:
+            chosen.append(one)
+    return chosen
+
+
+def _worth_a_fit(best: float) -> float:
+    """Gain from which a candidate is fitted, given that of the best."""
+    return max(0.6 * ENOUGH, NEAR * best)
+
+
+def smallest_seen(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Smallest amplitudes that would have been seen, from the standard deviations of the amplitudes."""
+    limits: dict[tuple[str, str, str], dict[str, float]] = {}
+    for one in screened:
+        if one.start.amplitude and np.isfinite(one.std):
+            name = one.start.amplitude[0]
+            seen = float(np.sqrt(ENOUGH + one.start.luck) * one.std)
+            limits.setdefault(one.start.label, {name: seen})
+    return limits

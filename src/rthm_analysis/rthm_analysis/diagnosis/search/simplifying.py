@@ -1,0 +1,79 @@
+"""Ask of every effect that was added whether it is needed, and whether fewer would do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, Tried, better, doubt, merit
+from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, companions
+from rthm_analysis.diagnosis.search.refining import FINISHING
+from rthm_core.errors import InputError
+
+PRUNING = 8
+"""Steps of a fit without an effect that may be needless."""
+
+
+def simplified(fitting: Fitting, choice: Choice) -> Choice:
+    """The same, or fewer or plainer effects that predict unseen data as well."""
+    return _reconsidered(fitting, _without_the_needless(fitting, choice))
+
+
+def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
+    """Leave out effects that only helped the others, or what is uncertain, to find their values."""
+    for index in reversed(range(len(choice.rounds))):
+        if len(choice.rounds) == 1 and not choice.base.model.parameters:
+            break  # nothing else could stand for it
+        try:
+            alone = fitting.fit(_model_without(choice, index), most=FINISHING if index == 0 else PRUNING)
+        except np.linalg.LinAlgError:  # without the effect the model diverges
+            continue
+        last = choice.rounds[index][0]
+        if better(Tried(last.start, choice.best, last.error), alone):
+            continue
+        rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
+        fitting.doubt = doubt(fitting, alone)
+        fewer = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
+        return _without_the_needless(fitting, fewer)
+    return choice
+
+
+def _model_without(choice: Choice, index: int) -> Model:
+    """The best model without one of its effects, all else with the values it has now."""
+    best, base = choice.best.model, choice.base.model
+    model = base.at(best.values[: len(base.parameters)])
+    for i, tried in enumerate(choice.rounds):
+        if i != index:
+            start = tried[0].start
+            added = replace(start.added, parameters=best.effect_values(i))
+            model = model.plus(added, start.free, start.scales)
+    return model
+
+
+def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
+    """Look for one companion of each effect that would make the others needless.
+
+    A flexible kind that came first may have imitated what two plain ones do together.
+    """
+    others = [tried[0] for tried in choice.rounds]
+    if len(others) < 2 or (others[0].label[1] not in FLEXIBLE and fitting.doubt < CLOSE):
+        return choice
+    if len(others) == 2:  # the second was the best companion of the first
+        others = others[1:] if others[0].label[1] in FLEXIBLE else []
+    best = choice
+    for kept in reversed(others):
+        fitting.progress("looking for a simpler explanation")
+        model = kept.start.added_to(choice.base.model)
+        try:
+            alone = fitting.fit(model)
+            tried = companions(fitting, alone)
+        except (InputError, np.linalg.LinAlgError):
+            continue
+        if tried and merit(tried[0].fitted) < merit(best.best) - CLEAR:
+            first = Tried(kept.start, alone, float(alone.left_out.sum()))
+            best = Choice(choice.base, tried[0].fitted, [[first], tried], choice.limits)
+            fitting.doubt = doubt(fitting, best.best)
+    return best

@@ -100,10 +100,13 @@ def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call and that makes no arrays: without a way in from
-    Python, and as part of its callers' cache.
+    Python, and as part of its callers.
+
+    Left to itself the compiler calls all but the smallest; handing over the arrays of a small system then
+    costs more than all arithmetic.
     """
     without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(error_model="numpy", _nrt=False, **without_entry)(function)
+    return numba.njit(error_model="numpy", _nrt=False, forceinline=True, **without_entry)(function)
 
 
 def inlined_allocating(function: Callable[..., Any]) -> Any:

@@ -80,6 +80,21 @@ def put_numbers(typing: Any, array: Any, index: Any, value: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
+def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
+    """Let ``row[begin : begin + WIDTH]`` of a flat array be `value`."""
+    if row.layout != "C" or row.dtype != types.float64 or row.ndim != 1:
+        raise TypingError(f"{row} is no flat array of numbers.")
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        place = builder.gep(array.data, [arguments[1]])
+        builder.store(arguments[2], builder.bitcast(place, _NUMBERS.as_pointer()), align=8)
+        return context.get_dummy_value()
+
+    return types.none(row, types.intp, value), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
 def everywhere(typing: Any, number: Any) -> Any:
     """The same number `WIDTH` times."""
 

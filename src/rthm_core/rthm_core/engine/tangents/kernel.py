@@ -18,7 +18,7 @@ from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, cha
 from rthm_core.engine.tangents.changes import Columns, Tangents
 from rthm_core.engine.tangents.steps import by_matrix, copy_numbers
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import WIDTH, numbers, put_numbers
+from rthm_core.wide import WIDTH, numbers, put_numbers, put_numbers_from
 
 
 class Seen(NamedTuple):
@@ -55,11 +55,10 @@ def _command_change(k_tot, change, size, reference, dsample, dreference, dz):  #
 
 
 @inlined
-def _put(dz, beside, place, parameters):  # type: ignore[no-untyped-def]
-    """Write the tangents (Q, 8) of one signal; those beyond the parameters are overwritten by the next."""
-    for group in range(dz.shape[0]):
-        begin = place * parameters + group * WIDTH
-        put_numbers(beside[begin : begin + WIDTH], (), numbers(dz, (group,)))
+def _put(dz, i, beside, place, parameters):  # type: ignore[no-untyped-def]
+    """Write the tangents of one signal; those beyond the parameters are overwritten by the next."""
+    for group in range(dz.shape[1]):
+        put_numbers_from(beside, place * parameters + group * WIDTH, numbers(dz, (i, group)))
 
 
 @inlined
@@ -68,13 +67,13 @@ def _write(motion, plant, dz, dforce, dreference, beside, row, parameters):  # t
     m = dforce.shape[0]
     place = row * (motion.size + 2 * m)
     for i in range(plant - m):
-        _put(dz[motion[i]], beside, place + i, parameters)
+        _put(dz, motion[i], beside, place + i, parameters)
     for i in range(m):
-        _put(dforce[i], beside, place + plant - m + i, parameters)
+        _put(dforce, i, beside, place + plant - m + i, parameters)
     for i in range(plant - m, motion.size):
-        _put(dz[motion[i]], beside, place + m + i, parameters)
+        _put(dz, motion[i], beside, place + m + i, parameters)
     for i in range(m):
-        _put(dreference[i], beside, place + motion.size + m + i, parameters)
+        _put(dreference, i, beside, place + motion.size + m + i, parameters)
 
 
 @compiled_in_place

@@ -73,6 +73,7 @@ def test_a_plant_that_gets_out_of_step_with_its_spec_is_retuned_and_not_called_p
         (("wire", "slack"), 1286679092002342773, 0.05, ""),  # wrong models do not get near
         (("plant", "stribeck_friction"), 1096960604568808605, 0.15, ""),  # most of it is plain dry friction
         (("plant", "hidden_mode"), 1478158351231339146, 0.05, ""),  # others fit better at first
+        (("plant", "hidden_mode"), 1702937212857128487, 0.15, ""),  # an imitation needed a companion
     ],
 )
 def test_one_effect_is_all_that_is_named(

@@ -171,7 +171,6 @@ def _tangent_work(one: _Prepared, state: State) -> TangentWork:
         np.tile(changes.first_sample, (state.memory.samples.shape[0], 1, 1, 1)),
         np.tile(changes.first_reference, (state.memory.references.shape[0], 1, 1, 1)),
         np.zeros((n, *groups)),
-        np.zeros(d),
         np.zeros(n),
         np.zeros(groups),
         Term(np.zeros(n), np.zeros((n, *groups))),

@@ -19,7 +19,9 @@ PRUNING = 8
 
 def simplified(fitting: Fitting, choice: Choice) -> Choice:
     """The same, or fewer or plainer effects that predict unseen data as well."""
-    return _reconsidered(fitting, _without_the_needless(fitting, choice))
+    needed = _without_the_needless(fitting, choice)
+    plainer = _reconsidered(fitting, needed)
+    return needed if plainer is needed else _without_the_needless(fitting, plainer)
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:

@@ -155,7 +155,7 @@ def run_curved(
     sums = work.sums
     quick = curved.steady and (tables.shape[0] > 0 or not counting)
     systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
-    breakaway, pieces, end = curved.laws.breakaway, work.pieces, work.end
+    breakaway, pieces, end = curved.laws.breakaway, work.pieces, work.end[:size]
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
@@ -167,7 +167,10 @@ def run_curved(
                     systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, tables,
                     k, z, pieces, end, sums,
                 )  # fmt: skip
-            if k >= 0 and not quiet:
+            if quiet:
+                for i in range(size):
+                    z[i] = end[i]
+            elif k >= 0:
                 advance(curved, steps, work, z, k, now * 1e-9 - lengths[k])
                 _add_moments(looks.forms, work.moments, sums)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask

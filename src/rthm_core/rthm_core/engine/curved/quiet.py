@@ -6,33 +6,31 @@ Arrays are handed over one by one, which compiles to less than tuples of them.
 from __future__ import annotations
 
 from rthm_core.compiled import inlined
+from rthm_core.engine.curved.switch import product
 from rthm_core.physical.laws import PLACE
 
 
 @inlined
-def _holds_on(holds, limit, number, row, z, end):  # type: ignore[no-untyped-def]
-    """Whether a dof that sticks is held by at most `limit` at the start and the end of a step."""
-    before, after = 0.0, 0.0
+def _after(row, z, end):  # type: ignore[no-untyped-def]
+    """Product of a row with z at the end of a step, whose inputs are those at its start."""
+    total = 0.0
     for j in range(z.size):
-        before += holds[number, row, j] * z[j]
-        after += holds[number, row, j] * end[j]
-    return abs(before) <= limit and abs(after) <= limit
+        total += row[j] * (end[j] if j < end.size else z[j])
+    return total
 
 
 @inlined
-def _moves_on(systems, number, velocity, piece, z, end):  # type: ignore[no-untyped-def]
+def _holds_on(holds, limit, z, end):  # type: ignore[no-untyped-def]
+    """Whether a dof that sticks is held by at most `limit` at the start and the end of a step."""
+    return abs(product(holds, z)) <= limit and abs(_after(holds, z, end)) <= limit
+
+
+@inlined
+def _moves_on(slope, velocity, piece, z, end):  # type: ignore[no-untyped-def]
     """Whether a dof that slips still does so at the end of a step, and has not turned in between."""
     if piece * end[velocity] < 0.0:
         return False
-    after = 0.0
-    for j in range(z.size):
-        after += systems[number, velocity, j] * end[j]
-    if piece * after <= 0.0:
-        return True
-    before = 0.0
-    for j in range(z.size):
-        before += systems[number, velocity, j] * z[j]
-    return piece * before >= 0.0
+    return piece * _after(slope, z, end) <= 0.0 or piece * product(slope, z) >= 0.0
 
 
 @inlined
@@ -51,30 +49,26 @@ def _count(table, z, sums):  # type: ignore[no-untyped-def]
 def quiet_step(  # type: ignore[no-untyped-def]
     systems, holds, bits, places, n, breakaway, matrices, filled, lengths, works, k, z, pieces, end, sums
 ):
-    """Step over length `k` from ``z = [y, held, g]`` on; whether it was taken, which it is not where anything
-    switches. Works are added to `sums` (8,) where they are counted.
+    """States (N,) `end` after a step over length `k` from ``z = [y, held, g]`` on; whether it may be taken,
+    which it may not where anything switches. Works are added to `sums` (8,) where they are counted.
     """
-    size, number = systems.shape[1], 0
+    number = 0
     for row in range(pieces.size):
         number += bits[row] if pieces[row] == 0 else 0
     slot = number * lengths.size + k
     if not filled[slot]:
         return False
-    for i in range(size):
+    for i in range(end.size):
         total = 0.0
         for j in range(z.size):
             total += matrices[slot, 0, j, i] * z[j]
         end[i] = total
-    for j in range(size, z.size):
-        end[j] = z[j]
     for row in range(pieces.size):
         piece, velocity = pieces[row], places[row, PLACE] + n
-        if piece == 0 and not _holds_on(holds, breakaway[row], number, row, z, end):
+        if piece == 0 and not _holds_on(holds[number, row], breakaway[row], z, end):
             return False
-        if piece != 0 and not _moves_on(systems, number, velocity, piece, z, end):
+        if piece != 0 and not _moves_on(systems[number, velocity], velocity, piece, z, end):
             return False
     if works.shape[0]:
         _count(works[slot], z, sums)
-    for i in range(size):
-        z[i] = end[i]
     return True

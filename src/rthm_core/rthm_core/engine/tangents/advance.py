@@ -36,8 +36,6 @@ class TangentWork(NamedTuple):
         Those of the memory.
     after : (N, Q, 8) array
         Tangents of y after a step.
-    before : (d,) array
-        [y, held, g] at its start.
     rate : (N,) array
         Of y just before a law switches.
     shift : (Q, 8) array
@@ -50,7 +48,6 @@ class TangentWork(NamedTuple):
     samples: Floats
     references: Floats
     after: Floats
-    before: Floats
     rate: Floats
     shift: Floats
     one: Term

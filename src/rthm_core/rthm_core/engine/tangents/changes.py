@@ -137,7 +137,7 @@ def _forces(numbers: Integers, parameters: Floats) -> Floats:
 
 
 class Columns(NamedTuple):
-    """For each row of what is made of [y, held, g] the number of elements that count, and then these.
+    """For each two rows of what is made of [y, held, g] the number of elements that count, and then these.
 
     Unsigned, since compiled code need not ask whether such an index counts from the end.
     """
@@ -166,7 +166,8 @@ def columns(loop: CurvedLoop, changes: Tangents) -> Columns:
 
 
 def _numbered(rows: Flags) -> Unsigned:
-    """Number of true columns of each row, and then their indices."""
+    """Number of columns that are true in either of two rows, and then their indices."""
+    rows = rows[::2] | np.vstack([rows[1::2], rows[-1:]])[: -(-rows.shape[0] // 2)]
     found = np.zeros((rows.shape[0], 1 + rows.shape[1]), dtype=np.uint64)
     for i, row in enumerate(rows):
         which = np.flatnonzero(row)

@@ -104,10 +104,10 @@ def run_tangents(
     s, r, row = count[0], count[1], count[2]
     size, held = curved.systems.shape[1], looks.sample.shape[1] - looks.sample.shape[0]
     systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
-    breakaway, pieces, end, sums = curved.laws.breakaway, work.pieces, work.end, work.sums
+    breakaway, pieces, end, sums = curved.laws.breakaway, work.pieces, work.end[:size], work.sums
     matrices, filled, lengths, works = steps.matrices, steps.filled, steps.lengths, steps.works
     m, seen, columns = looks.k_tot.size, changes.seen, changes.columns
-    dz, dsamples, dreferences, after, before = own.dz, own.samples, own.references, own.after, own.before
+    dz, dsamples, dreferences, after = own.dz, own.samples, own.references, own.after
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
@@ -116,7 +116,6 @@ def run_tangents(
             quiet, number = False, 0
             if k >= 0:
                 number = set_of(bits, pieces)
-                copy_into(before, z)
                 quiet = quiet_step(
                     systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, works,
                     k, z, pieces, end, sums,
@@ -126,8 +125,10 @@ def run_tangents(
                 if not changes.filled[slot]:
                     change_of_step(curved, steps, tangents, own, number, k, changes.changes[slot])
                     changes.filled[slot] = 1
-                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, before, dz, groups, after)
+                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, z, dz, groups, after)
                 copy_numbers(after, dz, size)
+                for i in range(size):
+                    z[i] = end[i]
             elif k >= 0:
                 advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask

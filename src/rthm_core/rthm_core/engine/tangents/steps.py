@@ -22,21 +22,27 @@ def copy_numbers(source, target, count):  # type: ignore[no-untyped-def]
 
 @inlined
 def by_matrix(matrix, change, columns, z, dz, groups, out):  # type: ignore[no-untyped-def]
-    """Tangents (N, Q, 8) of what a transposed matrix (., N), which changes as well (., N, Q, 8), makes of z;
-    `columns` (N, .) has the number of elements of z that count for a row, and then these. A tuple of Q
-    `groups` lets the compiler keep a row's tangents in registers.
+    """Tangents (N, Q, 8) of what a transposed matrix (., N), which changes as well (., N, Q, 8), makes of z.
+
+    Two rows at a time, for which `columns` (N / 2, .) has the number of elements of z that count, and then
+    these. A tuple of Q `groups` lets the compiler keep their tangents in registers.
     """
-    for i in range(out.shape[0]):
-        moved, changed = several(groups), several(groups)
-        for at in range(1, columns[i, 0] + 1):
-            j = columns[i, at]
+    last = out.shape[0] - 1
+    for pair in range(columns.shape[0]):
+        i, k = 2 * pair, min(2 * pair + 1, last)
+        one, other = several(groups), several(groups)
+        for at in range(1, columns[pair, 0] + 1):
+            j = columns[pair, at]
+            here, first, second = z[j], matrix[j, i], matrix[j, k]
             for group in range(len(groups)):
-                more = moved[group] + matrix[j, i] * numbers(dz, (j, group))
-                moved = tuple_setitem(moved, group, more)
-                more = changed[group] + z[j] * numbers(change, (j, i, group))
-                changed = tuple_setitem(changed, group, more)
+                moving = numbers(dz, (j, group))
+                more = one[group] + first * moving + here * numbers(change, (j, i, group))
+                one = tuple_setitem(one, group, more)
+                more = other[group] + second * moving + here * numbers(change, (j, k, group))
+                other = tuple_setitem(other, group, more)
         for group in range(len(groups)):
-            put_numbers(out, (i, group), moved[group] + changed[group])
+            put_numbers(out, (i, group), one[group])
+            put_numbers(out, (k, group), other[group])
 
 
 @inlined

@@ -113,7 +113,7 @@ def _chosen_physics(physical: Physical, runs: dict[str, Simulated]) -> list[Phys
         share = (before - after) / whole
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
         found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
-        before = after
+        before = min(before, after)  # without its companion an effect may lead further away
     return found
 
 

@@ -21,7 +21,7 @@ from rthm_core.errors import InputError
 
 LEFT, APART = 0.25, 4.0
 """Part of the squared error of a wire's force that may be left along the recorded motion, and how many times
-as much every other kind leaves.
+as much every other kind leaves; what is noise counts on neither side.
 """
 
 SETTLED, WHITE = 0.02, 1.5
@@ -53,8 +53,14 @@ def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
     order = sorted(range(len(best)), key=lambda i: rough[i].left)
     others = min((rough[i].left for i in order[1:]), default=np.inf)
     fine = _fitted(alone, without, rough[order[0]].model, FINE)
-    noise = WHITE * _white(_left(alone, fine.model), alone)
-    if fine.left > min(LEFT * before, max(SETTLED * before, noise)) or others < APART * fine.left:
+    noise = _white(_left(alone, fine.model), alone)
+
+    def beyond(squares: float) -> float:
+        return max(squares - noise, np.sqrt(2.0 * here.size))
+
+    if beyond(fine.left) > LEFT * beyond(before) or beyond(others) < APART * beyond(fine.left):
+        return None
+    if fine.left > max(SETTLED * before, WHITE * noise):
         return None
     return best[order[0]], _held(fine, len(without.parameters))
 

@@ -1,7 +1,7 @@
 """By how much the stamps that a receiver read differ from those that the sender wrote.
 
 Samples come at fixed periods, so stamps alone tell a shift only up to whole periods; which sample was really
-used is told by its values, which are recorded without loss.
+used is told by its values, which are recorded without loss. Motors tell which command was, as they follow it.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.recording import LinkTable, Recording, Table
+from rthm_analysis.recording import LinkTable, Recording, Table, hold
 from rthm_core.clock import NS
 from rthm_core.substructure import interface
 
@@ -27,8 +27,9 @@ REACHES = (NS // 10, 5 * NS)
 EQUAL = 1e-9
 """Values that fit this well, relative to the signal's rms, are those of the right samples."""
 
-EXACT = 1e-2
-"""Values that fit the right sample leave less than this share of the misfit of the nearest stamps."""
+EXACT, FOLLOWED = 1e-2, 0.9
+"""Values that fit the right sample, and motors that follow the right command, leave less than this share of
+the misfit of the nearest stamps; motors have noise and lags."""
 
 
 def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> int | None:
@@ -50,6 +51,8 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
         nearest = int(shifts[np.argmin(np.abs(shifts))])
         if shifts.size == 1:
             return nearest
+        if name == "tau4":
+            return _told_by_motors(recording, spec, source, shifts, nearest)
         return _told_by_values(recording, spec, name, uses.rows(some), shifts, nearest)
     return None
 
@@ -87,6 +90,34 @@ def _told_by_values(
         misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
     best = min(misfits, key=lambda shift: misfits[shift])
     return best if misfits[best] < EXACT * misfits[nearest] else nearest
+
+
+def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Integers, nearest: int) -> int:
+    """Shift with whose commands the motors go on from where they are, or else the `nearest`."""
+    names = spec.actuator.names if spec.actuator else ()
+    motors = recording.plant.columns("position", names)
+    if nearest == 0 or not np.isfinite(motors).any():
+        return nearest
+    uses = recording.links["tau4"]
+    order, commands = np.argsort(uses.use_ns, kind="stable"), source.columns("position", names)
+
+    def misfit(shift: int) -> float:
+        used = hold(source.stamp_ns, commands, uses.sample_ns[order] - shift)
+        followed = hold(uses.use_ns[order], used, recording.plant.stamp_ns)
+        return sum(_not_followed(u, u_d) for u, u_d in zip(motors.T, followed.T, strict=True))
+
+    misfits = {shift: misfit(shift) for shift in shifts.tolist()}
+    best = min(misfits, key=lambda shift: misfits[shift])
+    return best if misfits[best] < FOLLOWED * misfits[nearest] else nearest
+
+
+def _not_followed(motor: Floats, command: Floats) -> float:
+    """Rms that the commands and a motor's last position leave of its positions, whatever its lag."""
+    basis, wanted = np.column_stack([command[1:], command[:-1], motor[:-1]]), motor[1:]
+    known = np.isfinite(basis).all(axis=1) & np.isfinite(wanted)
+    basis, wanted = basis[known], wanted[known]
+    left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
+    return float(np.sqrt(np.mean(np.square(left)))) if wanted.size else 0.0
 
 
 def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamps: Integers) -> float:

@@ -11,9 +11,12 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
 from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.search.refining import refined
+from rthm_analysis.diagnosis.search.screening import Screened
+from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.told_wires import released, told_wire
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -76,6 +79,18 @@ def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
     monkeypatch.setattr(WiresAlone, "residual", refusing)
     told = told_wire(fitting, fitting.fit(Model(PAPER)))
     assert told is not None and told[0].added.kind == "slack"
+
+
+def test_an_effect_that_never_acts_explains_nothing() -> None:
+    fitting = fitting_of(PAPER, 5)
+    fitted = fitting.fit(Model(PAPER))
+    slack = Added("wire", "slack", "a1", {"pretension": 100.0})
+    never = Start(slack, ("pretension",), (), {"pretension": 1.0})
+    acts = replace(never, added=replace(slack, parameters={"pretension": 1.0}))
+    promised = [Screened(one, 100.0, np.inf) for one in (never, acts)]
+    known = fitting.known(fitted)
+    assert refined(fitting, fitted, known, promised[:1]) == []
+    assert [one.start for one in refined(fitting, fitted, known, promised)] == [acts]
 
 
 def test_a_motor_of_limited_rate_keeps_its_mean_where_it_arrives_between_two_points_of_the_grid() -> None:

@@ -103,7 +103,14 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
 
 
 def _meaningful(tried: Tried) -> bool:
-    """Whether the parameters are those of the kind; friction that rises with speed is not Stribeck's."""
+    """Whether the recording depends on the parameters, and they are those of the kind.
+
+    An effect that never acts may still move the last digits of a simulation. Friction that rises with speed
+    is not Stribeck's.
+    """
+    own = np.diag(tried.fitted.sums.hessian.sum(0))[-len(tried.start.free) :] if tried.start.free else [1.0]
+    if not np.any(own):
+        return False
     if tried.label[1] != STRIBECK:
         return True
     found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)

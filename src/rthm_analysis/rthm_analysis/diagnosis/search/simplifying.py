@@ -64,7 +64,7 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
     if len(others) < 2 or (others[0].label[1] not in FLEXIBLE and fitting.doubt < CLOSE):
         return choice
     if len(others) == 2:  # the second was the best companion of the first
-        others = others[1:] if others[0].label[1] in FLEXIBLE else []
+        others = others[1:]
     best = choice
     for kept in reversed(others):
         fitting.progress("looking for a simpler explanation")

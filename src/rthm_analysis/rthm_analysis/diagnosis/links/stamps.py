@@ -88,8 +88,7 @@ def _told_by_values(
         return nearest
     for shift in shifts[np.argsort(np.abs(shifts), kind="stable")]:
         misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
-    best = min(misfits, key=lambda shift: misfits[shift])
-    return best if misfits[best] < EXACT * misfits[nearest] else nearest
+    return _clearly_best(misfits, nearest, EXACT)
 
 
 def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Integers, nearest: int) -> int:
@@ -107,17 +106,20 @@ def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Int
         return sum(_not_followed(u, u_d) for u, u_d in zip(motors.T, followed.T, strict=True))
 
     misfits = {shift: misfit(shift) for shift in shifts.tolist()}
+    return _clearly_best(misfits, nearest, FOLLOWED)
+
+
+def _clearly_best(misfits: dict[int, float], nearest: int, share: float) -> int:
+    """Shift with the least misfit if that is less than a share of the nearest's, or else the `nearest`."""
     best = min(misfits, key=lambda shift: misfits[shift])
-    return best if misfits[best] < FOLLOWED * misfits[nearest] else nearest
+    return best if misfits[best] < share * misfits[nearest] else nearest
 
 
 def _not_followed(motor: Floats, command: Floats) -> float:
     """Rms that the commands and a motor's last position leave of its positions, whatever its lag."""
     basis, wanted = np.column_stack([command[1:], command[:-1], motor[:-1]]), motor[1:]
     known = np.isfinite(basis).all(axis=1) & np.isfinite(wanted)
-    basis, wanted = basis[known], wanted[known]
-    left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
-    return float(np.sqrt(np.mean(np.square(left)))) if wanted.size else 0.0
+    return _left_by(basis[known], wanted[known]) if known.any() else 0.0
 
 
 def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamps: Integers) -> float:
@@ -128,9 +130,13 @@ def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamp
     known = np.isfinite(basis).all(axis=1) & np.isfinite(target[there]).all(axis=1)
     if np.count_nonzero(known) < 20:
         return np.inf
-    basis, wanted = basis[known], target[there][known]
+    return _left_by(basis[known], target[there][known])
+
+
+def _left_by(basis: Floats, wanted: Floats) -> float:
+    """Rms that the best linear combination of the columns of a basis leaves."""
     left = wanted - basis @ np.linalg.lstsq(basis, wanted, rcond=None)[0]
-    return float(np.sqrt(np.mean(left**2)))
+    return float(np.sqrt(np.mean(np.square(left))))
 
 
 Equation = tuple[Table, "Floats", "Floats", "Floats"]

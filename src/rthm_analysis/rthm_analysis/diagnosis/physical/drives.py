@@ -15,7 +15,13 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.drive_starts import drive_starts
-from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER, Tried, in_order
+from rthm_analysis.diagnosis.search.judging import (
+    ENOUGH,
+    PER_PARAMETER,
+    Tried,
+    best_of_labels,
+    clear_gain,
+)
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -126,15 +132,10 @@ def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[Tried]:
             return None
         return Tried(one.start, fitted, float(fitted.left_out.sum()))
 
-    best: dict[tuple[str, str, str], Tried] = {}
-    for new in fitting.cores.each_in_parts(refined, best_of_each(promising, 2)):
-        if new and (new.label not in best or new.error < best[new.label].error):
-            best[new.label] = new
-    return in_order(list(best.values()))
+    tried = fitting.cores.each_in_parts(refined, best_of_each(promising, 2))
+    return best_of_labels([one for one in tried if one is not None])
 
 
 def _better(new: Tried, old: Fitted) -> bool:
-    gains = old.left_out - new.fitted.left_out
     more = max(len(new.start.added.parameters), 1)
-    scatter = float(np.sqrt(gains.size) * gains.std())
-    return float(gains.sum()) > max(ENOUGH + PER_PARAMETER * more, scatter)
+    return clear_gain(old, new.fitted, ENOUGH + PER_PARAMETER * more)

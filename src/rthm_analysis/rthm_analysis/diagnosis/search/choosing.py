@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from rthm_analysis.diagnosis.search.judging import (
 )
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
-from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined
+from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_analysis.diagnosis.search.told_wires import told_wire
@@ -101,8 +100,9 @@ def _told(fitting: Fitting, base: Fitted) -> list[Tried]:
     if found is None:
         return []
     start, model = found
-    begun = Tried(start, replace(base, model=model, settled=np.inf), np.inf)
-    return [one for one in [fit_further(fitting, begun, None, 1)] if np.isfinite(one.error)]
+    return [
+        one for one in [fit_further(fitting, unfitted(start, base, model), None, 1)] if np.isfinite(one.error)
+    ]
 
 
 def _settled(fitting: Fitting, choice: Choice, best: Tried, known: Floats, *, told: bool) -> Tried:

@@ -71,13 +71,16 @@ def doubt(fitting: Fitting, fitted: Fitted) -> float:
     return max(1.0, float(fitted.sums.squares.sum()) / max(fitting.expected, 1.0))
 
 
+def clear_gain(old: Fitted, new: Fitted, enough: float) -> bool:
+    """Whether unseen data are predicted better than chance and the scatter between parts would have it."""
+    gains = old.left_out - new.left_out
+    return float(gains.sum()) > max(enough, float(np.sqrt(gains.size) * gains.std()))
+
+
 def better(new: Tried, old: Fitted) -> bool:
-    """Whether an effect predicts unseen data better than chance and the scatter between parts would."""
-    gains = old.left_out - new.fitted.left_out
+    """Whether an effect predicts unseen data clearly better, the more so the more parameters it has."""
     more = len(new.fitted.model.parameters) - len(old.model.parameters)
-    scatter = float(np.sqrt(gains.size) * gains.std())
-    enough = ENOUGH + new.start.luck + PER_PARAMETER * (more - 1)
-    return float(gains.sum()) > max(enough, scatter)
+    return clear_gain(old, new.fitted, ENOUGH + new.start.luck + PER_PARAMETER * (more - 1))
 
 
 def relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
@@ -112,11 +115,9 @@ def best_of_labels(tried: list[Tried]) -> list[Tried]:
 
 def in_order(tried: list[Tried]) -> list[Tried]:
     """Smallest error first, where every parameter has to earn its place."""
-    return sorted(tried, key=lambda t: t.error + PER_PARAMETER * len(t.fitted.model.parameters))
+    return sorted(tried, key=lambda one: merit(one.fitted))
 
 
 def distinguishable(best: Tried, other: Tried) -> bool:
     """Whether the recording tells two refined candidates apart."""
-    differences = other.fitted.left_out - best.fitted.left_out
-    scatter = float(np.sqrt(differences.size) * differences.std())
-    return float(differences.sum()) > max(CLEAR, scatter)
+    return clear_gain(other.fitted, best.fitted, CLEAR)

@@ -47,8 +47,7 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
 
     def first(start: Start, model: Model) -> Tried:
-        begun = Tried(start, replace(fitted, model=model, settled=np.inf), np.inf)
-        return fit_further(fitting, begun, known, HEATS[0][0])
+        return fit_further(fitting, unfitted(start, fitted, model), known, HEATS[0][0])
 
     def begun(one: Screened) -> Tried:
         return first(one.start, _begun(fitting, fitted.model, one))
@@ -64,6 +63,11 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     meaningful = [one for one in tried if _meaningful(one)]
     return _simplest_first(fitting, best_of_labels(meaningful), fitted)
+
+
+def unfitted(start: Start, fitted: Fitted, model: Model) -> Tried:
+    """A candidate that is added to a fitted model, with its values in `model`, before any fit."""
+    return Tried(start, replace(fitted, model=model, settled=np.inf), np.inf)
 
 
 def _grown(tried: list[Tried], promising: list[Screened]) -> Iterator[Start]:

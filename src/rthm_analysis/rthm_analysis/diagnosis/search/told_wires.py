@@ -53,7 +53,7 @@ def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
     order = sorted(range(len(best)), key=lambda i: rough[i].left)
     others = min((rough[i].left for i in order[1:]), default=np.inf)
     fine = _fitted(alone, without, rough[order[0]].model, FINE)
-    noise = _white(_left(alone, fine.model), alone)
+    noise = _white(fine.residual, alone)
 
     def beyond(squares: float) -> float:
         return max(squares - noise, np.sqrt(2.0 * here.size))
@@ -66,11 +66,16 @@ def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
 
 
 class _Alone(NamedTuple):
-    """Squared error of a wire's force with its effect at its best, the model, and what is uncertain of it."""
+    """What is left of a wire's force with its effect at its best, the model, and what is uncertain of it."""
 
-    left: float
+    residual: Floats
     model: Model
     stds: Floats
+
+    @property
+    def left(self) -> float:
+        """Squared error."""
+        return _squares(self.residual)
 
 
 def _left(alone: WiresAlone, model: Model) -> Floats:
@@ -111,7 +116,7 @@ def _fitted(alone: WiresAlone, without: Model, model: Model, most: int) -> _Alon
         lambda values: _left(alone, at(values)), np.ones(len(own)), diff_step=1e-3, max_nfev=most
     )
     stds = TRUSTED * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
-    return _Alone(2.0 * float(done.cost), at(done.x), stds)
+    return _Alone(done.fun, at(done.x), stds)
 
 
 def _held(found: _Alone, since: int) -> Model:

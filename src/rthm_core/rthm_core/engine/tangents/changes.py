@@ -167,7 +167,7 @@ def columns(loop: CurvedLoop, changes: Tangents) -> Columns:
 
 def _numbered(rows: Flags) -> Unsigned:
     """Number of columns that are true in either of two rows, and then their indices."""
-    rows = rows[::2] | np.vstack([rows[1::2], rows[-1:]])[: -(-rows.shape[0] // 2)]
+    rows = np.logical_or.reduceat(rows, np.arange(0, rows.shape[0], 2))
     found = np.zeros((rows.shape[0], 1 + rows.shape[1]), dtype=np.uint64)
     for i, row in enumerate(rows):
         which = np.flatnonzero(row)

@@ -22,6 +22,6 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{name}"]),
         (f"share/{name}", ["package.xml"]),
     ],
-    install_requires=["llvmlite", "numba", "numpy", "pydantic>=2", "pyyaml", "scipy"],
+    install_requires=["filelock", "llvmlite", "numba", "numpy", "pydantic>=2", "pyyaml", "scipy"],
     zip_safe=True,
 )

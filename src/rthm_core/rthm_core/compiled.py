@@ -1,15 +1,8 @@
-"""Compile physics written in Python, once per version of the sources.
-
-Numba's own cache looks at one file only: a cached caller can keep an old callee of another module. The cache
-folder is therefore keyed by a
-hash of all sources of this package.
-"""
+"""Compile physics written in Python, once per version of the sources."""
 
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +10,8 @@ from typing import Any, TypeVar
 import numba
 import numpy as np
 import numpy.typing as npt
+
+from rthm_core.compile_cache import SharedCache, cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -28,37 +23,7 @@ Flags = npt.NDArray[np.bool_]
 """Array of instants in ns, indices or codes."""
 
 
-_NOT_COMPILED = ("ros", "spec")
-"""Folders of this package that no compiled function comes from."""
-
-
-def _source_hash() -> str:
-    digest = hashlib.sha256(numba.__version__.encode())
-    package = Path(__file__).parent
-    for source in sorted(package.rglob("*.py")):
-        if source.parent.name in _NOT_COMPILED:
-            continue
-        digest.update(str(source.relative_to(package)).encode())
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _cache_folder() -> Path:
-    """Where compiled code is kept: ``RTHM_CACHE_DIR``, the user's cache, or a temporary folder when neither
-    can be written.
-    """
-    base = os.environ.get("RTHM_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    folder = Path(base) / "rthm" / "compiled" / _source_hash()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if os.access(folder, os.W_OK):
-            return folder
-    except OSError:
-        pass
-    return Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / _source_hash()
-
-
-numba.config.CACHE_DIR = str(_cache_folder())
+numba.config.CACHE_DIR = str(cache_folder())
 
 
 def compiled(function: F) -> F:
@@ -67,7 +32,7 @@ def compiled(function: F) -> F:
     Division by zero gives inf or nan as in numpy, and floating-point order is kept, so that every process
     computes the same bits.
     """
-    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)  # type: ignore[no-any-return]
+    return _kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
 
 
 def compiled_in_place(function: F) -> F:
@@ -75,7 +40,14 @@ def compiled_in_place(function: F) -> F:
 
     References to arrays are then not counted, which for small systems costs more than all arithmetic.
     """
-    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False)(function)  # type: ignore[no-any-return]
+    return _kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
+
+
+def _kept(function: F, compile_: Callable[[F], Any]) -> F:
+    """A compiled function whose versions are kept on disk."""
+    dispatcher = compile_(function)
+    dispatcher._cache = SharedCache(function)
+    return dispatcher  # type: ignore[no-any-return]
 
 
 def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:
@@ -107,6 +79,14 @@ def inlined(function: Callable[..., Any]) -> Any:
     """
     without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     return numba.njit(error_model="numpy", _nrt=False, forceinline=True, **without_entry)(function)
+
+
+def called(function: Callable[..., Any]) -> Any:
+    """As `inlined`, where the compiler may keep it apart: what is long and stands in several places would
+    otherwise take minutes to compile.
+    """
+    without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return numba.njit(error_model="numpy", _nrt=False, **without_entry)(function)
 
 
 def inlined_allocating(function: Callable[..., Any]) -> Any:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled, compiled_in_place
 from rthm_core.substructure import interface, substructure
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def moment(n1: int, n2: int, m: int) -> Moment:
     return Moment(*(np.zeros(size) for size in sizes))
 
 
-@inlined
+@called
 def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(a.size):
@@ -126,7 +126,7 @@ def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
     return total
 
 
-@inlined
+@called
 def powers(bodies, at, out):  # type: ignore[no-untyped-def]
     """Powers (6,), in W, of the terms `TERMS` at one moment."""
     outside = 0.0
@@ -163,7 +163,7 @@ def powers(bodies, at, out):  # type: ignore[no-untyped-def]
     out[EFFECTS] = outside - listed - actuators
 
 
-@inlined
+@called
 def total_energy(bodies, x1, v1, x2, v2):  # type: ignore[no-untyped-def]
     """Kinetic and potential energy of the masses and the springs, in J."""
     energy = (
@@ -178,7 +178,7 @@ def total_energy(bodies, x1, v1, x2, v2):  # type: ignore[no-untyped-def]
     return 0.5 * energy
 
 
-@inlined
+@called
 def quintic(x0, v0, a0, x1, v1, a1, h, r):  # type: ignore[no-untyped-def]
     """Position and velocity at the fraction `r` of a step `h` on the quintic through position, velocity and
     acceleration at its ends.
@@ -194,7 +194,7 @@ def quintic(x0, v0, a0, x1, v1, a1, h, r):  # type: ignore[no-untyped-def]
     return x, v
 
 
-@inlined
+@called
 def cubic(y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
     """Value at the fraction `r` of a step `h` on the cubic through value and slope at its ends."""
     d = y1 - y0

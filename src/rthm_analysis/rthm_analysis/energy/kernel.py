@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled, copy_into
 from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
@@ -81,14 +81,14 @@ def row_width(books: Books) -> int:
     return int(WORKS + 1 + books.physical.model.n + 2 * books.numerical.n)
 
 
-@inlined
+@called
 def _bear(books, load):  # type: ignore[no-untyped-def]
     """Put the measured loads on the model."""
     for i in range(load.size):
         books.physical.model.loads.constant[books.first_load + i] = load[i]
 
 
-@inlined
+@called
 def _given(books, command):  # type: ignore[no-untyped-def]
     """Give the motors a command, and the ledger its two parts."""
     fx, ff, both = books.ledger.fx, books.ledger.ff, books.ledger.parts[0]
@@ -98,7 +98,7 @@ def _given(books, command):  # type: ignore[no-untyped-def]
     set_command(books.physical, both)
 
 
-@inlined
+@called
 def _latched(books, tick, held):  # type: ignore[no-untyped-def]
     """Set the numerical side to its recorded state, and let it hold what it latched."""
     copy_into(books.numerical.y, tick)
@@ -107,7 +107,7 @@ def _latched(books, tick, held):  # type: ignore[no-untyped-def]
             books.numerical.held[i] = held[i]
 
 
-@inlined
+@called
 def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
     """Set the plant to its measured motion, and every law to the piece in which it then is.
 
@@ -132,7 +132,7 @@ def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
                 state.pieces[row] = -1 if v < 0.0 else 1
 
 
-@inlined
+@called
 def _write(books, dy, row):  # type: ignore[no-untyped-def]
     """Write works, E_total, a1, v2 and a2."""
     physical, numerical, ledger = books.physical, books.numerical, books.ledger

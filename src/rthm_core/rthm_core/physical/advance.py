@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
 from rthm_core.physical.drive import (
@@ -147,7 +147,7 @@ def _first_pieces(model: PhysicalModel, y: Floats) -> Integers:
     return pieces
 
 
-@inlined
+@called
 def set_command(physical, command):  # type: ignore[no-untyped-def]
     """Give the motors a new command (m,); a rate limit is still to be travelled."""
     model, state = physical.model, physical.state
@@ -157,7 +157,7 @@ def set_command(physical, command):  # type: ignore[no-untyped-def]
             state.command[i] = state.target[i]
 
 
-@inlined
+@called
 def _segment_end(physical, to_ns):  # type: ignore[no-untyped-def]
     """End of the longest segment over which commands and loads are polynomials, at most `to_ns`."""
     model, state = physical.model, physical.state
@@ -170,7 +170,7 @@ def _segment_end(physical, to_ns):  # type: ignore[no-untyped-def]
     return end
 
 
-@inlined
+@called
 def begin_segment(physical):  # type: ignore[no-untyped-def]
     """Write the derivatives of commands and loads at the present instant into ``state.inputs``."""
     model, state = physical.model, physical.state
@@ -186,7 +186,7 @@ def begin_segment(physical):  # type: ignore[no-untyped-def]
     load_derivatives(model.loads, state.time[0], m, state.inputs)
 
 
-@inlined
+@called
 def _finish_segment(physical, end, dt):  # type: ignore[no-untyped-def]
     model, state = physical.model, physical.state
     for i in range(model.m):
@@ -201,7 +201,7 @@ def _finish_segment(physical, end, dt):  # type: ignore[no-untyped-def]
     state.time[0] = end
 
 
-@inlined
+@called
 def _move(laws, model, physical, dt):  # type: ignore[no-untyped-def]
     """Move motor and mechanics by `dt`, within a segment that has begun."""
     state = physical.state
@@ -213,7 +213,7 @@ def _move(laws, model, physical, dt):  # type: ignore[no-untyped-def]
             step_linear(model.drive.system, state.q, state.inputs, dt)
 
 
-@inlined
+@called
 def advance_segment(physical, to_ns):  # type: ignore[no-untyped-def]
     """Advance to `to_ns` or to the end of the segment before it; the trace then holds its smooth steps if the
     mechanics are not linear.
@@ -226,14 +226,14 @@ def advance_segment(physical, to_ns):  # type: ignore[no-untyped-def]
     _finish_segment(physical, end, dt)
 
 
-@inlined
+@called
 def advance_physical(physical, to_ns):  # type: ignore[no-untyped-def]
     """Advance to an instant (ns since the start)."""
     while physical.state.time[0] < to_ns:
         advance_segment(physical, to_ns)
 
 
-@inlined
+@called
 def present_force(physical, out):  # type: ignore[no-untyped-def]
     """True wire forces (m,) now; ``work.u`` is left at the motor positions."""
     model, state, work = physical.model, physical.state, physical.work
@@ -252,7 +252,7 @@ def present_force(physical, out):  # type: ignore[no-untyped-def]
         )
 
 
-@inlined
+@called
 def sample_physical(physical, stamp, out):  # type: ignore[no-untyped-def]
     """Measure everything now: `out` gets n positions, n velocities, m forces, m motor positions, m motor
     velocities and n loads.
@@ -270,7 +270,7 @@ def sample_physical(physical, stamp, out):  # type: ignore[no-untyped-def]
     listed_loads(physical, out[2 * n + 3 * m :])
 
 
-@inlined
+@called
 def listed_loads(physical, out):  # type: ignore[no-untyped-def]
     """Known external forces (n,) now; hidden loads are not among them."""
     model, state = physical.model, physical.state
@@ -281,7 +281,7 @@ def listed_loads(physical, out):  # type: ignore[no-untyped-def]
         out[model.load_dof[i]] += state.inputs[0, model.m + i]
 
 
-@inlined
+@called
 def present_rate(physical, dy):  # type: ignore[no-untyped-def]
     """Time derivative (ny,) of the mechanics now."""
     model, state, work = physical.model, physical.state, physical.work

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, called, copy_into
 from rthm_core.energy import (
     GAUSS_NODES,
     GAUSS_WEIGHTS,
@@ -131,7 +131,7 @@ def nothing_added(spec: Spec, model: PhysicalModel, believed: Drive) -> bool:
     )
 
 
-@inlined
+@called
 def _numerical_rate(numerical, y, inputs, s, dy):  # type: ignore[no-untyped-def]
     """Rate of the numerical state `y` a time `s` after the instant to which `inputs` belong."""
     ab = numerical.system.ab
@@ -144,7 +144,7 @@ def _numerical_rate(numerical, y, inputs, s, dy):  # type: ignore[no-untyped-def
         dy[i] = rate
 
 
-@inlined
+@called
 def _believed_position(ledger, q, part, s, out):  # type: ignore[no-untyped-def]
     """What h(s) has made of a part of the command a time `s` after the start of the segment."""
     copy_into(ledger.used, q)
@@ -154,7 +154,7 @@ def _believed_position(ledger, q, part, s, out):  # type: ignore[no-untyped-def]
     motor_position(ledger.believed, ledger.used, part, out)
 
 
-@inlined
+@called
 def _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
     """Mechanics at the fraction `r` of a smooth step, into ``ledger.y``."""
     n = physical.model.n
@@ -166,7 +166,7 @@ def _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r):  # type: ignore[no-unty
         y[i] = cubic(y0[i], dy0[i], y1[i], dy1[i], h, r)
 
 
-@inlined
+@called
 def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-def]
     """Loads and everything that acts on the plant from outside, from the equation of motion, into
     ``ledger.at``.
@@ -197,7 +197,7 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
         at.free[i] = total
 
 
-@inlined
+@called
 def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1, pieces, inputs2):  # type: ignore[no-untyped-def]
     """Add the works of one smooth step; ``ledger.numerical`` holds z2 and its rate at both ends."""
     at, h, two = ledger.at, s1 - s0, ledger.numerical
@@ -221,7 +221,7 @@ def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1
             ledger.work[term] += h * GAUSS_WEIGHTS[node] * ledger.power[term]
 
 
-@inlined
+@called
 def _begin_counting(physical, numerical, ledger):  # type: ignore[no-untyped-def]
     """Note where a segment begins."""
     present_rate(physical, ledger.dy_begin)
@@ -237,7 +237,7 @@ def _begin_counting(physical, numerical, ledger):  # type: ignore[no-untyped-def
     _numerical_rate(numerical, ledger.numerical[0], ledger.inputs2, 0.0, ledger.numerical[1])
 
 
-@inlined
+@called
 def _numerical_end(numerical, ledger, s):  # type: ignore[no-untyped-def]
     """z2 and its rate a time `s` after the start of the segment, into rows 2 and 3 of
     ``ledger.numerical``.
@@ -247,7 +247,7 @@ def _numerical_end(numerical, ledger, s):  # type: ignore[no-untyped-def]
     _numerical_rate(numerical, ledger.numerical[2], ledger.inputs2, s, ledger.numerical[3])
 
 
-@inlined
+@called
 def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[no-untyped-def]
     """Add the works of a segment that has just been advanced, step by step."""
     trace = physical.trace
@@ -276,7 +276,7 @@ def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[n
         copy_into(ledger.numerical[1], ledger.numerical[3])
 
 
-@inlined
+@called
 def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
     """Write a segment of linear mechanics into the trace as one smooth step."""
     trace, work, state = physical.trace, physical.work, physical.state
@@ -299,7 +299,7 @@ def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
     trace.time[0], trace.time[1], trace.count[0] = 0.0, dt, 2
 
 
-@inlined
+@called
 def advance_counting(physical, numerical, ledger, to_ns):  # type: ignore[no-untyped-def]
     """Advance both sides to `to_ns` and count the works on the way."""
     state = physical.state
@@ -316,7 +316,7 @@ def advance_counting(physical, numerical, ledger, to_ns):  # type: ignore[no-unt
         _advance_believed(ledger, dt)
 
 
-@inlined
+@called
 def _advance_believed(ledger, dt):  # type: ignore[no-untyped-def]
     if ledger.q_fx.size:
         copy_into(ledger.parts[0], ledger.fx)

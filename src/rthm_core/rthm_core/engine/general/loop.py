@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
 from rthm_core.controller import ControllerState, control, latch_force, latch_state
 from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
@@ -46,7 +46,7 @@ class Loop(NamedTuple):
     td2: int
 
 
-@inlined
+@called
 def _sample(loop, t, number):  # type: ignore[no-untyped-def]
     """Measure the plant's motion at the interface."""
     model, y = loop.physical.model, loop.physical.state.y
@@ -57,7 +57,7 @@ def _sample(loop, t, number):  # type: ignore[no-untyped-def]
         row[model.m + a] = measured(model.sensors, model.n + dof, y[model.n + dof], y, t)
 
 
-@inlined
+@called
 def _reference(loop, number, state):  # type: ignore[no-untyped-def]
     """Tick of the numerical substructure: latch the plant's motion and give F_d."""
     samples = loop.rings.sample
@@ -69,7 +69,7 @@ def _reference(loop, number, state):  # type: ignore[no-untyped-def]
     )
 
 
-@inlined
+@called
 def _command(loop, t, state, reference):  # type: ignore[no-untyped-def]
     """Update of the controller: latch what has arrived and give u_d in its two parts."""
     rings, m = loop.rings, loop.physical.model.m
@@ -86,7 +86,7 @@ def _command(loop, t, state, reference):  # type: ignore[no-untyped-def]
     control(loop.controller, t, rings.command[slot, :m], rings.command[slot, m:])
 
 
-@inlined
+@called
 def _motor(loop, sent):  # type: ignore[no-untyped-def]
     """The command given at `sent` becomes the input of the motors."""
     rings, m = loop.rings, loop.physical.model.m
@@ -101,7 +101,7 @@ def _motor(loop, sent):  # type: ignore[no-untyped-def]
     set_command(loop.physical, rings.sum)
 
 
-@inlined
+@called
 def _output(loop, row):  # type: ignore[no-untyped-def]
     """Write true motion, forces and energies: x1, v1, x2, v2, F_d in use, F, six works, E_total."""
     model, y1, y2 = loop.physical.model, loop.physical.state.y, loop.numerical.y

@@ -1,0 +1,95 @@
+"""Where compiled functions are kept, and how processes share them.
+
+Numba's own cache looks at one file only: a cached caller can keep an old callee of another module. The cache
+folder is therefore keyed by a hash of all sources of this package. Nor does it know that another process is
+compiling the same function just now, as the nodes of a test do at their first start; here the others wait
+for the first one and read what it made.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from contextlib import suppress
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numba
+from numba.core.caching import FunctionCache
+
+if TYPE_CHECKING:
+    from filelock import FileLock
+
+_NOT_COMPILED = ("ros", "spec")
+"""Folders of this package that no compiled function comes from."""
+
+PATIENCE = 300.0
+"""How long to wait for another process before compiling the same as well, s."""
+
+
+def _source_hash() -> str:
+    digest = hashlib.sha256(numba.__version__.encode())
+    package = Path(__file__).parent
+    for source in sorted(package.rglob("*.py")):
+        if source.parent.name in _NOT_COMPILED:
+            continue
+        digest.update(str(source.relative_to(package)).encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder() -> Path:
+    """Where compiled code is kept: ``RTHM_CACHE_DIR``, the user's cache, or a temporary folder when neither
+    can be written.
+    """
+    base = os.environ.get("RTHM_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    folder = Path(base) / "rthm" / "compiled" / _source_hash()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    except OSError:
+        pass
+    return Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / _source_hash()
+
+
+class SharedCache(FunctionCache):  # type: ignore[misc]
+    """Compiled versions of one function, which of several processes only one compiles.
+
+    A process that finds none holds a lock of this function until it has saved what it compiled. Functions
+    call each other in one direction, so no two processes wait for each other.
+
+    Parameters
+    ----------
+    function
+        The function in Python.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Compiled code from the disk, or None, and then nobody else compiles it until `save_overload`."""
+        found = super().load_overload(sig, target_context)
+        if found is not None:
+            return found
+        with suppress(OSError, NotImplementedError):
+            self._lock.acquire()
+        found = super().load_overload(sig, target_context)
+        if found is not None:
+            self._lock.release()
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep compiled code and let others have it."""
+        try:
+            super().save_overload(sig, data)
+        finally:
+            self._lock.release()
+
+    @cached_property
+    def _lock(self) -> FileLock:
+        """Held by the process that compiles this function; imported only where something is compiled."""
+        from filelock import FileLock
+
+        self._impl.locator.ensure_cache_path()
+        return FileLock(Path(self.cache_path) / f"{self._impl.filename_base}.lock", timeout=PATIENCE)

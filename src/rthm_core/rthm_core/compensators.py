@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.clock import NS
-from rthm_core.compiled import Floats, copy_into, inlined
+from rthm_core.compiled import Floats, called, copy_into
 from rthm_core.errors import InputError
 from rthm_core.substructure import as_built, interface
 
@@ -138,7 +138,7 @@ def first_parts(spec: Spec) -> tuple[Floats, Floats]:
     return x1, force / np.array(believed.k_tot)
 
 
-@inlined
+@called
 def compensated(controller, now, position, force):  # type: ignore[no-untyped-def]
     """Write the plant position (m,) and the force reference (m,) that the controller acts on from `now` (ns)
     on.
@@ -151,7 +151,7 @@ def compensated(controller, now, position, force):  # type: ignore[no-untyped-de
         _polynomial(controller, now, position, force)
 
 
-@inlined
+@called
 def _linear(controller, position, force):  # type: ignore[no-untyped-def]
     how = controller.compensation
     between = (controller.state_stamp[0] - controller.state_stamp[1]) * 1e-9
@@ -165,7 +165,7 @@ def _linear(controller, position, force):  # type: ignore[no-untyped-def]
         force[i] -= how.motion_age * (how.stiffness[i] * velocity + how.damping[i] * acceleration)
 
 
-@inlined
+@called
 def _polynomial(controller, now, position, force):  # type: ignore[no-untyped-def]
     """Read the polynomials where the controller's present period has its middle, on the wire's side."""
     how = controller.compensation
@@ -182,7 +182,7 @@ def _polynomial(controller, now, position, force):  # type: ignore[no-untyped-de
             force[i] += reference * controller.force[j, i] - (then - before) * moved
 
 
-@inlined
+@called
 def weight(stamps, j, order, now, ahead):  # type: ignore[no-untyped-def]
     """Weight of sample `j` in the polynomial through samples 0 to `order` at their `stamps` (ns), a time
     `ahead` (s) of the instant `now` (ns): Lagrange's formula.

@@ -82,11 +82,11 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 
 def called(function: Callable[..., Any]) -> Any:
-    """As `inlined`, where the compiler may keep it apart: what is long and stands in several places would
-    otherwise take minutes to compile.
+    """Compile a function that only compiled functions call and that makes no arrays, and keep it on disk for
+    all its callers: what is long and stands in several places takes minutes to compile otherwise.
     """
     without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(error_model="numpy", _nrt=False, **without_entry)(function)
+    return _kept(function, numba.njit(error_model="numpy", _nrt=False, **without_entry))
 
 
 def inlined_allocating(function: Callable[..., Any]) -> Any:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated, compensation
-from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
 from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def controller(spec: Spec) -> ControllerState:
     )
 
 
-@inlined
+@called
 def latch_state(controller, stamp, position, velocity):  # type: ignore[no-untyped-def]
     """Take a state sample (m,) over from the link; the same sample again changes nothing."""
     if stamp > controller.state_stamp[0]:
@@ -85,7 +85,7 @@ def latch_state(controller, stamp, position, velocity):  # type: ignore[no-untyp
         copy_into(controller.velocity[0], velocity)
 
 
-@inlined
+@called
 def latch_force(controller, stamp, force):  # type: ignore[no-untyped-def]
     """Take a force reference (m,) over from the link; the same sample again changes nothing."""
     if stamp > controller.force_stamp[0]:
@@ -96,7 +96,7 @@ def latch_force(controller, stamp, force):  # type: ignore[no-untyped-def]
         copy_into(controller.force[0], force)
 
 
-@inlined
+@called
 def control(controller, now, position_part, force_part):  # type: ignore[no-untyped-def]
     """Both parts of u_d (m,), in m: position cancellation and F_d / k_tot."""
     compensated(controller, now, position_part, force_part)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 
 KEPT = 64
 """How many different intervals are kept as matrices."""
@@ -78,7 +78,7 @@ def linear_system(a: Floats, b: Floats, orders: int = 1) -> LinearSystem:
     )
 
 
-@inlined
+@called
 def polynomial(inputs, column, k, s):  # type: ignore[no-untyped-def]
     """Derivative k of an input a time `s` after the instant to which the derivatives `inputs` (orders, ...)
     belong.
@@ -90,7 +90,7 @@ def polynomial(inputs, column, k, s):  # type: ignore[no-untyped-def]
     return value
 
 
-@inlined
+@called
 def _series(system, y, inputs, begin, dt):  # type: ignore[no-untyped-def]
     """Sum the Taylor series of the solution over `dt`, in place; the step starts `begin` after the inputs'
     instant.
@@ -120,14 +120,14 @@ def _series(system, y, inputs, begin, dt):  # type: ignore[no-untyped-def]
             return
 
 
-@inlined
+@called
 def _series_in_parts(system, y, inputs, dt):  # type: ignore[no-untyped-def]
     parts = max(1, math.ceil(system.fastest * dt))
     for part in range(parts):
         _series(system, y, inputs, dt * part / parts, dt / parts)
 
 
-@inlined
+@called
 def _keep(system, slot, dt):  # type: ignore[no-untyped-def]
     """Fill `slot` with the matrix of a step of `dt`, column by column."""
     n = system.ab.shape[0]
@@ -146,7 +146,7 @@ def _keep(system, slot, dt):  # type: ignore[no-untyped-def]
     system.kept_for[slot] = dt
 
 
-@inlined
+@called
 def step_linear(system, y, inputs, dt):  # type: ignore[no-untyped-def]
     """Advance `y` (n,) by `dt` seconds in place.
 

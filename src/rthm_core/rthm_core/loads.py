@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.compiled import Floats, Integers, inlined
+from rthm_core.compiled import Floats, Integers, called
 from rthm_core.errors import InputError
 
 HARMONIC_ORDERS = 10
@@ -155,7 +155,7 @@ def together(loads: list[Load]) -> Loads:
     )
 
 
-@inlined
+@called
 def load_derivatives(loads, t_ns, first, out):  # type: ignore[no-untyped-def]
     """Derivatives of all loads at `t_ns` (since the start of the test).
 
@@ -173,7 +173,7 @@ def load_derivatives(loads, t_ns, first, out):  # type: ignore[no-untyped-def]
         _sine_derivatives(loads.sines, s, t, first + loads.which[s], out)
 
 
-@inlined
+@called
 def _sine_derivatives(sines, s, t, column, out):  # type: ignore[no-untyped-def]
     size, frequency, ramp = sines[s, 0], sines[s, 1], sines[s, 3]
     angle = frequency * t + sines[s, 2]
@@ -187,7 +187,7 @@ def _sine_derivatives(sines, s, t, column, out):  # type: ignore[no-untyped-def]
         size *= frequency
 
 
-@inlined
+@called
 def first_after(instants, begin, end, t):  # type: ignore[no-untyped-def]
     """Index in [begin, end) of the first of the ascending `instants` that is later than `t`; `end` when there
     is none.
@@ -201,7 +201,7 @@ def first_after(instants, begin, end, t):  # type: ignore[no-untyped-def]
     return begin
 
 
-@inlined
+@called
 def _table_derivatives(loads, i, t_ns, column, out):  # type: ignore[no-untyped-def]
     """Straight lines between the rows; the first and last value before and after the table."""
     begin, end = loads.table_begin[i], loads.table_begin[i + 1]
@@ -215,7 +215,7 @@ def _table_derivatives(loads, i, t_ns, column, out):  # type: ignore[no-untyped-
     out[1, column] += slope
 
 
-@inlined
+@called
 def smooth_until(loads, now, to_ns):  # type: ignore[no-untyped-def]
     """Latest instant, at most `to_ns`, up to which the derivatives at `now` give the loads exactly."""
     end = to_ns

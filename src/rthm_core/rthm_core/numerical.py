@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
@@ -87,7 +87,7 @@ def numerical(spec: Spec) -> Numerical:
     )
 
 
-@inlined
+@called
 def begin_numerical(numerical):  # type: ignore[no-untyped-def]
     """Write held motion and load derivatives at the present instant into ``numerical.inputs``."""
     for i in range(2 * numerical.m):
@@ -95,7 +95,7 @@ def begin_numerical(numerical):  # type: ignore[no-untyped-def]
     load_derivatives(numerical.loads, numerical.time[0], 2 * numerical.m, numerical.inputs)
 
 
-@inlined
+@called
 def advance_numerical(numerical, to_ns):  # type: ignore[no-untyped-def]
     """Advance to an instant (ns since the start)."""
     while numerical.time[0] < to_ns:
@@ -106,7 +106,7 @@ def advance_numerical(numerical, to_ns):  # type: ignore[no-untyped-def]
         numerical.time[0] = end
 
 
-@inlined
+@called
 def interface_force(numerical, motion, out):  # type: ignore[no-untyped-def]
     """F_c (m,) between a motion [x1 (m), v1 (m)] of the plant and the present numerical state."""
     m = numerical.m

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, inlined
+from rthm_core.compiled import Floats, called
 from rthm_core.linear import LinearSystem, linear_system
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def settled(drive: Drive, command: Floats) -> Floats:
     return np.asarray(np.linalg.solve(drive.system.a, -drive.system.b @ command))
 
 
-@inlined
+@called
 def conditioned(drive, command, out):  # type: ignore[no-untyped-def]
     """Quantise and saturate a command (m,)."""
     for i in range(out.size):
@@ -129,7 +129,7 @@ def conditioned(drive, command, out):  # type: ignore[no-untyped-def]
         out[i] = min(max(value, -limit), limit)
 
 
-@inlined
+@called
 def motor_position(drive, q, command, out):  # type: ignore[no-untyped-def]
     """Motor positions u (m,) of chain states `q` under the present command (m,)."""
     nq = q.size
@@ -142,7 +142,7 @@ def motor_position(drive, q, command, out):  # type: ignore[no-untyped-def]
         out[i] = u
 
 
-@inlined
+@called
 def motor_velocity(drive, q, command, out):  # type: ignore[no-untyped-def]
     """Motor velocities du/dt (m,); the jumps of a motor without dynamics are left out."""
     nq, ab = q.size, drive.system.ab

@@ -226,7 +226,9 @@ def replay_mechanics(
             first_pieces(n, laws, thresholds, y, pieces)
             r += 1
         done, length, still = 0.0, whole / substeps, 0
-        while done < whole * (1.0 - 1e-9):
+        for _ in range(substeps + MOST_SWITCHES + 1):
+            if not done < whole * (1.0 - 1e-9):
+                break
             t, h = time[g] + done, min(length, whole - done)
             _at(motor, load, g, 0.0 if last else done / whole, u, w)
             settle_wires(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)

@@ -51,13 +51,17 @@ def _room(thresholds, row, piece, x0, x1):  # type: ignore[no-untyped-def]
 
 @inlined
 def switch(n, laws, pieces, y, row):  # type: ignore[no-untyped-def]
-    """Put a law into its next piece; a dry friction sticks."""
+    """Put a law into its next piece; a dry friction sticks.
+
+    Where a motion turns at a threshold, the velocity found there may point the other way; the law then stays
+    in its outermost piece.
+    """
     dof = laws[row, PLACE]
     if laws[row, SPLIT] == FRICTION:
         y[n + dof] = 0.0
         pieces[row] = 0
     else:
-        pieces[row] += 1 if y[n + dof] > 0.0 else -1
+        pieces[row] = min(max(pieces[row] + (1 if y[n + dof] > 0.0 else -1), 0), 2)
 
 
 @inlined

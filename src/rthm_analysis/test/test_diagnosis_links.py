@@ -60,6 +60,16 @@ def test_what_is_wrong_with_a_link_is_named_with_its_size(link, kind):
     assert fit["explained"] < fit["nominal"]
 
 
+def test_a_delay_under_clocks_that_hardly_ever_tick_alike_is_found_to_a_microsecond():
+    clocks = {"timing.td1": 0.001657, "timing.td2": 0.006056, "timing.td3": 0.002822, "timing.tau1": 0.003428}
+    spec = apply(paper(), clocks)
+    part = diagnose_links(recording(with_effect(spec, "tau1", "extra_delay", delay=0.002126), 40.0), spec)
+    assert found(part) == [("link.tau1", "extra_delay")]
+    assert abs(part.physics[0].parameters["delay"].value - 0.002126) < 1e-6
+    fit = part.fits[0].nrmse
+    assert fit["explained"] < 1.3 * fit["noise_floor"] + 1e-6
+
+
 def test_one_phase_between_clocks_leaves_loss_and_jitter_alike():
     # Td1 divides Td2, so the newest sample always has the same time to spare before a tick of Td2.
     part = diagnose_links(recording(with_effect(paper(), "tau2", "loss", fraction=0.015), 40.0), paper())

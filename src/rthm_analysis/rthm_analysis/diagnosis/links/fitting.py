@@ -58,6 +58,11 @@ _DECODE: dict[str, Callable[[float], float]] = {
 FAR = 100_000_000
 """Multiples of the grain that stand for infinity."""
 
+FINE_NS = 1_000
+"""Intervals are counted as finely where few are different, as where clocks tick exactly."""
+
+MOST_DIFFERENT = 3000
+
 NEAR_NS = 20_000_000
 """A sample that is never used and passed over only longer before its time than this tells nothing."""
 
@@ -90,10 +95,17 @@ class Counted:
 def grain(evidence: LinkEvidence) -> int:
     """Width in ns to which intervals are widened, so that equal ones can be counted."""
     if evidence.clocked:
-        return 10_000
+        return FINE_NS if _different(evidence, FINE_NS) <= MOST_DIFFERENT else 10 * FINE_NS
     used = evidence.high[np.isfinite(evidence.high)]
     low, high = np.quantile(used, [0.1, 0.9]) if used.size else (0.0, 0.0)
     return max(1_000, int((high - low) * 1e9 / 60))
+
+
+def _different(evidence: LinkEvidence, width: int) -> int:
+    """How many intervals are not the same within a width in ns."""
+    known = np.isfinite(evidence.low) & np.isfinite(evidence.high)
+    ends = np.stack([evidence.low[known], evidence.high[known]]) * (NS / width)
+    return int(np.unique(np.rint(ends), axis=1).shape[1])
 
 
 def counted(evidence: LinkEvidence, samples: Integers | None = None) -> Counted:

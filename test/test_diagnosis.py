@@ -65,26 +65,22 @@ def test_a_plant_that_gets_out_of_step_with_its_spec_is_retuned_and_not_called_p
         assert abs(found["value"] - true[name][0]) < 4.0 * found["std"]
 
 
+MISSED_ONCE = [
+    (("link.tau3", "extra_delay"), 2127483687741567034, 0.02, "drawn"),  # retuning could get stuck
+    (("link.tau4", "clock_offset"), 4215217393901162190, 0.15, ""),  # by more than half a period
+]
+TAKE_LONG = [
+    (("motor", "rate_limit"), 3769535811400870209, 0.05, ""),  # arrives between two points of the grid
+    (("wire", "slack"), 1286679092002342773, 0.05, ""),  # wrong models do not get near
+    (("plant", "stribeck_friction"), 1096960604568808605, 0.15, ""),  # most of it is plain dry friction
+    (("plant", "hidden_mode"), 1478158351231339146, 0.05, ""),  # others fit better at first
+    (("plant", "hidden_mode"), 1702937212857128487, 0.15, ""),  # an imitation needed a companion
+]
+
+
 @pytest.mark.parametrize(
     ("hidden", "seed", "size", "retune"),
-    [
-        (("link.tau3", "extra_delay"), 2127483687741567034, 0.02, "drawn"),  # retuning could get stuck
-        (("link.tau4", "clock_offset"), 4215217393901162190, 0.15, ""),  # by more than half a period
-        (("motor", "rate_limit"), 3769535811400870209, 0.05, ""),  # arrives between two points of the grid
-        (("plant", "stribeck_friction"), 1096960604568808605, 0.15, ""),  # most of it is plain dry friction
-        pytest.param(
-            *(("wire", "slack"), 1286679092002342773, 0.05, ""),  # wrong models do not get near
-            marks=pytest.mark.long,
-        ),
-        pytest.param(
-            *(("plant", "hidden_mode"), 1478158351231339146, 0.05, ""),  # others fit better at first
-            marks=pytest.mark.long,
-        ),
-        pytest.param(
-            *(("plant", "hidden_mode"), 1702937212857128487, 0.15, ""),  # an imitation needed a companion
-            marks=pytest.mark.long,
-        ),
-    ],
+    [*MISSED_ONCE, *(pytest.param(*case, marks=pytest.mark.long) for case in TAKE_LONG)],
 )
 def test_one_effect_is_all_that_is_named(
     hidden: tuple[str, str], seed: int, size: float, retune: str, tmp_path: Path

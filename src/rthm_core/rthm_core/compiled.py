@@ -26,13 +26,20 @@ Flags = npt.NDArray[np.bool_]
 numba.config.CACHE_DIR = str(cache_folder())
 
 
+def kept(function: F, compile_: Callable[[F], Any]) -> F:
+    """A compiled function whose versions are kept on disk, each compiled by one process only."""
+    dispatcher = compile_(function)
+    dispatcher._cache = SharedCache(function)
+    return dispatcher  # type: ignore[no-any-return]
+
+
 def compiled(function: F) -> F:
     """Compile a pure function of numbers and arrays; the result is cached on disk.
 
     Division by zero gives inf or nan as in numpy, and floating-point order is kept, so that every process
     computes the same bits.
     """
-    return _kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
+    return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
 
 
 def compiled_in_place(function: F) -> F:
@@ -40,14 +47,7 @@ def compiled_in_place(function: F) -> F:
 
     References to arrays are then not counted, which for small systems costs more than all arithmetic.
     """
-    return _kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
-
-
-def _kept(function: F, compile_: Callable[[F], Any]) -> F:
-    """A compiled function whose versions are kept on disk."""
-    dispatcher = compile_(function)
-    dispatcher._cache = SharedCache(function)
-    return dispatcher  # type: ignore[no-any-return]
+    return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
 
 
 def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:
@@ -86,7 +86,7 @@ def called(function: Callable[..., Any]) -> Any:
     all its callers: what is long and stands in several places takes minutes to compile otherwise.
     """
     without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return _kept(function, numba.njit(error_model="numpy", _nrt=False, **without_entry))
+    return kept(function, numba.njit(error_model="numpy", _nrt=False, **without_entry))
 
 
 def inlined_allocating(function: Callable[..., Any]) -> Any:

@@ -62,6 +62,7 @@ FINE_NS = 1_000
 """Intervals are counted as finely where few are different, as where clocks tick exactly."""
 
 MOST_DIFFERENT = 3000
+"""With more different intervals than this, steps are ten times as long: a search asks each of them."""
 
 NEAR_NS = 20_000_000
 """A sample that is never used and passed over only longer before its time than this tells nothing."""
@@ -98,7 +99,7 @@ def grain(evidence: LinkEvidence) -> int:
         return FINE_NS if _different(evidence, FINE_NS) <= MOST_DIFFERENT else 10 * FINE_NS
     used = evidence.high[np.isfinite(evidence.high)]
     low, high = np.quantile(used, [0.1, 0.9]) if used.size else (0.0, 0.0)
-    return max(1_000, int((high - low) * 1e9 / 60))
+    return max(FINE_NS, int((high - low) * 1e9 / 60))
 
 
 def _different(evidence: LinkEvidence, width: int) -> int:
@@ -108,9 +109,9 @@ def _different(evidence: LinkEvidence, width: int) -> int:
     return int(np.unique(np.rint(ends), axis=1).shape[1])
 
 
-def counted(evidence: LinkEvidence, samples: Integers | None = None) -> Counted:
-    """Count intervals of some samples, by default of all that tell anything."""
-    width = grain(evidence)
+def counted(evidence: LinkEvidence, samples: Integers | None = None, width: int | None = None) -> Counted:
+    """Count intervals of some samples, by default of all that tell anything, with the `grain` as width."""
+    width = width or grain(evidence)
     tells = np.isfinite(evidence.high) | (evidence.low * 1e9 > -NEAR_NS)
     which = np.flatnonzero(tells) if samples is None else samples[tells[samples]]
     low, high = evidence.low[which] * 1e9, evidence.high[which] * 1e9
@@ -131,8 +132,8 @@ def counted(evidence: LinkEvidence, samples: Integers | None = None) -> Counted:
 def folds(evidence: LinkEvidence) -> tuple[Counted, Counted]:
     """Even and odd blocks of time."""
     known = np.flatnonzero(np.isfinite(evidence.low))
-    block = np.arange(known.size) * BLOCKS // max(known.size, 1)
-    return counted(evidence, known[block % 2 == 0]), counted(evidence, known[block % 2 == 1])
+    odd, width = np.arange(known.size) * BLOCKS // max(known.size, 1) % 2 == 1, grain(evidence)
+    return counted(evidence, known[~odd], width), counted(evidence, known[odd], width)
 
 
 def most_common(data: Counted) -> tuple[float, float]:

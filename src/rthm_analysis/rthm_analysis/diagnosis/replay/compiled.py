@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numba
 
-from rthm_core.compiled import inlined, keyed_by
+from rthm_core.compiled import F, inlined, kept, keyed_by
 
 __all__ = ["compiled", "inlined"]
 
-compiled = keyed_by(
-    Path(__file__).parent,
-    numba.njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False),
-)
+
+def _compiled(function: F) -> F:
+    return kept(function, numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
+
+
+compiled = keyed_by(Path(__file__).parent, _compiled)
 """Compile a function that makes no arrays, without a lock on the interpreter: replays run side by side."""

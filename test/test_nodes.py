@@ -19,6 +19,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 
+from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
@@ -73,10 +74,7 @@ class Graph:
         self.conductor.step("configure", names, 240.0)
 
     def activate(self, duration: float, names: tuple[str, ...] = LOOP) -> int:
-        begin = time.time_ns() + NS
-        self.conductor.set({name: {"start_time": begin, "duration": duration} for name in names})
-        self.conductor.step("activate", names)
-        return begin
+        return begin_together(self.conductor, names, duration)
 
     def listen(self, kind: type, topic: str) -> list[Any]:
         heard: list[Any] = []

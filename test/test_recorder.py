@@ -54,7 +54,6 @@ def begin_recording(conductor: Conductor, flood: subprocess.Popen[str]) -> None:
     conductor.step("configure", ["recorder"])
     conductor.wait_ready(["recorder"], 20.0)
     assert flood.stdout.readline() == "matched\n"
-    conductor.set({"recorder": {"start_time": time.time_ns()}})
     conductor.step("activate", ["recorder"])
     flood.stdin.write("begin\n")
     flood.stdin.flush()

@@ -28,7 +28,7 @@ from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.granted import Observer
-from rthm_core.ros.managed import refuse_impossible_transitions
+from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
 from rthm_core.ros.process import serving
 from rthm_core.spec import Spec, read_spec, write_spec
@@ -100,6 +100,10 @@ class Recorder(PollingNode):
         """Take samples from the start of the test on."""
         assert self._intake is not None
         begin, duration = self._value("start_time"), to_ns(self._value("duration"))
+        try:
+            refuse_past(0 if self._value("virtual") else begin)
+        except InputError as error:
+            return self._refuse(str(error))
         known = duration and (begin or self._value("virtual"))
         self._intake.open(begin, begin + duration if known else None)
         if self._observer is not None:

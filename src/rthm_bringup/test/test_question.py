@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import pytest
 from lifecycle_msgs.srv import ChangeState
 
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
@@ -80,8 +81,30 @@ def test_a_transition_that_was_never_heard_of_is_asked_for_again():
     states.asked[0].value = state(CHANGES["configure"].before)
     asked.look(2.2 * AGAIN)
     assert len(node.asked) == 2
+    node.asked[1].value = ChangeState.Response(success=True)
+    assert asked.look(2.3 * AGAIN).success
+
+
+@pytest.mark.parametrize(("now", "done"), [("before", False), ("after", True)])
+def test_a_refusal_of_what_was_asked_for_twice_is_believed_when_it_was_not_done(now: str, done: bool):
+    node, states, change = Node(), Node(), CHANGES["configure"]
+    asked = transition(node, states)
+    asked.look(1.1 * AGAIN)
+    states.asked[0].value = state(change.before)
+    asked.look(2.2 * AGAIN)
     node.asked[1].value = ChangeState.Response(success=False)
-    assert not asked.look(2.3 * AGAIN).success
+    assert asked.look(2.3 * AGAIN) is None
+    states.asked[1].value = state(getattr(change, now))
+    assert asked.look(3.4 * AGAIN).success == done
+    assert len(node.asked) == 2
+
+
+def test_a_refusal_of_what_was_asked_for_once_is_the_answer():
+    node, states = Node(), Node()
+    asked = transition(node, states)
+    node.asked[0].value = ChangeState.Response(success=False)
+    assert not asked.look(0.5 * AGAIN).success
+    assert not states.asked
 
 
 def test_a_node_that_is_busy_is_left_in_peace_but_for_its_state():

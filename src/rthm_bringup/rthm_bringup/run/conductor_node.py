@@ -50,6 +50,10 @@ class StoppedError(Exception):
         self.node = node
 
 
+class RefusedError(StoppedError):
+    """A node refused a transition."""
+
+
 class UnconnectedError(StoppedError):
     """Some connections were not made in time."""
 
@@ -136,11 +140,22 @@ class Conductor:
         )
 
     def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
-        """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup."""
+        """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup.
+
+        Raises
+        ------
+        RefusedError
+            When one of them refuses, once all have answered.
+        """
         request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
-                raise StoppedError(f"{name} refused to {step}", name)
+                raise RefusedError(f"{name} refused to {step}", name)
+
+    def states(self, names: Iterable[str]) -> dict[str, int]:
+        """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
+        answers = self._ask(dict.fromkeys(names, GetState.Request()), "get_state", PATIENCE)
+        return {name: answer.current_state.id for name, answer in answers.items()}
 
     def set(self, parameters: Mapping[str, Mapping[str, Any]]) -> None:
         """Set parameters, per node."""

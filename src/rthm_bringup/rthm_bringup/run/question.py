@@ -99,13 +99,24 @@ class Transition(Question):
         super().__init__(ask, now)
         self._state, self._change = state, change
         self._states: list[Future] = []
+        self._refusal: Any = None
+
+    def look(self, now: float) -> Any:
+        """Return the answer; a refusal of what was asked for twice is believed when the state agrees."""
+        answer = super().look(now)
+        if answer is not None and not answer.success and len(self._futures) > 1 and self._refusal is None:
+            self.answer, self._refusal, self._futures = None, answer, []
+            self._states = [self._state()]
+        return self.answer
 
     def _overdue(self) -> None:
         told = [one.result().current_state.id for one in self._states if one.done()]
         self._states = [] if told else self._states
         if self._change.after in told:
             self.answer = ChangeState.Response(success=True)
-        elif self._change.before in told:
+        elif self._change.before in told and self._refusal is None:
             self._futures.append(self._ask())
+        elif self._change.before in told:
+            self.answer = self._refusal
         else:
             self._states.append(self._state())

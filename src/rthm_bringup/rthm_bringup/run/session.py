@@ -11,8 +11,10 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 
 from rthm_bringup.run import roles
+from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
@@ -24,8 +26,6 @@ from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
 
-HEAD_START = NS
-"""From the agreement on the begin to the begin: time for every node to be activated, ns."""
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
@@ -106,22 +106,24 @@ class Session:
         )
 
     def _begin(self, conductor: Conductor) -> None:
-        """Let the clocks of all nodes start together; a coordinator starts last, as it lets time pass."""
-        begin = 0 if self._plan.virtual else time.time_ns() + HEAD_START
-        if self._has_driver():
-            begin = begin_with_driver(conductor, self._plan, begin)
-        timing = {"start_time": begin, "duration": self._plan.duration}
-        conductor.set(dict.fromkeys(self._managed, timing))
-        conductor.step("activate", [name for name in self._managed if name != "coordinator"])
-        conductor.step("activate", [name for name in self._managed if name == "coordinator"])
-        if not self._plan.virtual and time.time_ns() > begin:
-            raise StoppedError(
-                "The nodes were not active in time for the begin; this host or the network is too busy."
-            )
-        self.ending.begin = begin
+        """Let the clocks of all nodes start together."""
+        self.ending.begin = self._begin_virtual(conductor) if self._plan.virtual else self._agree(conductor)
         self.ending.realtime = tuple(
             p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
         )
+
+    def _agree(self, conductor: Conductor) -> int:
+        """Begin at an instant of the wall clock; a driver has chosen already at which instants it samples."""
+        aligned = partial(begin_with_driver, conductor, self._plan) if self._has_driver() else int
+        return begin_together(conductor, self._managed, self._plan.duration, aligned, self._view.note)
+
+    def _begin_virtual(self, conductor: Conductor) -> int:
+        """Begin at zero, the coordinator last, as it lets time pass."""
+        duration = self._plan.duration
+        conductor.set({name: {"start_time": 0, "duration": duration} for name in self._managed})
+        conductor.step("activate", [name for name in self._managed if name != "coordinator"])
+        conductor.step("activate", ["coordinator"])
+        return 0
 
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""

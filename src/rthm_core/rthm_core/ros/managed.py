@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -12,6 +13,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 
+from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
@@ -32,6 +34,13 @@ def refuse_impossible_transitions(node: LifecycleNode) -> None:
             return response
 
     service.callback = attempt
+
+
+def refuse_past(start: int) -> None:
+    """Refuse to begin at an instant of the wall clock (ns; 0: any) that has passed, with an InputError."""
+    ago = (time.time_ns() - start) / NS
+    if start and ago > 0.0:
+        raise InputError(f"start_time is {start}, {ago:.3f} s ago, but must lie ahead; set a later one.")
 
 
 class ManagedNode(PollingNode):
@@ -114,6 +123,8 @@ class ManagedNode(PollingNode):
 
     def _activate(self) -> None:
         assert self.spec is not None
+        if not self.value("virtual"):
+            refuse_past(self.value("start_time"))
         self.activate(self.spec)
         self.active = True
 

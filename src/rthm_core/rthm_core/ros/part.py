@@ -14,7 +14,6 @@ from rclpy.lifecycle import TransitionCallbackReturn
 from std_srvs.srv import Trigger
 
 from rthm_core.clock import NS, to_ns
-from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.diagnostics import Diagnostics
@@ -98,9 +97,6 @@ class PartNode(ManagedNode):
     def activate(self, spec: Spec) -> None:
         """Begin a test at `start_time`."""
         start, virtual = self.value("start_time"), self.value("virtual")
-        if start and not virtual and start < time.time_ns():
-            ago = (time.time_ns() - start) / NS
-            raise InputError(f"start_time is {start}, {ago:.3f} s ago, but must lie ahead; set a later one.")
         self.agenda = Agenda(until=to_ns(self.value("duration")))
         self.ports.clear()
         self.begin(spec, self.agenda)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -46,6 +48,26 @@ def nothing_left(network: Network) -> Iterator[None]:
 def segments() -> set[str]:
     """Shared memory without an owner; ports are left out, as all domains of a host share their names."""
     return {name for name in shared_memory.abandoned() if "_port" not in name}
+
+
+@pytest.fixture
+def held_up() -> Iterator[Callable[[float], float]]:
+    """How long this machine let a thread with real-time priority wait in the last so many seconds, s."""
+    waits, over = [(time.monotonic(), 0.0)], threading.Event()
+
+    def watch() -> None:
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
+        while not over.is_set():
+            due = time.monotonic() + 0.005
+            time.sleep(0.005)
+            waits.append((due, time.monotonic() - due))
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    yield lambda seconds: sum(wait for at, wait in waits.copy() if at > time.monotonic() - seconds)
+    over.set()
+    watcher.join()
 
 
 @pytest.fixture

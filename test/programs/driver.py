@@ -24,7 +24,7 @@ with contextlib.suppress(PermissionError):
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
 rclpy.init(signal_handler_options=rclpy.signals.SignalHandlerOptions.NO)
 node = rclpy.create_node("driver", namespace="/rthm")
-publisher = node.create_publisher(JointState, "plant/state", QoSProfile(depth=100))
+publisher = node.create_publisher(JointState, "plant/state", QoSProfile(depth=1000))
 command = [0.5]
 node.create_subscription(
     JointState, "actuator/command", lambda message: command.__setitem__(0, message.position[0]), 100

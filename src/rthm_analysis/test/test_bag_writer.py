@@ -133,16 +133,17 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
 bag = BagWriter(sys.argv[1])
 try:
     for k in range(10_000):
-        bag.write("/rthm/spec", "std_msgs/msg/String", bytes(64), k, k)
+        bag.write(sys.argv[2].format(k), "std_msgs/msg/String", bytes(64), k, k)
     bag.flush()
 except InputError as error:
     print(error)
 """
 
 
-def test_a_file_that_can_grow_no_more_is_one_sentence(tmp_path: Path) -> None:
+@pytest.mark.parametrize("topic", ["/rthm/spec", "/rthm/spec{}"], ids=["one topic", "ever new topics"])
+def test_a_file_that_can_grow_no_more_is_one_sentence(tmp_path: Path, topic: str) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", FILL_THE_DISK, str(tmp_path / "bag")],
+        [sys.executable, "-c", FILL_THE_DISK, str(tmp_path / "bag"), topic],
         capture_output=True,
         text=True,
         check=False,

@@ -43,7 +43,10 @@ class BagWriter:
         self._last = 0
         self._stream = _opened(self.folder)
         self._writer = Writer(self._stream, chunk_size=CHUNK, compression=CompressionType.NONE)
-        self._writer.start(profile="ros2", library="rthm")
+        try:
+            self._writer.start(profile="ros2", library="rthm")
+        except OSError as error:
+            raise _failure(self.folder, error) from error
 
     def __enter__(self) -> BagWriter:
         return self
@@ -64,7 +67,10 @@ class BagWriter:
             return
         topic = Topic(name, type_name, depth, latched)
         metadata = {"offered_qos_profiles": qos_text(topic), "topic_type_hash": definition(type_name)[1]}
-        topic.channel = self._writer.register_channel(name, "cdr", self._schema(type_name), metadata)
+        try:
+            topic.channel = self._writer.register_channel(name, "cdr", self._schema(type_name), metadata)
+        except OSError as error:
+            raise _failure(self.folder, error) from error
         self._topics[name] = topic
 
     def write(

@@ -27,6 +27,9 @@ STATE, COMMAND = "plant/state", "actuator/command"
 SETTLE = 0.5
 """How long discovery may take to tell all publishers once there is one, s."""
 
+KEPT = 5000
+"""Samples that wait while this host is busy, so that what is lost was lost by the driver or on the way."""
+
 NUMBERED = 2**63  # a middleware that does not number messages gives the largest integer
 
 
@@ -91,7 +94,7 @@ class _Ear:
         def take(message: bytes, info: dict[str, Any]) -> None:
             self._heard.append((message, info))
 
-        self._node.create_subscription(JointState, STATE, take, samples(reliable=reliable), raw=True)
+        self._node.create_subscription(JointState, STATE, take, samples(KEPT, reliable), raw=True)
 
     def _spin(self, seconds: float, until: Callable[[], object] = lambda: False) -> None:
         deadline = time.monotonic() + seconds

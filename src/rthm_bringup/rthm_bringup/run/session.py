@@ -30,8 +30,8 @@ COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
 """After the last sample, for what is said about its use, ns."""
-LATEST = 10.0
-"""How far nodes on a busy host may be behind at the end, s."""
+STANDSTILL = 10.0
+"""How long nodes that are behind at the end may make no progress, s."""
 
 
 class Session:
@@ -140,11 +140,13 @@ class Session:
         """Wait for the last samples; a host that is too busy may be behind."""
         if "recorder" not in self._managed:
             return
-        deadline = time.monotonic() + LATEST
+        before, deadline = "", time.monotonic() + STANDSTILL
         while True:
             complete, behind = conductor.trigger("recorder", "complete", 10.0)
             if complete:
                 break
+            if behind != before:
+                before, deadline = behind, time.monotonic() + STANDSTILL
             if time.monotonic() > deadline:
                 raise StoppedError(f"The recording is not complete: {behind}.")
             conductor.sleep_until(time.time_ns() + NS // 20)

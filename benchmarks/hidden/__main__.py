@@ -1,4 +1,8 @@
-"""Run, diagnose, run again as patched: ``python -m benchmarks.hidden --out PATH``."""
+"""Run, diagnose, run again as patched: ``python -m benchmarks.hidden --out PATH``.
+
+A machine that stands still makes samples late, after which two runs of one spec differ. A run in which a
+sample was late is made again, some times; made again, the table keeps its rows in which none was.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ import sys
 import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from benchmarks.hidden.cases import HIDDEN, hidden
@@ -21,6 +25,16 @@ from rthm_core.spec import Spec, shipped_spec, write_spec
 
 RTHM = [sys.executable, "-m", "rthm_bringup"]
 NOMINAL = "paper_noisy"
+ATTEMPTS = 4
+"""How often a run is made at most until no sample is late."""
+
+
+class Run(NamedTuple):
+    """A run of the node graph: its bag, the recording in it, and how many samples were late on its links."""
+
+    bag: Path
+    recording: Recording
+    late: int
 
 
 def arguments(words: list[str] | None) -> argparse.Namespace:
@@ -42,33 +56,39 @@ def rthm(*words: str) -> dict[str, Any]:
     return dict(json.loads(done.stdout[done.stdout.index("{") :]))
 
 
-def run(spec: Spec, folder: Path, duration: float) -> tuple[Path, Recording]:
-    """Bag of a run of the real node graph."""
+def run(spec: Spec, folder: Path, duration: float) -> Run:
+    """Run of the real node graph that the machine disturbed least."""
     folder.mkdir(parents=True)
     (folder / "spec.yaml").write_text(write_spec(spec), encoding="utf-8")
-    words = ("run", str(folder / "spec.yaml"), "--duration", str(duration), "--out", str(folder / "out"))
-    bag = Path(rthm(*words)["bag"])
-    return bag, read_recording(bag)
+    words = ("run", str(folder / "spec.yaml"), "--duration", str(duration), "--out")
+    late: dict[Path, int] = {}
+    for attempt in range(ATTEMPTS):
+        told = rthm(*words, str(folder / str(attempt)))
+        late[Path(told["bag"])] = sum(link["late"] for link in told["links"].values())
+        if 0 in late.values():
+            break
+    bag = min(late, key=lambda one: late[one])
+    return Run(bag, read_recording(bag), late[bag])
 
 
-def difference(one: Recording, other: Recording) -> float:
-    """Rms difference of x1 in two recordings, over the standard deviation of the first."""
-    count = min(len(one.plant), len(other.plant))
-    first, second = (r.plant.columns("position", ["x1"])[:count, 0] for r in (one, other))
+def difference(one: Run, other: Run) -> float:
+    """Rms difference of x1 in two runs, over the standard deviation of the first."""
+    count = min(len(run.recording.plant) for run in (one, other))
+    first, second = (run.recording.plant.columns("position", ["x1"])[:count, 0] for run in (one, other))
     return float(np.sqrt(np.nanmean(np.square(first - second))) / np.nanstd(first))
 
 
-def case(number: int, plain: Recording, folder: Path, duration: float) -> dict[str, Any]:
+def case(number: int, plain: Run, folder: Path, duration: float) -> dict[str, Any]:
     """One effect: hidden, recorded, found, and put into the next run."""
     from rthm_core.spec import read_spec
 
     block, kind, parameters = HIDDEN[number]
     with_effect = hidden(shipped_spec(NOMINAL), block, kind, parameters)
-    bag, recorded = run(with_effect, folder / "hidden", duration)
+    recorded = run(with_effect, folder / "hidden", duration)
     patched = folder / "patched.yaml"
-    said = rthm("diagnose", str(bag), "--spec", NOMINAL, "--patched", str(patched))
-    _, again = run(read_spec(str(patched)), folder / "again", duration)
-    _, repeated = run(with_effect, folder / "repeated", duration)
+    said = rthm("diagnose", str(recorded.bag), "--spec", NOMINAL, "--patched", str(patched))
+    again = run(read_spec(str(patched)), folder / "again", duration)
+    repeated = run(with_effect, folder / "repeated", duration)
     return {
         "hidden": {"block": block, "kind": kind, **parameters},
         "verdict": said["verdict"],
@@ -77,6 +97,7 @@ def case(number: int, plain: Recording, folder: Path, duration: float) -> dict[s
         "nominal_run_differs": difference(recorded, plain),
         "patched_run_differs": difference(recorded, again),
         "repeated_run_differs": difference(recorded, repeated),
+        "late": [one.late for one in (recorded, plain, again, repeated)],
     }
 
 
@@ -88,18 +109,30 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         f"{header['date']}, {header['machine']}; {NOMINAL}, {header['duration']:g} s each. "
         f"{sum(row['right'] for row in rows)} of {len(rows)} named exactly. The last three columns: rms "
         "difference of x1 between the recorded run and another real run, over its standard deviation; the "
-        "last of them is what two runs of the very same spec differ by in real time on this machine.",
+        "last of them is what two runs of the very same spec differ by in real time on this machine. Late: "
+        "samples that came too late for their tick in the recorded run and in these three, since the machine "
+        "stood still; each run was made up to "
+        f"{ATTEMPTS} times until there was none.",
         "",
-        "| hidden | verdict | found | run as specified differs by | run as patched differs by | repeated |",
-        "|---|---|---|---|---|---|",
+        "| hidden | verdict | found | as specified differs by | as patched differs by | repeated | late |",
+        "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         differs = " | ".join(f"{row[f'{run}_run_differs']:.2g}" for run in ("nominal", "patched", "repeated"))
         found = ", ".join(f"{one['block']} {one['kind']}" for one in row["found"]) or "nothing"
         lines.append(
-            f"| {row['hidden']['block']} {row['hidden']['kind']} | {row['verdict']} | {found} | {differs} |"
+            f"| {row['hidden']['block']} {row['hidden']['kind']} | {row['verdict']} | {found} | {differs} "
+            f"| {', '.join(map(str, row['late']))} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def _undisturbed(options: argparse.Namespace) -> dict[int, dict[str, Any]]:
+    """Rows of the table so far, of as long runs, in which no sample was late."""
+    file = options.out.with_suffix(".json")
+    told = json.loads(file.read_text()) if file.exists() else {"runs": [], "duration": options.duration}
+    rows = enumerate(told["runs"] if told["duration"] == options.duration else [])
+    return {number: row for number, row in rows if not any(row.get("late", [1]))}
 
 
 def main(words: list[str] | None = None) -> int:
@@ -110,15 +143,16 @@ def main(words: list[str] | None = None) -> int:
         "machine": f"{os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}",
         "duration": options.duration,
     }
-    rows: list[dict[str, Any]] = []
-    with tempfile.TemporaryDirectory(prefix="hidden-") as folder:
-        _, plain = run(shipped_spec(NOMINAL), Path(folder) / "plain", options.duration)
-        for number in range(options.runs):
-            rows.append(case(number, plain, Path(folder) / str(number), options.duration))
-            print(rows[-1]["hidden"], "->", rows[-1]["found"], file=sys.stderr, flush=True)
+    rows, undisturbed = list[dict[str, Any]](), _undisturbed(options)
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    options.out.with_suffix(".json").write_text(json.dumps(header | {"runs": rows}, indent=1) + "\n")
-    options.out.with_suffix(".md").write_text(markdown(header, rows))
+    with tempfile.TemporaryDirectory(prefix="hidden-") as folder:
+        plain = run(shipped_spec(NOMINAL), Path(folder) / "plain", options.duration)
+        for number in range(options.runs):
+            row = undisturbed.get(number) or case(number, plain, Path(folder) / str(number), options.duration)
+            rows.append(row)
+            print(row["hidden"], "->", row["found"], "late:", row["late"], file=sys.stderr, flush=True)
+            options.out.with_suffix(".json").write_text(json.dumps(header | {"runs": rows}, indent=1) + "\n")
+            options.out.with_suffix(".md").write_text(markdown(header, rows))
     return 0 if all(row["right"] for row in rows) else 1
 
 

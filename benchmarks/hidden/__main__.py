@@ -25,8 +25,6 @@ from rthm_core.spec import Spec, shipped_spec, write_spec
 
 RTHM = [sys.executable, "-m", "rthm_bringup"]
 NOMINAL = "paper_noisy"
-ATTEMPTS = 4
-"""How often a run is made at most until no sample is late."""
 
 
 class Run(NamedTuple):
@@ -45,6 +43,9 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--runs", type=int, default=len(HIDDEN), help="how many of the effects")
     parser.add_argument("--duration", type=float, default=20.0, help="length of each run, s")
+    parser.add_argument(
+        "--attempts", type=int, default=4, help="how often a run is made at most until no sample is late"
+    )
     return parser.parse_args(words)
 
 
@@ -56,13 +57,13 @@ def rthm(*words: str) -> dict[str, Any]:
     return dict(json.loads(done.stdout[done.stdout.index("{") :]))
 
 
-def run(spec: Spec, folder: Path, duration: float) -> Run:
+def run(spec: Spec, folder: Path, options: argparse.Namespace) -> Run:
     """Run of the real node graph that the machine disturbed least."""
     folder.mkdir(parents=True)
     (folder / "spec.yaml").write_text(write_spec(spec), encoding="utf-8")
-    words = ("run", str(folder / "spec.yaml"), "--duration", str(duration), "--out")
+    words = ("run", str(folder / "spec.yaml"), "--duration", str(options.duration), "--out")
     late: dict[Path, int] = {}
-    for attempt in range(ATTEMPTS):
+    for attempt in range(options.attempts):
         told = rthm(*words, str(folder / str(attempt)))
         late[Path(told["bag"])] = sum(link["late"] for link in told["links"].values())
         if 0 in late.values():
@@ -78,17 +79,17 @@ def difference(one: Run, other: Run) -> float:
     return float(np.sqrt(np.nanmean(np.square(first - second))) / np.nanstd(first))
 
 
-def case(number: int, plain: Run, folder: Path, duration: float) -> dict[str, Any]:
+def case(number: int, plain: Run, folder: Path, options: argparse.Namespace) -> dict[str, Any]:
     """One effect: hidden, recorded, found, and put into the next run."""
     from rthm_core.spec import read_spec
 
     block, kind, parameters = HIDDEN[number]
     with_effect = hidden(shipped_spec(NOMINAL), block, kind, parameters)
-    recorded = run(with_effect, folder / "hidden", duration)
+    recorded = run(with_effect, folder / "hidden", options)
     patched = folder / "patched.yaml"
     said = rthm("diagnose", str(recorded.bag), "--spec", NOMINAL, "--patched", str(patched))
-    again = run(read_spec(str(patched)), folder / "again", duration)
-    repeated = run(with_effect, folder / "repeated", duration)
+    again = run(read_spec(str(patched)), folder / "again", options)
+    repeated = run(with_effect, folder / "repeated", options)
     return {
         "hidden": {"block": block, "kind": kind, **parameters},
         "verdict": said["verdict"],
@@ -112,7 +113,7 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         "last of them is what two runs of the very same spec differ by in real time on this machine. Late: "
         "samples that came too late for their tick in the recorded run and in these three, since the machine "
         "stood still; each run was made up to "
-        f"{ATTEMPTS} times until there was none.",
+        f"{header['attempts']} times until there was none.",
         "",
         "| hidden | verdict | found | as specified differs by | as patched differs by | repeated | late |",
         "|---|---|---|---|---|---|---|",
@@ -142,13 +143,14 @@ def main(words: list[str] | None = None) -> int:
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "machine": f"{os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}",
         "duration": options.duration,
+        "attempts": options.attempts,
     }
     rows, undisturbed = list[dict[str, Any]](), _undisturbed(options)
     options.out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="hidden-") as folder:
-        plain = run(shipped_spec(NOMINAL), Path(folder) / "plain", options.duration)
+        plain = run(shipped_spec(NOMINAL), Path(folder) / "plain", options)
         for number in range(options.runs):
-            row = undisturbed.get(number) or case(number, plain, Path(folder) / str(number), options.duration)
+            row = undisturbed.get(number) or case(number, plain, Path(folder) / str(number), options)
             rows.append(row)
             print(row["hidden"], "->", row["found"], "late:", row["late"], file=sys.stderr, flush=True)
             options.out.with_suffix(".json").write_text(json.dumps(header | {"runs": rows}, indent=1) + "\n")

@@ -108,9 +108,8 @@ def test_the_death_of_the_plant_ends_a_run_with_status_1(long_run: subprocess.Po
 
 
 def test_the_death_of_the_recorder_leaves_a_readable_bag(
-    long_run: subprocess.Popen[str], out: Path, held_up: Callable[[float], float]
+    held_up: Callable[[float], float], long_run: subprocess.Popen[str], out: Path
 ) -> None:
-    time.sleep(1.0)
     os.kill(node(long_run, "recorder_node"), signal.SIGKILL)
     killed, allowed = time.time_ns(), int(1e9 * (1.0 + held_up(5.0)))
     told = result(long_run, out)

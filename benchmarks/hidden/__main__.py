@@ -108,12 +108,11 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         "# Effects hidden in a real node graph",
         "",
         f"{header['date']}, {header['machine']}; {NOMINAL}, {header['duration']:g} s each. "
-        f"{sum(row['right'] for row in rows)} of {len(rows)} named exactly. The last three columns: rms "
+        f"{sum(row['right'] for row in rows)} of {len(rows)} named exactly. Differs by: rms "
         "difference of x1 between the recorded run and another real run, over its standard deviation; the "
-        "last of them is what two runs of the very same spec differ by in real time on this machine. Late: "
-        "samples that came too late for their tick in the recorded run and in these three, since the machine "
-        "stood still; each run was made up to "
-        f"{header['attempts']} times until there was none.",
+        "last of the three is what two runs of the very same spec differ by in real time on this machine. "
+        "Late: samples that came too late for their tick in the recorded run and in these three, since the "
+        f"machine stood still; each run was made up to {header['attempts']} times until there was none.",
         "",
         "| hidden | verdict | found | as specified differs by | as patched differs by | repeated | late |",
         "|---|---|---|---|---|---|---|",
@@ -131,9 +130,9 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
 def _undisturbed(options: argparse.Namespace) -> dict[int, dict[str, Any]]:
     """Rows of the table so far, of as long runs, in which no sample was late."""
     file = options.out.with_suffix(".json")
-    told = json.loads(file.read_text()) if file.exists() else {"runs": [], "duration": options.duration}
-    rows = enumerate(told["runs"] if told["duration"] == options.duration else [])
-    return {number: row for number, row in rows if not any(row.get("late", [1]))}
+    told = json.loads(file.read_text()) if file.exists() else {}
+    rows = told["runs"] if told.get("duration") == options.duration else []
+    return {number: row for number, row in enumerate(rows) if not any(row.get("late", [1]))}
 
 
 def main(words: list[str] | None = None) -> int:

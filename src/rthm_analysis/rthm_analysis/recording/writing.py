@@ -7,6 +7,8 @@ received, ``publish_time`` when its source sent it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO
@@ -43,10 +45,8 @@ class BagWriter:
         self._last = 0
         self._stream = _opened(self.folder)
         self._writer = Writer(self._stream, chunk_size=CHUNK, compression=CompressionType.NONE)
-        try:
+        with _one_sentence(self.folder):
             self._writer.start(profile="ros2", library="rthm")
-        except OSError as error:
-            raise _failure(self.folder, error) from error
 
     def __enter__(self) -> BagWriter:
         return self
@@ -67,10 +67,8 @@ class BagWriter:
             return
         topic = Topic(name, type_name, depth, latched)
         metadata = {"offered_qos_profiles": qos_text(topic), "topic_type_hash": definition(type_name)[1]}
-        try:
+        with _one_sentence(self.folder):
             topic.channel = self._writer.register_channel(name, "cdr", self._schema(type_name), metadata)
-        except OSError as error:
-            raise _failure(self.folder, error) from error
         self._topics[name] = topic
 
     def write(
@@ -111,10 +109,8 @@ class BagWriter:
 
     def flush(self) -> None:
         """Hand everything written so far to the operating system."""
-        try:
+        with _one_sentence(self.folder):
             self._writer.flush()
-        except OSError as error:
-            raise _failure(self.folder, error) from error
 
     def close(self) -> None:
         """Write the index of the file and ``metadata.yaml``; a second call does nothing."""
@@ -144,15 +140,13 @@ class BagWriter:
 
 
 def _opened(folder: Path) -> BinaryIO:
-    try:
+    with _one_sentence(folder):
         folder.mkdir(parents=True, exist_ok=True)
         if any(folder.iterdir()):
             raise InputError(
                 f"{folder} is not empty, and a recording is never overwritten; name another folder."
             )
         return (folder / f"{folder.name}_0.mcap").open("xb")
-    except OSError as error:
-        raise _failure(folder, error) from error
 
 
 def _abandon(stream: BinaryIO) -> None:
@@ -161,6 +155,15 @@ def _abandon(stream: BinaryIO) -> None:
         stream.close()
     except OSError:
         return
+
+
+@contextmanager
+def _one_sentence(folder: Path) -> Iterator[None]:
+    """Tell in a sentence that a folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise _failure(folder, error) from error
 
 
 def _failure(folder: Path, error: OSError) -> InputError:

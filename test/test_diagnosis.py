@@ -75,6 +75,7 @@ TAKE_LONG = [
     (("plant", "stribeck_friction"), 1096960604568808605, 0.15, ""),  # most of it is plain dry friction
     (("plant", "hidden_mode"), 1478158351231339146, 0.05, ""),  # others fit better at first
     (("plant", "hidden_mode"), 1702937212857128487, 0.15, ""),  # an imitation needed a companion
+    (("sensor.force", "lag"), 513070866052298038, 0.15, ""),  # the force jumps between samples
 ]
 
 

@@ -25,7 +25,7 @@ EVIDENCE = Evidence(
 
 def having(block: str, kind: str, poles: bool = False, **parameters: float) -> Spec:
     spec = apply(PAPER, {"actuator.motor_poles": [400.0, 2000.0]}) if poles else PAPER
-    place = {"dof": "x1"} if block == "plant" or block.startswith("sensor") else {"actuator": "a1"}
+    place = {"dof": "x1"} if block in ("plant", "sensor.position", "sensor.velocity") else {"actuator": "a1"}
     return apply(spec, {"effects": ["one"], "one": {"block": block, "kind": kind, **place, **parameters}})
 
 

@@ -42,6 +42,9 @@ SPECS = [
     having("motor", "rate_limit", rate=0.5),
     having("motor", "quantisation", step=0.004),
     having("sensor.position", "lag", time_constant=0.003),
+    having("sensor.velocity", "lag", time_constant=0.01),
+    having("sensor.force", "lag", time_constant=0.006),
+    having("sensor.force", "lag", poles=True, time_constant=0.002),
     having("sensor.velocity", "scale", scale=1.05),
 ]
 

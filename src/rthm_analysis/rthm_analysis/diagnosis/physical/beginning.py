@@ -63,7 +63,7 @@ def begin(
     runs, sigma = _runs(seen, settled, train, parts[0])
     for part in parts[1:]:
         part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = np.minimum(sigma, _noise(part, settled.spec, runs.first(train)))
+        sigma = np.minimum(sigma, noise_left(part, settled.spec, runs.first(train)))
     begun: list[Begun] = []
     for part in parts:
         fitting = Fitting(part, runs.first(train), sigma, settled, progress)
@@ -131,7 +131,7 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
     while True:
         runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = _noise(part, settled.spec, runs.first(train))
+        sigma = noise_left(part, settled.spec, runs.first(train))
         if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
             return runs, sigma
         fitting = Fitting(part, runs.first(train), sigma, settled)
@@ -140,6 +140,7 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         longer *= 2.0
 
 
-def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
+def noise_left(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
+    """Noise (k,) of the channels; more than that where a spec leaves out what is as fast as noise."""
     measured = experiment.evidence.measured
     return noise_levels(measured - experiment.predicted(spec, runs), measured)

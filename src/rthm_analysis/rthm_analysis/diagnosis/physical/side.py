@@ -13,7 +13,13 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
-from rthm_analysis.diagnosis.physical.beginning import Begun, begin, choose_again, retuned_from
+from rthm_analysis.diagnosis.physical.beginning import (
+    Begun,
+    begin,
+    choose_again,
+    noise_left,
+    retuned_from,
+)
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -101,10 +107,11 @@ def diagnose_physical(
     begun, choice = _chosen(begun, seen, settled, train)
     begun, choice = choose_again(begun, others, choice)
     part = begun.fitting.experiment
+    sigma = np.minimum(begun.sigma, noise_left(part, choice.best.model.spec, begun.fitting.windows))
     experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
-        spec, seen, train, experiment, begun.runs, begun.sigma, drives.rounds, drives.settled, begun.fitting,
+        spec, seen, train, experiment, begun.runs, sigma, drives.rounds, drives.settled, begun.fitting,
         begun.nominal, choice, drives.limits,
     )  # fmt: skip
 

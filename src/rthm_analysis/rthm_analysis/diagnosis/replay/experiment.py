@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
 from rthm_analysis.diagnosis.replay.mechanics import fastest, mechanics
 from rthm_analysis.diagnosis.replay.motor import drive_speed, motor_delay, motor_motion
-from rthm_analysis.diagnosis.replay.sensing import sensed
+from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.clock import NS
 from rthm_core.effects import effect
@@ -42,22 +42,41 @@ the grid the motor moves along parabolas, and one that overshoots turns the wire
 second is as good as exact.
 """
 
-Inputs = tuple[Grid, "Floats", "Floats", "Floats"]
-
 KEPT = 3
 """Motions that are kept."""
 
 SENSORS = ("sensor.position", "sensor.velocity", "sensor.force")
 
 
-@dataclass(frozen=True)
-class Motion:
-    """What a model of the physical side does in the recorded test.
+class Inputs(NamedTuple):
+    """What moves the physical side.
 
     Attributes
     ----------
-    position, velocity : (s, n) arrays
-    force, motor : (s, m) arrays
+    points : Grid
+        Of the replay.
+    motor, load : (g, 3, m), (g, 3, n) arrays
+        On it: motor positions, loads on the dofs.
+    fine : Grid
+        With every sample, and every instant at which a motor jumps.
+    course : (f, 3, m) array
+        Motor positions on the fine grid.
+    """
+
+    points: Grid
+    motor: Floats
+    load: Floats
+    fine: Grid
+    course: Floats
+
+
+class Motion(NamedTuple):
+    """What a model of the physical side does in the recorded test, at some instants.
+
+    Attributes
+    ----------
+    position, velocity : (..., n) arrays
+    force, motor : (..., m) arrays
         Wire forces and motor positions.
     """
 
@@ -120,13 +139,19 @@ class Experiment:
         return min(LONGEST_NS, int((SHARP if self.sharp else TURN) / fastest_motor * NS))
 
     def motion(self, spec: Spec, windows: Windows) -> Motion:
-        """Motion of the physical side of `spec` under the recorded inputs; kept for the last few models."""
+        """Motion (s, ...) of the physical side of `spec` under the recorded inputs, at the samples; kept for
+        the last few models.
+        """
+        return self._motion(spec, windows, between=False)
+
+    def _motion(self, spec: Spec, windows: Windows, *, between: bool) -> Motion:
+        """Motion at the samples (s, ...), or in each interval of the fine grid (f, 3, ...)."""
         bare = _without_sensors(spec)
-        key = repr(bare) + str(hash(windows.state.tobytes()))
+        key = f"{bare!r} {hash(windows.state.tobytes())} {between}"
         with self._lock:
             kept = self._motions.get(key)
         if kept is None:
-            kept = self._moved(bare, windows)
+            kept = self._moved(bare, windows, between=between)
         self._keep(self._motions, key, kept)
         return kept
 
@@ -140,40 +165,51 @@ class Experiment:
 
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
-        motion = self.motion(spec, windows)
         assert spec.plant is not None
         columns = []
         for channel in self.evidence.channels:
             places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
-            true = getattr(motion, channel.family)[:, places.index(channel.place)]
-            columns.append(sensed(self.evidence.time, true, _effects_on(spec, channel)))
+            effects = _effects_on(spec, channel)
+            lag = time_constant(effects)
+            motion = self._motion(spec, windows, between=lag > 0.0)
+            reading = getattr(motion, channel.family)[..., places.index(channel.place)]
+            if lag:
+                fine = self._inputs(spec).fine
+                reading = lagged(fine.points, reading, lag)[self._samples(fine)]
+            columns.append(sensed(self.evidence.time, reading, effects))
         return np.stack(columns, axis=1)
+
+    def _samples(self, fine: Grid) -> Integers:
+        """Where the samples are on the fine grid."""
+        return np.asarray(np.searchsorted(fine.time_ns, self.evidence.stamps_ns))
 
     @property
     def _motors_alone(self) -> bool:
         return all(channel.family == "motor" for channel in self.evidence.channels)
 
-    def _moved(self, spec: Spec, windows: Windows) -> Motion:
-        points, motor, load, seen = self._inputs(spec)
+    def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> Motion:
+        points, motor, load, fine, course = self._inputs(spec)
         n, m = load.shape[2], motor.shape[2]
+        time = fine.points_before_jumps if between else self.evidence.time
+        seen = course if between else np.ascontiguousarray(course[self._samples(fine), 0])
         if self._motors_alone:
-            nothing = np.empty((seen.shape[0], 0))
+            nothing = np.empty((*time.shape, 0))
             return Motion(nothing, nothing, nothing, seen)
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
         needed = longest * max(fastest(arrays, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
         substeps = min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
-        out = np.zeros((self.evidence.stamps_ns.size, 2 * n + m))
+        out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         replay_mechanics(
             arrays, points.time, substeps, motor, load, starts, windows.state,
-            self.evidence.time, seen, out, working(arrays),
+            time.ravel(), seen.reshape(time.size, m), out, working(arrays),
         )  # fmt: skip
-        x, v, force = np.split(out, [n, 2 * n], axis=1)
+        x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
         return Motion(x, v, force, seen)
 
     def _inputs(self, spec: Spec) -> Inputs:
-        """Grid, motor positions and loads on it, motor positions at the samples; kept for a few motors."""
+        """Inputs of a model; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
         key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
         key += str(self._longest_interval(spec))
@@ -182,9 +218,8 @@ class Experiment:
         if kept is None:
             kept = self._new_inputs(spec)
         self._keep(self._motors, key, kept)
-        points, motor, load, seen = kept
-        hidden = _hidden_loads(spec, points)
-        return points, motor, load if hidden is None else load + hidden, seen
+        hidden = _hidden_loads(spec, kept.points)
+        return kept if hidden is None else kept._replace(load=kept.load + hidden)
 
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
         """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""
@@ -206,14 +241,12 @@ class Experiment:
         points = fine
         if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
             points = self._grid(delay, self._longest_interval(spec), samples=False)
-        motor, seen = np.zeros((points.time_ns.size, 3, m)), np.zeros((e.stamps_ns.size, m))
+        course = motor = np.zeros((fine.time_ns.size, 3, m))
         if m:
-            moved = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
-            seen = np.ascontiguousarray(moved[np.searchsorted(fine.time_ns, e.stamps_ns), 0])
-            if points is not fine:
-                moved = motor_motion(spec, points.time_ns, due, e.commands, self.first)
-            motor = moved
-        return points, motor, load_on(points, e, self.between), seen
+            course = motor = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
+        if points is not fine:
+            motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
+        return Inputs(points, motor, load_on(points, e, self.between), fine, course)
 
 
 def _longest_step(spec: Spec) -> float:

@@ -40,6 +40,13 @@ class Grid:
         length = np.append(np.diff(self.time), 0.0)
         return np.asarray(self.time[:, None] + SHARES * length[:, None])
 
+    @cached_property
+    def points_before_jumps(self) -> Floats:
+        """`points` whose ends are a hair before the instants at which the next interval starts: (g, 3)."""
+        points = self.points
+        points[:-1, 2] = np.nextafter(self.time[1:], 0.0)
+        return points
+
 
 def grid(instants_ns: Integers, end_ns: int, longest_ns: int) -> Grid:
     """Grid of some instants from 0 to `end_ns`, with no interval longer than `longest_ns`."""

@@ -13,12 +13,14 @@ if TYPE_CHECKING:
     from rthm_core.spec.schema import EffectSpec
 
 
-def sensed(time: Floats, true: Floats, effects: list[EffectSpec]) -> Floats:
-    """Reading (s,) of a signal that is `true` (s,) at the instants `time` (s), without noise."""
-    value = true
-    for effect in effects:
-        if effect.kind == "lag" and float(effect.parameters["time_constant"]) > 0.0:
-            value = _lagged(time, value, float(effect.parameters["time_constant"]))
+def time_constant(effects: list[EffectSpec]) -> float:
+    """Time constant (s) of the effects on one sensor; 0: none of them lags."""
+    return sum(float(one.parameters["time_constant"]) for one in effects if one.kind == "lag")
+
+
+def sensed(time: Floats, reading: Floats, effects: list[EffectSpec]) -> Floats:
+    """Reading (s,) of a sensor at the instants `time` (s), without noise, from what it lags behind to."""
+    value = reading
     for effect in effects:
         if effect.kind == "scale":
             value = value * float(effect.parameters["scale"])
@@ -31,16 +33,28 @@ def sensed(time: Floats, true: Floats, effects: list[EffectSpec]) -> Floats:
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
-    """First-order lag of a signal that runs in straight lines between its samples."""
-    out = np.empty_like(signal)
-    out[0] = signal[0]
-    for i in range(1, signal.size):
-        h = time[i] - time[i - 1]
-        decay = np.exp(-h / time_constant)
-        slope = (signal[i] - signal[i - 1]) / h
-        # The lag follows a ramp at a distance of slope times time constant.
-        out[i] = (
-            signal[i] - slope * time_constant + (out[i - 1] - signal[i - 1] + slope * time_constant) * decay
-        )
+def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
+    """First-order lag of a signal that runs along parabolas, and jumps where one ends.
+
+    Parameters
+    ----------
+    time, signal : (g, 3) arrays
+        Start, middle and end of each interval, s; an interval ends where the next one starts.
+    time_constant : float
+        s.
+
+    Returns
+    -------
+    (g,) array
+        At the start of each interval.
+    """
+    out = np.empty(time.shape[0])
+    out[0] = signal[0, 0]
+    for g in range(time.shape[0] - 1):
+        first, middle, last = signal[g]
+        h = time[g + 1, 0] - time[g, 0]
+        slope, curve = (4.0 * middle - 3.0 * first - last) / h, 2.0 * (first - 2.0 * middle + last) / h**2
+        begin = first - time_constant * (slope - 2.0 * time_constant * curve)
+        end = last - time_constant * (slope + 2.0 * curve * (h - time_constant))
+        out[g + 1] = end + (out[g] - begin) * np.exp(-h / time_constant)
     return out

@@ -37,6 +37,7 @@ SPECS = [
     having("wire", "pulley_inertia", mass=0.01, damping=0.1),
     having("wire", "pulley_friction", force=0.3),
     having("wire", "maxwell_branch", poles=True, stiffness=5.0, damping=2.0),
+    having("wire", "pulley_inertia", poles=True, mass=0.002, damping=0.05),
     having("motor", "lag", poles=True, time_constant=0.003),
     having("motor", "second_order", frequency=100.0, damping_ratio=0.5),
     having("motor", "rate_limit", rate=0.5),

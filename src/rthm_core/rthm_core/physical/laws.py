@@ -131,7 +131,7 @@ def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
     for a in range(m):
         assert spec.actuator is not None and spec.interface is not None
         t = spec.actuator.transmission
-        moving = t is not None and (t.inertia > 0.0 or t.damping > 0.0)
+        moving = t is not None and t.moves
         stiffness[a] = (t.wire if t is not None and moving else spec.k_tot[a]), spec.k_tot[a]
         laws = _wire_effects(spec, spec.actuator.names[a], spec.actuator.pretension[a])
         curved = any(not law.linear for law, _ in laws)

@@ -70,6 +70,11 @@ class TransmissionSpec(Section):
         """Stiffness of wire and spring in series, N/m: ``1 / (1/k_w + r_w^2/k_theta)``, the corrected (5)."""
         return 1.0 / (1.0 / self.wire + self.radius**2 / self.spring)
 
+    @property
+    def moves(self) -> bool:
+        """Whether the pulley has a motion of its own: without inertia and damping it is a spring."""
+        return self.inertia > 0.0 or self.damping > 0.0
+
 
 class ActuatorSpec(Section):
     """Actuators: a motor ``h(s)`` that pulls at the plant over an elastic wire, ``F = k_tot (u - x1)``."""

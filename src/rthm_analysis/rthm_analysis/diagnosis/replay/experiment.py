@@ -37,9 +37,9 @@ LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
 
 TURN, SHARP = 1.5, 0.35
-"""Longest interval, in radians of the fastest motor, where a wire remembers its path: between the points of
-the grid the motor moves along parabolas, and one that overshoots turns the wire where nothing turned it. The
-second is as good as exact.
+"""Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
+path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
+where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact.
 """
 
 KEPT = 3
@@ -120,7 +120,7 @@ class Experiment:
 
     def sharpen(self, spec: Spec) -> bool:
         """Refine the grid from now on if a wire of this model needs it; whether anything changed."""
-        if self.sharp or self._longest_interval(spec) == LONGEST_NS:
+        if self.sharp or not drive_speed(spec) or not _remembers(spec):
             return False
         self.sharp = True
         self._forget()
@@ -133,10 +133,11 @@ class Experiment:
 
     def _longest_interval(self, spec: Spec) -> int:
         """Longest interval of the grid in ns."""
-        fastest_motor = drive_speed(spec) if _remembers(spec) else 0.0
+        fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
         if not fastest_motor:
             return LONGEST_NS
-        return min(LONGEST_NS, int((SHARP if self.sharp else TURN) / fastest_motor * NS))
+        angle = SHARP if self.sharp and _remembers(spec) else TURN
+        return min(LONGEST_NS, int(angle / fastest_motor * NS))
 
     def motion(self, spec: Spec, windows: Windows) -> Motion:
         """Motion (s, ...) of the physical side of `spec` under the recorded inputs, at the samples; kept for
@@ -259,6 +260,13 @@ def _remembers(spec: Spec) -> bool:
     """Whether a wire has kinks: its force depends on where the motor has been."""
     pretension = spec.actuator is not None and any(spec.actuator.pretension)
     return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
+
+
+def _moves(spec: Spec) -> bool:
+    """Whether a wire has a motion of its own between motor and plant."""
+    transmission = spec.actuator.transmission if spec.actuator else None
+    pulley = transmission is not None and transmission.moves
+    return pulley or any(e.block == "wire" and effect(e.kind, e.block).states for e in spec.effects)
 
 
 def _without_sensors(spec: Spec) -> Spec:

@@ -3,7 +3,9 @@
 ==============  ===============================================================================
 ``evidence``    what went in, what was measured, and when
 ``between``     what a load did between two of its samples
-``grid``        the time grid of a replay, and what is known on it
+``resolution``  how finely a replay has to go through time
+``grid``        its time grid
+``loads``       loads on the grid
 ``windows``     where free runs begin
 ``model``       the nominal spec, retuned parameters, added effects
 ``motor``       motor positions on the grid, from the commands as they fell due

@@ -2,45 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.between import Between, load_on
+from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
-from rthm_analysis.diagnosis.replay.mechanics import fastest, mechanics
-from rthm_analysis.diagnosis.replay.motor import drive_speed, motor_delay, motor_motion
+from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on
+from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
+from rthm_analysis.diagnosis.replay.resolution import (
+    LONGEST_NS,
+    can_be_sharper,
+    longest_interval,
+    substeps,
+)
 from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_core.clock import NS
-from rthm_core.effects import effect
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-LONGEST_PHASE = 0.2
-"""Longest step of a replay, in radians of the fastest motion of the mechanics."""
-
-MOST_SUBSTEPS = 50
-
-KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
-"""Laws with kinks that the replay does not locate."""
-
-LONGEST_NS = 5_000_000
-"""Longest interval of the grid."""
-
-TURN, SHARP = 1.5, 0.35
-"""Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
-path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
-where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact.
-"""
 
 KEPT = 3
 """Motions that are kept."""
@@ -120,7 +107,7 @@ class Experiment:
 
     def sharpen(self, spec: Spec) -> bool:
         """Refine the grid from now on if a wire of this model needs it; whether anything changed."""
-        if self.sharp or not drive_speed(spec) or not _remembers(spec):
+        if self.sharp or not can_be_sharper(spec):
             return False
         self.sharp = True
         self._forget()
@@ -130,14 +117,6 @@ class Experiment:
         self._motors.clear()
         self._motions.clear()
         self._grids.clear()
-
-    def _longest_interval(self, spec: Spec) -> int:
-        """Longest interval of the grid in ns."""
-        fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
-        if not fastest_motor:
-            return LONGEST_NS
-        angle = SHARP if self.sharp and _remembers(spec) else TURN
-        return min(LONGEST_NS, int(angle / fastest_motor * NS))
 
     def motion(self, spec: Spec, windows: Windows) -> Motion:
         """Motion (s, ...) of the physical side of `spec` under the recorded inputs, at the samples; kept for
@@ -198,12 +177,10 @@ class Experiment:
             return Motion(nothing, nothing, nothing, seen)
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
-        needed = longest * max(fastest(arrays, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
-        substeps = min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         replay_mechanics(
-            arrays, points.time, substeps, motor, load, starts, windows.state,
+            arrays, points.time, substeps(spec, arrays, longest), motor, load, starts, windows.state,
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),
         )  # fmt: skip
         x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
@@ -213,13 +190,13 @@ class Experiment:
         """Inputs of a model; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
         key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
-        key += str(self._longest_interval(spec))
+        key += str(longest_interval(spec, sharp=self.sharp))
         with self._lock:
             kept = self._motors.get(key)
         if kept is None:
             kept = self._new_inputs(spec)
         self._keep(self._motors, key, kept)
-        hidden = _hidden_loads(spec, kept.points)
+        hidden = hidden_loads(spec, kept.points)
         return kept if hidden is None else kept._replace(load=kept.load + hidden)
 
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
@@ -241,32 +218,13 @@ class Experiment:
         fine = self._grid(delay, LONGEST_NS, samples=True)
         points = fine
         if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
-            points = self._grid(delay, self._longest_interval(spec), samples=False)
+            points = self._grid(delay, longest_interval(spec, sharp=self.sharp), samples=False)
         course = motor = np.zeros((fine.time_ns.size, 3, m))
         if m:
             course = motor = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
         if points is not fine:
             motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
         return Inputs(points, motor, load_on(points, e, self.between), fine, course)
-
-
-def _longest_step(spec: Spec) -> float:
-    """Longest step in s: short where a law has kinks that nobody locates."""
-    kinks = any(e.kind in KINKED for e in spec.effects)
-    return 2.1e-3 if kinks or _remembers(spec) else np.inf
-
-
-def _remembers(spec: Spec) -> bool:
-    """Whether a wire has kinks: its force depends on where the motor has been."""
-    pretension = spec.actuator is not None and any(spec.actuator.pretension)
-    return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
-
-
-def _moves(spec: Spec) -> bool:
-    """Whether a wire has a motion of its own between motor and plant."""
-    transmission = spec.actuator.transmission if spec.actuator else None
-    pulley = transmission is not None and transmission.moves
-    return pulley or any(e.block == "wire" and effect(e.kind, e.block).states for e in spec.effects)
 
 
 def _without_sensors(spec: Spec) -> Spec:
@@ -277,21 +235,3 @@ def _without_sensors(spec: Spec) -> Spec:
 
 def _effects_on(spec: Spec, channel: Channel) -> list:  # type: ignore[type-arg]
     return [e for e in spec.effects if e.block == f"sensor.{channel.family}" and e.place == channel.place]
-
-
-def _hidden_loads(spec: Spec, points: Grid) -> Floats | None:
-    """Loads of effects that depend on time alone: (g, 3, n); None without any."""
-    assert spec.plant is not None
-    loads = None
-    for one in spec.effects:
-        if one.block != "plant":
-            continue
-        law = effect(one.kind, one.block)
-        shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
-        if shape is not None:
-            constant, amplitude, frequency, phase = shape
-            if loads is None:
-                loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
-            added = constant + amplitude * np.sin(frequency * points.points + phase)
-            loads[:, :, spec.plant.dofs.index(str(one.dof))] += added
-    return loads

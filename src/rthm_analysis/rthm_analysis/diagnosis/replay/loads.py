@@ -1,0 +1,50 @@
+"""Loads on the dofs, on the grid of a replay: what is known, and what effects add."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.between import Between
+from rthm_core.effects import effect
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.replay.evidence import Evidence
+    from rthm_analysis.diagnosis.replay.grid import Grid
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+
+def load_on(grid: Grid, evidence: Evidence, between: Between) -> Floats:
+    """Known loads at the start, the middle and the end of each interval of a grid: (g, 3, n), N."""
+    time, load = evidence.time, evidence.load
+    if not np.any(load):
+        return np.zeros((grid.time_ns.size, 3, load.shape[1]))
+    if between is Between.HELD:
+        row = np.searchsorted(evidence.stamps_ns, grid.time_ns, side="right") - 1
+        return np.repeat(load[row][:, None, :], 3, axis=1)
+    points = np.minimum(grid.points, time[-1])
+    if between is Between.LINEAR:
+        return np.stack([np.interp(points, time, column) for column in load.T], axis=2)
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(time, load)(points))
+
+
+def hidden_loads(spec: Spec, points: Grid) -> Floats | None:
+    """Loads of effects that depend on time alone: (g, 3, n); None without any."""
+    assert spec.plant is not None
+    loads = None
+    for one in spec.effects:
+        if one.block != "plant":
+            continue
+        law = effect(one.kind, one.block)
+        shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
+        if shape is not None:
+            constant, amplitude, frequency, phase = shape
+            if loads is None:
+                loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
+            added = constant + amplitude * np.sin(frequency * points.points + phase)
+            loads[:, :, spec.plant.dofs.index(str(one.dof))] += added
+    return loads

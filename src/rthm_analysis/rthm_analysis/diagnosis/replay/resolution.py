@@ -1,0 +1,72 @@
+"""How finely a replay has to go through time."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.mechanics import Mechanics, fastest
+from rthm_analysis.diagnosis.replay.motor import drive_speed
+from rthm_core.clock import NS
+from rthm_core.effects import effect
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+LONGEST_PHASE = 0.2
+"""Longest step of a replay, in radians of the fastest motion of the mechanics."""
+
+MOST_SUBSTEPS = 50
+
+KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
+"""Laws with kinks that the replay does not locate."""
+
+LONGEST_NS = 5_000_000
+"""Longest interval of the grid."""
+
+TURN, SHARP = 1.5, 0.35
+"""Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
+path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
+where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact.
+"""
+
+
+def longest_interval(spec: Spec, *, sharp: bool) -> int:
+    """Longest interval of the grid in ns; shorter where it is `sharp` and a wire remembers its path."""
+    fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
+    if not fastest_motor:
+        return LONGEST_NS
+    angle = SHARP if sharp and _remembers(spec) else TURN
+    return min(LONGEST_NS, int(angle / fastest_motor * NS))
+
+
+def can_be_sharper(spec: Spec) -> bool:
+    """Whether a sharp grid is a finer one: where a wire remembers the path of a motor that takes its time."""
+    return _remembers(spec) and drive_speed(spec) > 0.0
+
+
+def substeps(spec: Spec, mechanics: Mechanics, longest: float) -> int:
+    """Steps within each interval of a grid whose longest is `longest` s."""
+    needed = longest * max(fastest(mechanics, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
+    return min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
+
+
+def _longest_step(spec: Spec) -> float:
+    """Longest step in s: short where a law has kinks that nobody locates."""
+    kinks = any(e.kind in KINKED for e in spec.effects)
+    return 2.1e-3 if kinks or _remembers(spec) else np.inf
+
+
+def _remembers(spec: Spec) -> bool:
+    """Whether a wire has kinks: its force depends on where the motor has been."""
+    pretension = spec.actuator is not None and any(spec.actuator.pretension)
+    return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
+
+
+def _moves(spec: Spec) -> bool:
+    """Whether a wire has a motion of its own between motor and plant."""
+    transmission = spec.actuator.transmission if spec.actuator else None
+    pulley = transmission is not None and transmission.moves
+    return pulley or any(e.block == "wire" and effect(e.kind, e.block).states for e in spec.effects)

@@ -41,6 +41,7 @@ SPECS = [
     having("motor", "lag", poles=True, time_constant=0.003),
     having("motor", "second_order", frequency=100.0, damping_ratio=0.5),
     having("motor", "rate_limit", rate=0.5),
+    having("motor", "rate_limit", poles=True, rate=0.85),
     having("motor", "quantisation", step=0.004),
     having("sensor.position", "lag", time_constant=0.003),
     having("sensor.velocity", "lag", time_constant=0.01),

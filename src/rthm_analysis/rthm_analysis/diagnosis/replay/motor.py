@@ -168,7 +168,13 @@ def _run(
                 before, entered = q[i], 0.0j
                 q[i] *= step[i]
                 for k in range(m):
-                    q[i] += entry[i, k] * (level[i] * now[k] + slope[i] * (later[k] - now[k]) / half)
+                    arrival = abs(target[k] - now[k]) / rate[k]
+                    if 0.0 < arrival < half:
+                        gap = target[k] - now[k]
+                        driven = level[i] * target[k] - gap * _short_of(modes[i], arrival, half)
+                    else:
+                        driven = level[i] * now[k] + slope[i] * (later[k] - now[k]) / half
+                    q[i] += entry[i, k] * driven
                     entered += entry[i, k] * integral[k]
                 travelled[i] += (q[i] - before - entered) / modes[i]
             for k in range(m):
@@ -179,6 +185,16 @@ def _run(
             for k in range(m):
                 whole[k] /= 2.0 * half
             _mean_kept(row, through, travelled, whole, out, g)
+
+
+@inlined
+def _short_of(mode, arrival, length):  # type: ignore[no-untyped-def]
+    """What a mode lacks after some time since a command was not at its target at once.
+
+    The command starts 1 short of it, goes there at a constant rate until its arrival, and stays.
+    """
+    level = (np.exp(mode * arrival) - 1.0) / mode
+    return np.exp(mode * (length - arrival)) * (level - (level - arrival) / (mode * arrival))
 
 
 @inlined

@@ -90,6 +90,14 @@ def test_one_effect_is_all_that_is_named(
     assert [(one["block"], one["kind"]) for one in said["physics"]] == [hidden]
 
 
+@pytest.mark.long
+def test_dry_friction_beside_a_cubic_spring_is_not_taken_for_that_of_stribeck(tmp_path: Path) -> None:
+    hidden = ("plant", "coulomb_friction"), ("plant", "cubic_stiffness")
+    said = diagnosed(make_case(429167044748308444, hidden, 0.05, tmp_path, duration=60.0))
+    assert {(one["block"], one["kind"]) for one in said["physics"]} == set(hidden)
+    assert all(other["distinguishable"] for other in said["alternatives"])
+
+
 def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: Path) -> None:
     case = make_case(3945819810880683029, (("motor", "second_order"),), 0.02, tmp_path, duration=30.0)
     said = diagnosed(case)

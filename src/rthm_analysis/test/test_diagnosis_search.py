@@ -8,36 +8,19 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.cores import Cores
-from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
-from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
-from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_analysis.diagnosis.search.refining import refined
 from rthm_analysis.diagnosis.search.screening import Screened
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.told_wires import released, told_wire
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply
 
-from .side import COMMANDS, DUE, EVIDENCE, PAPER, having, simulated
-
-SIGMA = np.array([1e-4, 2e-3, 0.02])
-"""Reference noise of position, velocity and force."""
-
-
-FAMILIES = ("position", "velocity", "force")
-
-
-def fitting_of(true: Spec, seed: int, *families: str) -> Fitting:
-    """Fits of the paper's physical side to a recording of another one; only some channels, or all."""
-    noise = np.random.default_rng(seed).normal(size=(EVIDENCE.stamps_ns.size, 4)) * [*SIGMA, 1e-5]
-    seen = replace(EVIDENCE, measured=simulated(true) + noise).only(*families or FAMILIES)
-    runs = windows(seen, PAPER, True)
-    return Fitting(Experiment(seen, first_command(PAPER)), runs, SIGMA[: len(seen.channels)], Model(PAPER))
+from .fittings import fitting_of
+from .side import COMMANDS, DUE, PAPER, having
 
 
 @pytest.mark.parametrize(("known", "near"), [(0.5, 0.05), (2.65, 0.1)])

@@ -244,14 +244,15 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
     found: list[Alternative] = []
     for tried in physical.drives:
         for other in tried[1:4]:
-            found.append(Alternative("motor", other.label[1], float("nan"), distinguishable(tried[0], other)))
-    others = [(tried[0], other) for tried in physical.choice.rounds for other in tried[1:5]]
+            apart = distinguishable(tried[0].fitted, other.fitted)
+            found.append(Alternative("motor", other.label[1], float("nan"), apart))
+    choice = physical.choice
+    others = [other for tried in choice.rounds for other in tried[1:5]]
 
-    def alternative(pair: tuple[Tried, Tried]) -> Alternative:
-        best, other = pair
+    def alternative(other: Tried) -> Alternative:
         k = _channel(physical, other.label[0]) or 0
         error = nrmse(physical, simulate_all(physical, other.fitted).predicted, k)
-        return Alternative(other.label[0], other.label[1], error, distinguishable(best, other))
+        return Alternative(other.label[0], other.label[1], error, distinguishable(choice.best, other.fitted))
 
     return (*found, *physical.fitting.cores.each_in_parts(alternative, others))
 

@@ -13,6 +13,7 @@
 ``told_wires``    wires whose own force tells what they do
 ``pairing``       effects that are found together only
 ``simplifying``   whether every effect is needed, and whether fewer would do
+``replacing``     other kinds in the place of one, beside all others that were found
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.search.judging import (
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined, unfitted
+from rthm_analysis.diagnosis.search.replacing import compared
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_analysis.diagnosis.search.told_wires import told_wire
@@ -65,7 +66,7 @@ def choose(
         choice.best = choice.rounds[-1][0].fitted
         if stop(fitting.doubt):
             return choice
-    return simplified(fitting, choice)
+    return compared(fitting, simplified(fitting, choice))
 
 
 def _scores(fitting: Fitting, choice: Choice, known: Floats, before: list[Screened]) -> list[Screened]:

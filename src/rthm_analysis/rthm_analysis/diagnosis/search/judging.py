@@ -118,6 +118,6 @@ def in_order(tried: list[Tried]) -> list[Tried]:
     return sorted(tried, key=lambda one: merit(one.fitted))
 
 
-def distinguishable(best: Tried, other: Tried) -> bool:
-    """Whether the recording tells two refined candidates apart."""
-    return clear_gain(other.fitted, best.fitted, CLEAR)
+def distinguishable(best: Fitted, other: Fitted) -> bool:
+    """Whether the recording tells two fits apart."""
+    return clear_gain(other, best, CLEAR)

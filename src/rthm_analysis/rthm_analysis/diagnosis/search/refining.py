@@ -132,9 +132,8 @@ def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> li
     gain = float(without.left_out.sum()) - tried[0].error
     if gain <= 0.0:
         return tried
-    equal = [
-        t for t in tried if t.error - tried[0].error < RELEVANT * gain and not distinguishable(tried[0], t)
-    ]
+    close = [t for t in tried if t.error - tried[0].error < RELEVANT * gain]
+    equal = [t for t in close if not distinguishable(tried[0].fitted, t.fitted)]
     first = min(equal, key=lambda t: len(t.fitted.model.parameters))
     return [first, *(t for t in tried if t is not first)]
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
-from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, Tried, better, doubt, merit
 from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, companions
 from rthm_analysis.diagnosis.search.refining import FINISHING
+from rthm_analysis.diagnosis.search.replacing import model_of, plainer
 from rthm_core.errors import InputError
 
 PRUNING = 8
@@ -20,8 +18,8 @@ PRUNING = 8
 def simplified(fitting: Fitting, choice: Choice) -> Choice:
     """The same, or fewer or plainer effects that predict unseen data as well."""
     needed = _without_the_needless(fitting, choice)
-    plainer = _reconsidered(fitting, needed)
-    return needed if plainer is needed else _without_the_needless(fitting, plainer)
+    simpler = _reconsidered(fitting, needed)
+    return plainer(fitting, needed if simpler is needed else _without_the_needless(fitting, simpler))
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
@@ -30,7 +28,8 @@ def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
         if len(choice.rounds) == 1 and not choice.base.model.parameters:
             break  # nothing else could stand for it
         try:
-            alone = fitting.fit(_model_without(choice, index), most=FINISHING if index == 0 else PRUNING)
+            others = [(i, tried[0].start) for i, tried in enumerate(choice.rounds) if i != index]
+            alone = fitting.fit(model_of(choice, others), most=FINISHING if index == 0 else PRUNING)
         except np.linalg.LinAlgError:  # without the effect the model diverges
             continue
         last = choice.rounds[index][0]
@@ -41,18 +40,6 @@ def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
         fewer = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
         return _without_the_needless(fitting, fewer)
     return choice
-
-
-def _model_without(choice: Choice, index: int) -> Model:
-    """The best model without one of its effects, all else with the values it has now."""
-    best, base = choice.best.model, choice.base.model
-    model = base.at(best.values[: len(base.parameters)])
-    for i, tried in enumerate(choice.rounds):
-        if i != index:
-            start = tried[0].start
-            added = replace(start.added, parameters=best.effect_values(i))
-            model = model.plus(added, start.free, start.scales)
-    return model
 
 
 def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:

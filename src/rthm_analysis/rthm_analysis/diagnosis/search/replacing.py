@@ -1,0 +1,124 @@
+"""Other kinds in the place of an effect, fitted beside all others that were found.
+
+An effect that was chosen before the others were known was compared with other kinds in a model that was
+wrong for all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import (
+    CLEAR,
+    Choice,
+    Tried,
+    better,
+    distinguishable,
+    doubt,
+    merit,
+)
+from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.errors import InputError
+
+STEPS = 8
+"""Steps of a fit with another kind in the place of one."""
+
+RIVALS = 4
+"""Kinds of each round that are looked at again."""
+
+PLAINER = {"stribeck_friction": ("coulomb_friction", {"force": "coulomb_force"})}
+"""Plainer kinds that others hold, and which of their parameters is which."""
+
+
+def model_of(choice: Choice, starts: list[tuple[int, Start]]) -> Model:
+    """The best model with some of its effects only, all else with the values it has now.
+
+    Where a start is of another kind than the effect that was chosen, it has its own values.
+    """
+    best, base = choice.best.model, choice.base.model
+    model = base.at(best.values[: len(base.parameters)])
+    for i, start in starts:
+        same = start.added.kind == best.added[i].kind
+        added = replace(start.added, parameters=best.effect_values(i)) if same else start.added
+        model = model.plus(added, start.free, start.scales)
+    return model
+
+
+def plainer(fitting: Fitting, choice: Choice) -> Choice:
+    """Put plainer kinds in the place of those that hold them, where that predicts unseen data as well."""
+    for index, tried in enumerate(choice.rounds):
+        start = _plainer_start(tried[0].start, choice.best.model.effect_values(index))
+        if start is None:
+            continue
+        whole = fitting.fit(_with_another(choice, index, start), most=STEPS)
+        if not better(Tried(tried[0].start, choice.best, tried[0].error), whole):
+            choice = _replaced(fitting, choice, index, start, whole)
+    return choice
+
+
+def _plainer_start(start: Start, values: dict[str, float | str]) -> Start | None:
+    """Start of the plainer kind that an effect holds, with its values; None where it holds none."""
+    if start.added.kind not in PLAINER:
+        return None
+    kind, names = PLAINER[start.added.kind]
+    parameters = {name: values[of] for name, of in names.items()}
+    added = replace(start.added, kind=kind, parameters=parameters)
+    scales = {name: abs(float(value)) for name, value in parameters.items()}
+    return Start(added, tuple(names), tuple(names), scales)
+
+
+def compared(fitting: Fitting, choice: Choice) -> Choice:
+    """Fit other kinds that earlier rounds could not tell from the chosen one again, beside all the others.
+
+    One that then predicts unseen data clearly better takes its place.
+    """
+    for index, tried in enumerate(choice.rounds[:-1]):
+        again, best = [], choice.best
+        for other in tried[1 : 1 + RIVALS]:
+            if distinguishable(tried[0].fitted, other.fitted):
+                again.append(other)
+                continue
+            fitting.progress(f"comparing {tried[0].label[1]} with {other.label[1]}")
+            whole = _fitted_instead(fitting, choice, index, other)
+            if whole is not None:
+                again.append(Tried(other.start, whole, float(whole.left_out.sum())))
+        rounds = [[tried[0], *again] if i == index else one for i, one in enumerate(choice.rounds)]
+        choice = Choice(choice.base, best, rounds, choice.limits)
+        winner = min(again, key=lambda one: merit(one.fitted), default=None)
+        if winner is not None and merit(winner.fitted) < merit(best) - CLEAR:
+            choice = _replaced(fitting, choice, index, winner.start, winner.fitted)
+    return choice
+
+
+def _fitted_instead(fitting: Fitting, choice: Choice, index: int, other: Tried) -> Fitted | None:
+    """Fit with another kind in the place of an effect; None where that cannot be."""
+    last = other.fitted.model
+    values = last.effect_values(len(last.added) - 1)
+    start = replace(other.start, added=replace(other.start.added, parameters=values))
+    try:
+        return fitting.fit(_with_another(choice, index, start), most=STEPS)
+    except (InputError, np.linalg.LinAlgError):  # two of a kind at one place, or it diverges
+        return None
+
+
+def _with_another(choice: Choice, index: int, start: Start) -> Model:
+    """The best model with another kind in the place of one of its effects."""
+    starts = [(i, start if i == index else tried[0].start) for i, tried in enumerate(choice.rounds)]
+    return model_of(choice, starts)
+
+
+def _replaced(fitting: Fitting, choice: Choice, index: int, start: Start, whole: Fitted) -> Choice:
+    """The choice with another kind in the place of an effect; `whole` is the fit of all effects with it."""
+    upto = whole
+    if index + 1 < len(choice.rounds):
+        starts = [(i, tried[0].start) for i, tried in enumerate(choice.rounds[:index])]
+        upto = fitting.fit(model_of(choice, [*starts, (index, start)]))
+    first = Tried(start, upto, float(upto.left_out.sum()))
+    others = [one for one in choice.rounds[index][1:] if one.label != start.label]
+    rounds = [[first, *others] if i == index else one for i, one in enumerate(choice.rounds)]
+    fitting.doubt = doubt(fitting, whole)
+    return Choice(choice.base, whole, rounds, choice.limits)

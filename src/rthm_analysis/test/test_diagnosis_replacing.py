@@ -1,0 +1,80 @@
+"""Other kinds in the place of an effect that was chosen."""
+
+from __future__ import annotations
+
+import pytest
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.search.judging import Choice, Tried, distinguishable
+from rthm_analysis.diagnosis.search.replacing import compared, plainer
+from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.spec import Spec, apply
+
+from .fittings import fitting_of
+from .side import PAPER, having
+
+COULOMB = Start(Added("plant", "coulomb_friction", "x1", {"force": 0.2}), ("force",), ("force",))
+STRIBECK = Start(
+    Added(
+        "plant",
+        "stribeck_friction",
+        "x1",
+        {"coulomb_force": 0.2, "static_force": 0.4, "stribeck_velocity": 0.05},
+    ),
+    ("coulomb_force", "static_force", "stribeck_velocity"),
+    ("coulomb_force", "static_force"),
+)
+CUBIC = Start(
+    Added("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
+)
+DRAG = Start(Added("plant", "quadratic_drag", "x1", {"coefficient": 0.5}), ("coefficient",), ("coefficient",))
+
+RUBBED = having("plant", "coulomb_friction", force=0.3)
+FALLING = having("plant", "stribeck_friction", coulomb_force=0.2, static_force=0.4, stribeck_velocity=0.05)
+
+
+def tried(fitting: Fitting, start: Start, before: Fitted) -> Tried:
+    fitted = fitting.fit(start.added_to(before.model))
+    return Tried(start, fitted, float(fitted.left_out.sum()))
+
+
+def choice_of(fitting: Fitting, *rounds: tuple[Start, ...]) -> Choice:
+    """Rounds whose first kind was chosen, each fitted on what was chosen before it."""
+    choice = Choice(base := fitting.fit(Model(PAPER)), base)
+    for starts in rounds:
+        choice.rounds.append([tried(fitting, start, choice.best) for start in starts])
+        choice.best = choice.rounds[-1][0].fitted
+    return choice
+
+
+def kinds(choice: Choice) -> list[str]:
+    assert [one.kind for one in choice.best.model.added] == [one[0].label[1] for one in choice.rounds]
+    return [one.kind for one in choice.best.model.added]
+
+
+@pytest.mark.parametrize(("true", "kind"), [(RUBBED, "coulomb_friction"), (FALLING, "stribeck_friction")])
+def test_a_kind_gives_way_to_the_plainer_one_in_it_unless_it_is_needed(true: Spec, kind: str) -> None:
+    fitting = fitting_of(true, 1)
+    assert kinds(plainer(fitting, choice_of(fitting, (STRIBECK,)))) == [kind]
+
+
+def with_cubic(true: Spec) -> Spec:
+    cubic = {"block": "plant", "kind": "cubic_stiffness", "dof": "x1", "coefficient": 20.0}
+    return apply(true, {"effects": ["one", "cubic"], "cubic": cubic})
+
+
+def test_kinds_of_an_early_round_are_told_apart_once_the_rest_is_known() -> None:
+    fitting = fitting_of(with_cubic(RUBBED), 2)
+    choice = choice_of(fitting, (COULOMB, DRAG), (CUBIC,))
+    found = compared(fitting, choice)
+    assert kinds(found) == ["coulomb_friction", "cubic_stiffness"]
+    assert distinguishable(found.best, found.rounds[0][1].fitted)
+
+
+def test_a_kind_that_was_chosen_too_early_gives_way() -> None:
+    fitting = fitting_of(with_cubic(RUBBED), 3)
+    found = compared(fitting, choice_of(fitting, (DRAG, COULOMB), (CUBIC,)))
+    assert kinds(found) == ["coulomb_friction", "cubic_stiffness"]
+    force = found.best.model.effect_values(0)["force"]
+    assert isinstance(force, float) and abs(force - 0.3) < 0.01

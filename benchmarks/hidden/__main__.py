@@ -94,12 +94,13 @@ def run(spec: Spec, folder: Path, options: argparse.Namespace) -> Run:
     return max(runs, key=lambda one: one.exact)
 
 
-def difference(one: Run, other: Run, until: float) -> float:
-    """Rms difference of x1 in two runs up to an instant (s), over the standard deviation of the first."""
-    plant = one.recording.plant
+def compared(one: Run, other: Run) -> dict[str, float]:
+    """Rms difference of x1 in two runs over its standard deviation, as long as both are exact."""
+    plant, until = one.recording.plant, min(one.exact, other.exact)
     count = int(np.searchsorted(plant.stamp_ns, one.recording.start_ns + int(until * NS)))
     first, second = (run.recording.plant.columns("position", ["x1"])[:count, 0] for run in (one, other))
-    return float(np.sqrt(np.nanmean(np.square(first - second))) / np.nanstd(first))
+    differs = float(np.sqrt(np.nanmean(np.square(first - second))) / np.nanstd(first))
+    return {"differs": differs, "until": until}
 
 
 def case(number: int, plain: Run, folder: Path, options: argparse.Namespace) -> dict[str, Any]:
@@ -114,14 +115,12 @@ def case(number: int, plain: Run, folder: Path, options: argparse.Namespace) -> 
     again = run(read_spec(str(patched)), folder / "again", options)
     repeated = run(with_effect, folder / "repeated", options)
     others = {"nominal": plain, "patched": again, "repeated": repeated}
-    until = min(one.exact for one in (recorded, *others.values()))
     return {
         "hidden": {"block": block, "kind": kind, **parameters},
         "verdict": said["verdict"],
         "found": [{k: one[k] for k in ("block", "kind", "parameters")} for one in said["physics"]],
         "right": [(one["block"], one["kind"]) for one in said["physics"]] == [(block, kind)],
-        **{f"{name}_run_differs": difference(recorded, one, until) for name, one in others.items()},
-        "until": until,
+        "runs": {name: compared(recorded, one) for name, one in others.items()},
     }
 
 
@@ -133,19 +132,19 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         f"{header['date']}, {header['machine']}; {NOMINAL}, {header['duration']:g} s each. "
         f"{sum(row['right'] for row in rows)} of {len(rows)} named exactly. Differs by: rms "
         "difference of x1 between the recorded run and another real run, over its standard deviation; the "
-        "last of the three is what two runs of the very same spec differ by. Until: where the first sample "
-        "of these four runs was late, since the machine stood still: from there on runs of one spec differ, "
-        f"too. Each run was made up to {header['attempts']} times until there was none.",
+        "last of the three is what two runs of the very same spec differ by. In brackets: seconds until a "
+        "sample of one of the two was late, since the machine stood still: from there on runs of one spec "
+        f"differ, too. Each run was made up to {header['attempts']} times until none was.",
         "",
-        "| hidden | verdict | found | as specified differs by | as patched differs by | repeated | until |",
-        "|---|---|---|---|---|---|---|",
+        "| hidden | verdict | found | as specified differs by | as patched differs by | repeated |",
+        "|---|---|---|---|---|---|",
     ]
     for row in rows:
-        differs = " | ".join(f"{row[f'{run}_run_differs']:.2g}" for run in ("nominal", "patched", "repeated"))
+        told = (row["runs"][name] for name in ("nominal", "patched", "repeated"))
+        differs = " | ".join(f"{one['differs']:.2g} ({one['until']:.3g} s)" for one in told)
         found = ", ".join(f"{one['block']} {one['kind']}" for one in row["found"]) or "nothing"
         lines.append(
-            f"| {row['hidden']['block']} {row['hidden']['kind']} | {row['verdict']} | {found} | {differs} "
-            f"| {row['until']:.3g} s |"
+            f"| {row['hidden']['block']} {row['hidden']['kind']} | {row['verdict']} | {found} | {differs} |"
         )
     return "\n".join(lines) + "\n"
 
@@ -156,7 +155,12 @@ def _undisturbed(options: argparse.Namespace) -> dict[int, dict[str, Any]]:
     told = json.loads(file.read_text()) if file.exists() else {}
     rows = told["runs"] if told.get("duration") == options.duration else []
     least = ALMOST * options.duration
-    return {number: row for number, row in enumerate(rows) if row.get("until", 0.0) > least}
+    return {number: row for number, row in enumerate(rows) if _exact(row) > least}
+
+
+def _exact(row: dict[str, Any]) -> float:
+    """Seconds in which none of a row's runs had a late sample."""
+    return min((one["until"] for one in row.get("runs", {}).values()), default=0.0)
 
 
 def main(words: list[str] | None = None) -> int:
@@ -176,7 +180,7 @@ def main(words: list[str] | None = None) -> int:
             row = undisturbed.get(number) or case(number, plain, Path(folder) / str(number), options)
             rows.append(row)
             print(
-                row["hidden"], "->", row["found"], f"until {row['until']:.3g} s", file=sys.stderr, flush=True
+                row["hidden"], "->", row["found"], f"until {_exact(row):.3g} s", file=sys.stderr, flush=True
             )
             options.out.with_suffix(".json").write_text(json.dumps(header | {"runs": rows}, indent=1) + "\n")
             options.out.with_suffix(".md").write_text(markdown(header, rows))

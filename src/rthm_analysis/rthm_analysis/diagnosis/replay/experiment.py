@@ -48,6 +48,8 @@ class Inputs(NamedTuple):
         With every sample, and every instant at which a motor jumps.
     course : (f, 3, m) array
         Motor positions on the fine grid.
+    samples : (s,) array
+        Where the samples are on the fine grid.
     """
 
     points: Grid
@@ -55,6 +57,7 @@ class Inputs(NamedTuple):
     load: Floats
     fine: Grid
     course: Floats
+    samples: Integers
 
 
 class Motion(NamedTuple):
@@ -154,27 +157,25 @@ class Experiment:
             motion = self._motion(spec, windows, between=lag > 0.0)
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
             if lag:
-                fine = self._inputs(spec).fine
-                reading = lagged(fine.points, reading, lag)[self._samples(fine)]
+                inputs = self._inputs(spec)
+                reading = lagged(inputs.fine.time, reading, lag)[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, effects))
         return np.stack(columns, axis=1)
-
-    def _samples(self, fine: Grid) -> Integers:
-        """Where the samples are on the fine grid."""
-        return np.asarray(np.searchsorted(fine.time_ns, self.evidence.stamps_ns))
 
     @property
     def _motors_alone(self) -> bool:
         return all(channel.family == "motor" for channel in self.evidence.channels)
 
     def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> Motion:
-        points, motor, load, fine, course = self._inputs(spec)
+        points, motor, load, fine, course, samples = self._inputs(spec)
         n, m = load.shape[2], motor.shape[2]
         time = fine.points_before_jumps if between else self.evidence.time
-        seen = course if between else np.ascontiguousarray(course[self._samples(fine), 0])
+        seen = course if between else np.ascontiguousarray(course[samples, 0])
         if self._motors_alone:
             nothing = np.empty((*time.shape, 0))
             return Motion(nothing, nothing, nothing, seen)
+        hidden = hidden_loads(spec, points)
+        load = load if hidden is None else load + hidden
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 2 * n + m))
@@ -187,7 +188,7 @@ class Experiment:
         return Motion(x, v, force, seen)
 
     def _inputs(self, spec: Spec) -> Inputs:
-        """Inputs of a model; kept for a few motors."""
+        """Inputs of a model, but for hidden loads; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
         key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
         key += str(longest_interval(spec, sharp=self.sharp))
@@ -196,8 +197,7 @@ class Experiment:
         if kept is None:
             kept = self._new_inputs(spec)
         self._keep(self._motors, key, kept)
-        hidden = hidden_loads(spec, kept.points)
-        return kept if hidden is None else kept._replace(load=kept.load + hidden)
+        return kept
 
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
         """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""
@@ -224,7 +224,8 @@ class Experiment:
             course = motor = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
         if points is not fine:
             motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
-        return Inputs(points, motor, load_on(points, e, self.between), fine, course)
+        samples = np.searchsorted(fine.time_ns, e.stamps_ns)
+        return Inputs(points, motor, load_on(points, e, self.between), fine, course, samples)
 
 
 def _without_sensors(spec: Spec) -> Spec:

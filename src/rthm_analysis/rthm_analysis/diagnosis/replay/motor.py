@@ -92,13 +92,15 @@ def _accepted(commands: Floats, motors: Drive) -> Floats:
 
 
 class _Working(NamedTuple):
-    """Commands (m,): the target, the present one, that half an interval later, its integral over half an
-    interval and over all of it; modes (nq,): their state, its integral, what half an interval does to them.
+    """Commands (m,): the target, the present one, that half an interval later, the time to the target, the
+    integral over half an interval and over all of it; modes (nq,): their state, its integral, what half an
+    interval does to them.
     """
 
     target: Floats
     now: Floats
     later: Floats
+    arrival: Floats
     integral: Floats
     whole: Floats
     q: Complex
@@ -109,7 +111,7 @@ class _Working(NamedTuple):
 
 
 def _working(m: int, nq: int) -> _Working:
-    commands, modes = (np.zeros(m) for _ in range(5)), (np.zeros(nq, complex) for _ in range(5))
+    commands, modes = (np.zeros(m) for _ in range(6)), (np.zeros(nq, complex) for _ in range(5))
     return _Working(*commands, *modes)
 
 
@@ -126,7 +128,7 @@ def _run(
     out: Floats,
     working: _Working,
 ) -> None:
-    target, now, later, integral, whole, q, travelled, step, level, slope = working
+    target, now, later, arrival, integral, whole, q, travelled, step, level, slope = working
     m, nq = commands.shape[1], modes.size
     moves = nq > 0
     for k in range(m):
@@ -161,17 +163,17 @@ def _run(
                 reach, gap = rate[k] * half, target[k] - now[k]
                 later[k] = now[k] + min(max(gap, -reach), reach)
                 integral[k] = 0.5 * (now[k] + later[k]) * half
-                if abs(gap) < reach:  # it arrives, and stays
-                    integral[k] = target[k] * half - 0.5 * gap * abs(gap) / rate[k]
+                arrival[k] = abs(gap) / rate[k]
+                if arrival[k] < half:  # and stays
+                    integral[k] = target[k] * half - 0.5 * gap * arrival[k]
                 whole[k] += integral[k]
             for i in range(nq):
                 before, entered = q[i], 0.0j
                 q[i] *= step[i]
                 for k in range(m):
-                    arrival = abs(target[k] - now[k]) / rate[k]
-                    if 0.0 < arrival < half:
+                    if 0.0 < arrival[k] < half:
                         gap = target[k] - now[k]
-                        driven = level[i] * target[k] - gap * _short_of(modes[i], arrival, half)
+                        driven = level[i] * target[k] - gap * _short_of(modes[i], arrival[k], half)
                     else:
                         driven = level[i] * now[k] + slope[i] * (later[k] - now[k]) / half
                     q[i] += entry[i, k] * driven

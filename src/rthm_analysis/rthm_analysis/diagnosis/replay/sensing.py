@@ -38,8 +38,10 @@ def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
 
     Parameters
     ----------
-    time, signal : (g, 3) arrays
-        Start, middle and end of each interval, s; an interval ends where the next one starts.
+    time : (g,) array
+        Start of each interval, s; it ends where the next one starts.
+    signal : (g, 3) array
+        At the start, middle and end of each interval.
     time_constant : float
         s.
 
@@ -48,11 +50,11 @@ def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
     (g,) array
         At the start of each interval.
     """
-    out = np.empty(time.shape[0])
+    out = np.empty(time.size)
     out[0] = signal[0, 0]
-    for g in range(time.shape[0] - 1):
+    for g in range(time.size - 1):
         first, middle, last = signal[g]
-        h = time[g + 1, 0] - time[g, 0]
+        h = time[g + 1] - time[g]
         slope, curve = (4.0 * middle - 3.0 * first - last) / h, 2.0 * (first - 2.0 * middle + last) / h**2
         begin = first - time_constant * (slope - 2.0 * time_constant * curve)
         end = last - time_constant * (slope + 2.0 * curve * (h - time_constant))

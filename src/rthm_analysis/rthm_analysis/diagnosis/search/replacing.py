@@ -76,22 +76,29 @@ def compared(fitting: Fitting, choice: Choice) -> Choice:
 
     One that then predicts unseen data clearly better takes its place.
     """
-    for index, tried in enumerate(choice.rounds[:-1]):
-        again, best = [], choice.best
-        for other in tried[1 : 1 + RIVALS]:
-            if distinguishable(tried[0].fitted, other.fitted):
-                again.append(other)
-                continue
-            fitting.progress(f"comparing {tried[0].label[1]} with {other.label[1]}")
-            whole = _fitted_instead(fitting, choice, index, other)
-            if whole is not None:
-                again.append(Tried(other.start, whole, float(whole.left_out.sum())))
-        rounds = [[tried[0], *again] if i == index else one for i, one in enumerate(choice.rounds)]
-        choice = Choice(choice.base, best, rounds, choice.limits)
+    for index in range(len(choice.rounds) - 1):
+        first, again = choice.rounds[index][0], _rivals(fitting, choice, index)
+        rounds = [[first, *again] if i == index else one for i, one in enumerate(choice.rounds)]
+        choice = Choice(choice.base, choice.best, rounds, choice.limits)
         winner = min(again, key=lambda one: merit(one.fitted), default=None)
-        if winner is not None and merit(winner.fitted) < merit(best) - CLEAR:
+        if winner is not None and merit(winner.fitted) < merit(choice.best) - CLEAR:
             choice = _replaced(fitting, choice, index, winner.start, winner.fitted)
     return choice
+
+
+def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[Tried]:
+    """Other kinds of a round: fitted beside all the others where it could not tell them apart."""
+    first, *others = choice.rounds[index]
+    rivals = []
+    for other in others[:RIVALS]:
+        if distinguishable(first.fitted, other.fitted):
+            rivals.append(other)
+            continue
+        fitting.progress(f"comparing {first.label[1]} with {other.label[1]}")
+        whole = _fitted_instead(fitting, choice, index, other)
+        if whole is not None:
+            rivals.append(Tried(other.start, whole, float(whole.left_out.sum())))
+    return rivals
 
 
 def _fitted_instead(fitting: Fitting, choice: Choice, index: int, other: Tried) -> Fitted | None:

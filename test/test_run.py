@@ -12,9 +12,12 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from rthm_analysis.recording import read_recording
+from rthm_analysis.recording import Recording, read_recording
+from rthm_analysis.timing import RecordedSchedule
+from rthm_core.engine import simulate
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
@@ -68,6 +71,17 @@ def result(run: subprocess.Popen[str], out: Path) -> dict:
     return json.loads((out.parent / "result.json").read_text())
 
 
+def off_along_recorded_delays(recording: Recording) -> float:
+    """Largest difference of x1, m, between a recording and the exact engine along the delays that it had,
+    however late the machine was.
+    """
+    spec = recording.spec
+    assert spec is not None
+    motion = simulate(spec, 2.0, energies=False, schedule=RecordedSchedule(spec, recording))
+    x1 = recording.plant.columns("position", ["x1"])
+    return float(np.abs(x1 - motion.plant_position[: x1.shape[0]]).max())
+
+
 @pytest.mark.parametrize("mode", [[], ["--virtual"]], ids=["real time", "virtual"])
 def test_a_run_ends_by_itself_with_a_bag_and_a_report(
     environment: dict[str, str], out: Path, mode: list[str]
@@ -85,6 +99,7 @@ def test_a_run_ends_by_itself_with_a_bag_and_a_report(
     assert told["duration"] == 2.0
     assert {"mean", "p50", "p99", "max"} <= set(told["links"]["tau1"]["excess"])
     assert told["energies"]["E_fx"] != 0.0
+    assert off_along_recorded_delays(recording) < 1e-11
     assert set(told["energies"]) >= {"E_num", "E_ff", "E_fx", "E_err", "E_damping", "E_total"}
 
 

@@ -12,7 +12,7 @@ from rthm_core.chance import normal
 from rthm_core.clock import to_ns
 from rthm_core.controller import Controller
 from rthm_core.link import NEVER
-from rthm_core.schedule import Schedule, overtaking
+from rthm_core.schedule import Schedule, newest, overtaking
 from rthm_core.spec import Spec
 from rthm_core.substructure import interface
 
@@ -45,9 +45,7 @@ def stamps(spec: Spec, duration: float) -> Stamps:
     due = schedule.links["tau4"].due_all(commands.time)
     used = overtaking(due)
     used = used[due[used] < end]
-    reference_due = schedule.links["tau3"].due_all(ticks * schedule.td2)
-    taken = overtaking(reference_due)
-    taken = taken[(reference_due[taken] < end) & (reference_due[taken] < NEVER)]
+    reference_use, taken = _references_taken(schedule, ticks, end)
     return Stamps(
         schedule.ticks(schedule.td1, 0, end) * schedule.td1,
         ticks * schedule.td2,
@@ -57,9 +55,22 @@ def stamps(spec: Spec, duration: float) -> Stamps:
         commands.reference,
         due[used],
         commands.time[used],
-        reference_due[taken],
-        ticks[taken] * schedule.td2,
+        reference_use,
+        taken * schedule.td2,
     )
+
+
+def _references_taken(schedule: Schedule, numbers: np.ndarray, end: int) -> tuple[np.ndarray, np.ndarray]:
+    """When the controller uses a reference, and its number; on a clock it tells so at each tick."""
+    link = schedule.links["tau3"]
+    if schedule.td4:
+        ticks = schedule.ticks(schedule.td4, 0, end) * schedule.td4
+        used = newest(link, schedule.td2, ticks)
+        return ticks[used >= 0], used[used >= 0]
+    due = link.due_all(numbers * schedule.td2)
+    taken = overtaking(due)
+    taken = taken[(due[taken] < end) & (due[taken] < NEVER)]
+    return due[taken], numbers[taken]
 
 
 def links(spec: Spec, when: Stamps, late: dict[str, np.ndarray] | None = None) -> list[Message]:

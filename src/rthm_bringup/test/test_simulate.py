@@ -52,6 +52,15 @@ def test_sensitivities_of_another_system_are_refused_in_a_sentence(tmp_path: Pat
     assert "Traceback" not in done.stderr
 
 
+def test_what_has_no_recorded_delays_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", "paper", "--duration", "0.5", "--system"]
+    command += ["taylor", "--out", str(tmp_path / "a.npz"), "--as-recorded", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "--as-recorded has the delays of a recorded loop" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 MEASURED = """
 import resource, sys
 from rthm_bringup.cli.main import application

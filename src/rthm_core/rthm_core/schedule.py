@@ -45,6 +45,14 @@ class Commands(NamedTuple):
     rank: Integers
 
 
+class Depth(NamedTuple):
+    """How many of the latest samples, references and commands can still be used."""
+
+    samples: int
+    references: int
+    commands: int
+
+
 class Events(NamedTuple):
     """What happens in a span of time, in order.
 
@@ -109,6 +117,21 @@ class Schedule:
         none = np.empty(0, dtype=np.int64)
         self._within_span, self._span = Commands(none, none, none, none), (0, 0)
 
+    @property
+    def depth(self) -> Depth:
+        """How far back a sample, a reference or a command can lie that is used now."""
+        links, slowest = self.links, max(self.td2, self.td3)
+        lost = 220 if any(link.loss for link in links.values()) else 0
+        sampled = max(links["tau1"].reach_ns, links["tau2"].reach_ns) + 2 * slowest
+        referred = links["tau3"].reach_ns + max(self.td4, self.td3)
+        commanded = 2 * (links["tau4"].reach_ns + self.motor_delay)
+        fastest = min(self.td2, self.td3, self.td4 or self.td3)
+        return Depth(
+            sampled // self.td1 + 8 + lost,
+            referred // self.td2 + 8 + lost,
+            commanded // fastest + 16 + 2 * lost,
+        )
+
     def ticks(self, period: int, begin: int, end: int) -> Integers:
         """Numbers of the ticks of a clock in [begin, end)."""
         return np.arange(-(-max(begin, 0) // period), -(-max(end, 0) // period), dtype=np.int64)
@@ -131,18 +154,19 @@ class Schedule:
     def _commands(self, begin: int, end: int) -> Commands:
         regular = self.ticks(self.td3, begin, end) * self.td3
         changes = self._reference_changes(begin, end)
-        extra = changes[changes % self.td3 != 0]
-        time = np.concatenate([regular, extra])
-        order = np.argsort(time, kind="stable")
-        time, is_extra = time[order], (np.arange(time.size) >= regular.size)[order]
+        time = np.sort(np.concatenate([regular, changes[changes % self.td3 != 0]]))
         latched = time // self.td4 * self.td4 if self.td4 else time
-        late_in_instant = ~is_extra | (self.links["tau3"].delay_ns == 0) | (self.td4 > 0)
         return Commands(
             time,
             newest(self.links["tau1"], self.td1, time // self.td3 * self.td3),
             newest(self.links["tau3"], self.td2, latched),
-            np.where(late_in_instant, _CONTROL, _REFERENCE_DUE),
+            self._ranks(time),
         )
+
+    def _ranks(self, commands: Integers) -> Integers:
+        """Place in its instant of each command: an extra one is sent when a reference is due."""
+        late_in_instant = (commands % self.td3 == 0) | (self.links["tau3"].delay_ns == 0) | (self.td4 > 0)
+        return np.where(late_in_instant, _CONTROL, _REFERENCE_DUE)
 
     def _reference_changes(self, begin: int, end: int) -> Integers:
         """Instants in [begin, end) at which the controller takes a reference over."""

@@ -37,6 +37,7 @@ def simulate(
     system: str = "hybrid",
     *,
     energies: bool = True,
+    schedule: Schedule | None = None,
 ) -> Trajectory:
     """Simulate a test exactly.
 
@@ -53,6 +54,9 @@ def simulate(
         approximation (25) and (26).
     energies : bool
         Whether the works are counted.
+    schedule : Schedule, optional
+        When which sample is used in the loop, as it was in a recorded test; by the spec when absent. Its
+        clocks are those of the spec.
 
     Raises
     ------
@@ -62,38 +66,50 @@ def simulate(
     step = checked_step(spec, duration, sample, system)
     if system != "hybrid" or not spec.is_loop:
         return simulate_coupled(spec, to_ns(duration), step, system, energies=energies)
-    rows = _fast_rows(spec, to_ns(duration), step, energies=energies)
+    rows = None if schedule else _fast_rows(spec, to_ns(duration), step, energies=energies)
     if rows is not None:
         return of_rows(spec, rows, step)
-    return simulate_any(spec, to_ns(duration), step, energies=energies)
+    return simulate_any(spec, to_ns(duration), step, energies=energies, schedule=schedule)
 
 
 def simulate_blocks(
-    spec: Spec, duration: float, sample: float | None = None, *, energies: bool = True
+    spec: Spec,
+    duration: float,
+    sample: float | None = None,
+    *,
+    energies: bool = True,
+    schedule: Schedule | None = None,
 ) -> Iterator[Trajectory]:
     """Simulate a loop exactly, a block of some seconds after the other, in bounded memory.
 
     Parameters and errors are those of `simulate`. The blocks joined are its trajectory, and none is empty.
     """
-    blocks = _all_blocks(spec, duration, sample, energies=energies)
+    step, end = checked_step(spec, duration, sample), to_ns(duration)
+    fast = None if schedule else fast_blocks(spec, end, step, energies=energies)
+    blocks = (
+        _blocks_of_any(spec, end, step, schedule or Schedule(spec), energies=energies)
+        if fast is None
+        else _blocks_of_rows(spec, fast, step)
+    )
     return (block for block in blocks if block.t.size)
 
 
-def _all_blocks(spec: Spec, duration: float, sample: float | None, *, energies: bool) -> Iterator[Trajectory]:
-    """Blocks of rows; one that is shorter than the distance of the rows may have none."""
-    step, end = checked_step(spec, duration, sample, "hybrid"), to_ns(duration)
-    n1, n2, m = len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
-    blocks = fast_blocks(spec, end, step, energies=energies)
+def _blocks_of_rows(spec: Spec, blocks: Iterator[Rows], step: int) -> Iterator[Trajectory]:
+    """Blocks of a fast kernel; one that is shorter than the distance of the rows may have none."""
     first_row = 0
-    if blocks is not None:
-        for rows in blocks:
-            yield of_rows(spec, rows, step, first_row)
-            first_row += rows.plant.shape[0]
-        return
-    loop = _loop(spec, energies=energies)
-    for block in _chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7):
-        yield of_columns(block, step, n1, n2, m, energies=energies, first_row=first_row)
-        first_row += block.shape[0]
+    for rows in blocks:
+        yield of_rows(spec, rows, step, first_row)
+        first_row += rows.plant.shape[0]
+
+
+def _blocks_of_any(
+    spec: Spec, end: int, step: int, schedule: Schedule, *, energies: bool
+) -> Iterator[Trajectory]:
+    """Blocks of a loop of any kind, of which some may have no row either."""
+    first_row = 0
+    for columns in _chunks(spec, end, step, schedule, energies=energies):
+        yield of_columns(columns, step, *_sizes(spec), energies=energies, first_row=first_row)
+        first_row += columns.shape[0]
 
 
 def fast_blocks(
@@ -117,12 +133,11 @@ def simulate_any(
     step: int,
     *,
     energies: bool = True,
+    schedule: Schedule | None = None,
 ) -> Trajectory:
     """Simulate a loop of any kind up to `end`, with a row every `step` (ns)."""
-    loop = _loop(spec, energies=energies)
-    n1, n2, m = loop.physical.model.n, loop.numerical.n, loop.physical.model.m
-    rows = list(_chunks(spec, loop, end, step, 2 * n1 + 2 * n2 + 2 * m + 7))
-    return of_columns(np.concatenate(rows), step, n1, n2, m, energies=energies)
+    columns = list(_chunks(spec, end, step, schedule or Schedule(spec), energies=energies))
+    return of_columns(np.concatenate(columns), step, *_sizes(spec), energies=energies)
 
 
 def checked_step(spec: Spec, duration: float, sample: float | None, system: str = "hybrid") -> int:
@@ -146,40 +161,31 @@ def checked_step(spec: Spec, duration: float, sample: float | None, system: str 
     return to_ns(value)
 
 
-def _loop(spec: Spec, *, energies: bool) -> Loop:
+def _loop(spec: Spec, schedule: Schedule, *, energies: bool) -> Loop:
     """Loop at the start of a test."""
     physical, number, control = build(spec), numerical(as_built(spec, "numerical")), controller(spec)
-    sides, schedule, m = interface(spec), Schedule(spec), len(spec.k_tot)
+    sides, m = interface(spec), len(spec.k_tot)
     x1 = np.array(spec.plant.initial_position)[sides.plant]
     v1 = np.array(spec.plant.initial_velocity)[sides.plant]
-    links = schedule.links
-    reach = max(links["tau1"].reach_ns, links["tau2"].reach_ns) + 2 * max(schedule.td2, schedule.td3)
-    lost = 220 if any(link.loss for link in links.values()) else 0
-    ring = rings(
-        reach // schedule.td1 + 8 + lost,
-        (links["tau3"].reach_ns + max(schedule.td4, schedule.td3)) // schedule.td2 + 8 + lost,
-        2
-        * (links["tau4"].reach_ns + schedule.motor_delay)
-        // min(schedule.td2, schedule.td3, schedule.td4 or schedule.td3)
-        + 16
-        + 2 * lost,
-        m,
-        np.concatenate([x1, v1]).astype(float),
-        control.force[0].copy(),
-    )
+    first_sample = np.concatenate([x1, v1]).astype(float)
+    ring = rings(*schedule.depth, m, first_sample, control.force[0].copy())
     book = ledger(spec, physical, number, *first_parts(spec), on=energies)
     return Loop(physical, number, control, book, ring, schedule.td1, schedule.td2)
 
 
-def _chunks(spec: Spec, loop: Loop, end: int, step: int, width: int) -> Iterator[Floats]:
+def _sizes(spec: Spec) -> tuple[int, int, int]:
+    """Dofs of the plant and of the numerical substructure, and actuators."""
+    return len(spec.plant.dofs), len(spec.loop().numerical.dofs), len(spec.k_tot)
+
+
+def _chunks(spec: Spec, end: int, step: int, schedule: Schedule, *, energies: bool) -> Iterator[Floats]:
     """Rows of the trajectory, a span of time at once; the row at `end` sees everything that happens then."""
-    schedule = Schedule(spec)
-    last_row = end // step
-    begin = 0
+    loop, (n1, n2, m) = _loop(spec, schedule, energies=energies), _sizes(spec)
+    last_row, begin = end // step, 0
     while begin <= end:
         until = min(begin + CHUNK_NS, end + 1)
         first_row, stop_row = -(-begin // step), -(-until // step)
-        out = np.zeros((min(stop_row, last_row + 1) - first_row, width))
+        out = np.zeros((min(stop_row, last_row + 1) - first_row, 2 * n1 + 2 * n2 + 2 * m + 7))
         run(loop, schedule.events(begin, until, step), out, first_row)
         yield out
         begin = until

@@ -14,6 +14,7 @@ from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_core.engine import Trajectory
+    from rthm_core.schedule import Schedule
     from rthm_core.spec import Spec
 
 
@@ -35,6 +36,10 @@ def verb(
     system: Annotated[
         System, typer.Option(help="hybrid: the loop; ideal: without delays and holds; taylor: (26).")
     ] = System.hybrid,
+    as_recorded: Annotated[
+        Path | None,
+        typer.Option(metavar="BAG", help="Along the delays that this recorded test really had."),
+    ] = None,
     sensitivity: Annotated[
         list[str] | None,
         typer.Option(
@@ -53,9 +58,15 @@ def verb(
     test = spec_named(spec)
     if not out.parent.is_dir():
         raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
+    if as_recorded is not None and (sensitivity or not test.is_loop or system is not System.hybrid):
+        raise InputError(
+            "--as-recorded has the delays of a recorded loop; leave it out, or simulate a loop with --system "
+            "hybrid and without --sensitivity."
+        )
+    schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
     changes = _changes(test, duration, sample, system, sensitivity or [])
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
-        for block in _blocks(test, duration, sample, system):
+        for block in _blocks(test, duration, sample, system, schedule):
             file.add(block)
             report(float(block.t[-1]))
         for name, change in changes.items():
@@ -82,10 +93,20 @@ def _changes(
     return sensitivities(test, duration, chosen, sample).by_parameter
 
 
-def _blocks(test: Spec, duration: float, sample: float | None, system: System) -> Iterator[Trajectory]:
+def _recorded_schedule(test: Spec, bag: Path) -> Schedule:
+    """When which sample was used in a recorded test."""
+    from rthm_analysis.recording import read_recording
+    from rthm_analysis.timing import RecordedSchedule
+
+    return RecordedSchedule(test, read_recording(bag))
+
+
+def _blocks(
+    test: Spec, duration: float, sample: float | None, system: System, schedule: Schedule | None
+) -> Iterator[Trajectory]:
     """Trajectory in blocks, so that the memory needed does not grow with the duration of a loop."""
     from rthm_core.engine import simulate, simulate_blocks
 
     if test.is_loop and system is System.hybrid:
-        return simulate_blocks(test, duration, sample)
+        return simulate_blocks(test, duration, sample, schedule=schedule)
     return iter([simulate(test, duration, sample, system.value)])

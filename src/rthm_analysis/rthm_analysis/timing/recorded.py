@@ -1,0 +1,205 @@
+"""The event order of a recorded test: which sample was really used when.
+
+With it, the exact engine repeats a test along the delays that it had, whatever held up the machine meanwhile,
+so that what still differs from the recording is not timing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.timing.links import clock_of, ticks_of
+from rthm_core.clock import NS, to_ns
+from rthm_core.compiled import Integers
+from rthm_core.errors import InputError
+from rthm_core.link import NEVER, Link
+from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newest
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+CLOCKS = ("td1", "td2", "td3", "td4")
+
+
+class RecordedSchedule(Schedule):
+    """Schedule of a loop as it was in a recording.
+
+    Commands are those of the recording, with the samples that the links tell; a tick whose use is not
+    recorded uses what the spec's schedule has there, or what was in use before if that is newer. Stamps
+    that are off their clock count as its nearest tick. What a safety monitor did is not in it.
+
+    Parameters
+    ----------
+    spec : Spec
+        Loop to be simulated, with the clocks of the recorded test. Its delays act only where the recording
+        has none: those of its motors.
+    recording : Recording
+        With all four links.
+
+    Attributes
+    ----------
+    end : int
+        Last instant of the recorded test, ns: before the sample that would follow the last one.
+
+    Raises
+    ------
+    InputError
+        When a link is not recorded, or a clock is another one.
+    """
+
+    def __init__(self, spec: Spec, recording: Recording) -> None:
+        super().__init__(spec)
+        _check(spec, recording)
+        self._recording = recording
+        self.end = to_ns(recording.duration) + self.td1 - 1
+        self._state = {"tau2": self._held("tau2"), "tau1": self._held("tau1")}
+        self._sent = self._all_commands()
+        self._due, self._arriving = self._all_arrivals()
+        states = np.concatenate([self._sent.state, self._state["tau2"]])
+        self._taken = np.unique(states[states != INITIAL])
+
+    @property
+    def depth(self) -> Depth:
+        """How far back a sample, a reference or a command lies that is used."""
+        sent, ticks = self._sent, self._state["tau2"]
+        samples = np.concatenate(
+            [sent.time // self.td1 - sent.state, np.arange(ticks.size) * self.td2 // self.td1 - ticks]
+        )
+        place = np.searchsorted(sent.time, self._due, side="right")
+        commands = place - np.searchsorted(sent.time, self._arriving.time)
+        references = sent.time // self.td2 - sent.reference
+        return Depth(*(int(count.max(initial=0)) + 8 for count in (samples, references, commands)))
+
+    def events(self, begin: int, end: int, output: int | None = None) -> Events:
+        """Everything that happened in [begin, end), in order; see `Schedule.events`.
+
+        Raises
+        ------
+        InputError
+            When `end` is after the recording's.
+        """
+        if end > self.end + 1:
+            raise InputError(
+                f"duration {(end - 1) / NS:g} s is longer than the recorded test, which has "
+                f"{self.end / NS:g} s; give no more than that."
+            )
+        return super().events(begin, end, output)
+
+    def references(self, begin: int, end: int) -> tuple[Integers, Integers]:
+        """Numbers of the numerical ticks in [begin, end), and of the state sample that each used."""
+        numbers = self.ticks(self.td2, begin, min(end, self.end + 1))
+        return numbers, self._state["tau2"][numbers]
+
+    def commands(self, begin: int, end: int) -> Commands:
+        """Commands that were sent in [begin, end)."""
+        within = slice(*np.searchsorted(self._sent.time, [begin, end]))
+        return Commands(*(column[within] for column in self._sent))
+
+    def arrivals(self, begin: int, end: int) -> tuple[Integers, Commands]:
+        """Instants in [begin, end) at which a command became the input of a motor, and these commands."""
+        within = slice(*np.searchsorted(self._due, [begin, end]))
+        return self._due[within], Commands(*(column[within] for column in self._arriving))
+
+    def samples(self, begin: int, end: int) -> Integers:
+        """Numbers of the samples taken in [begin, end) that anybody used."""
+        within = slice(*np.searchsorted(self._taken * self.td1, [begin, end]))
+        return self._taken[within]
+
+    def _told(self, name: str) -> tuple[Integers, Integers]:
+        """Instants of use, and stamps as the sender's clock had them, ns after the start."""
+        uses, start = self._recording.links[name], self._recording.start_ns
+        return uses.use_ns - start, uses.sample_ns - start - self._offset(name)
+
+    def _offset(self, name: str) -> int:
+        told = self._recording.spec
+        return Link(told, name).offset_ns if told is not None and told.is_loop else 0
+
+    def _held(self, name: str) -> Integers:
+        """Number of the sample in use at each tick of the receiver of `name`."""
+        source, period = clock_of(name, self)
+        use, stamp = self._told(name)
+        tick, number = ticks_of(use, period), _numbers(stamp, source)
+        ticks = np.arange(self.end // period + 1, dtype=np.int64)
+        known = (tick >= 0) & (tick < ticks.size)
+        held = newest(self.links[name], source, ticks * period)
+        held[: tick[known].min(initial=ticks.size)] = INITIAL
+        held[tick[known]] = number[known]
+        return np.maximum.accumulate(held)
+
+    def _all_commands(self) -> Commands:
+        sent = self._recording.tables["actuator/command"].stamp_ns - self._recording.start_ns
+        regular = np.arange(self.end // self.td3 + 1, dtype=np.int64) * self.td3
+        time = np.unique(np.concatenate([regular, sent, self._told("tau4")[1]]))
+        time = time[(time >= 0) & (time <= self.end)]
+        taken, number = self._references_taken(time)
+        latest = np.searchsorted(taken, time, side="right") - 1
+        reference = np.where(latest >= 0, number[np.maximum(latest, 0)], INITIAL) if number.size else latest
+        state = self._state["tau1"][time // self.td3]
+        return Commands(time, state, reference, self._ranks(time))
+
+    def _references_taken(self, commands: Integers) -> tuple[Integers, Integers]:
+        """Instants at which the controller took a reference over, ascending, and its number.
+
+        Without a clock the controller takes it over when it is due or, late, when it arrives; unless this is
+        at a tick, it then sends a command with that stamp. What is recorded of the use is when the controller
+        got to do it.
+        """
+        use, stamp = self._told("tau3")
+        number = _numbers(stamp, self.td2)
+        if self.td4:
+            tick = ticks_of(use, self.td4)
+            return tick[tick >= 0] * self.td4, number[tick >= 0]
+        due = self.links["tau3"].due_all(stamp)
+        punctual = np.where(due % self.td3 == 0, use <= self._tick_done(due), np.isin(due, commands))
+        extra = np.setdiff1d(commands[commands % self.td3 != 0], due[punctual])
+        at = np.where(punctual, due, use)
+        for late in np.flatnonzero(~punctual)[::-1]:
+            place = int(np.searchsorted(extra, use[late], side="right")) - 1
+            if place >= 0:
+                at[late] = extra[place]
+                extra = extra[:place]
+        return np.maximum.accumulate(at), number
+
+    def _tick_done(self, at: Integers) -> Integers:
+        """When the controller got to do its tick at `at`; NEVER: not told."""
+        use = self._told("tau1")[0]
+        tick = ticks_of(use, self.td3)
+        done = np.full(int(tick.max(initial=0)) + 2, NEVER)
+        done[tick[tick >= 0]] = use[tick >= 0]
+        return np.asarray(done[np.clip(at // self.td3, 0, done.size - 1)])
+
+    def _all_arrivals(self) -> tuple[Integers, Commands]:
+        use, stamp = self._told("tau4")
+        row = np.searchsorted(self._sent.time, stamp)
+        there = (row < self._sent.time.size) & (stamp >= 0)
+        order = np.argsort(use[there], kind="stable")
+        due = use[there][order] + self.motor_delay
+        return due, Commands(*(column[row[there][order]] for column in self._sent))
+
+
+def _numbers(stamps: Integers, period: int) -> Integers:
+    """Number of the tick nearest to each of `stamps`."""
+    return np.asarray((stamps + period // 2) // period, dtype=np.int64)
+
+
+def _check(spec: Spec, recording: Recording) -> None:
+    missing = [name for name in LINKS if name not in recording.links]
+    missing += [name for name in ("actuator/command",) if name not in recording.tables]
+    if missing:
+        raise InputError(
+            f"the recording has no {', '.join(missing)}, so when its samples were used is not known; it "
+            f"needs links/tau1 to links/tau4 and actuator/command: record all topics."
+        )
+    told = recording.spec
+    if told is None or told.timing is None:
+        return
+    timing = spec.loop().timing
+    for name in CLOCKS:
+        if timing.ns(name) != told.timing.ns(name):
+            raise InputError(
+                f"timing.{name} is {timing.ns(name) / NS:g} s, in the recorded test it was "
+                f"{told.timing.ns(name) / NS:g} s; give a spec with the clocks of the recorded test."
+            )

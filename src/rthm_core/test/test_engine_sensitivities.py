@@ -49,14 +49,29 @@ def test_tangents_agree_with_differences(which):
     values |= {"guide.force": spec.effects[0].parameters["force"]} if spec.effects else {}
     found = sensitivities(spec, duration, list(values), sample)
     assert found.tangents
-    plain = simulate(spec, duration, sample, energies=False)
+    plain = simulate(spec, duration, sample)
     assert np.abs(found.trajectory.plant_position - plain.plant_position).max() < 1e-12
+    for term, work in plain.energies.items():
+        assert np.abs(found.trajectory.energies[term] - work).max() < 1e-10, term
     for name, value in values.items():
         expected = difference(spec, name, value, duration, sample)
         for signal in SIGNALS:
             apart = np.abs(getattr(found.by_parameter[name], signal) - expected[signal])
             # a row between the two instants of a switch sees a jump in one of the two runs only
             assert np.quantile(apart, 0.99) < 1e-6 * np.abs(expected[signal]).max(), (name, signal)
+
+
+@pytest.mark.parametrize("which", LOOPS)
+def test_counting_works_changes_no_tangent(which):
+    names = ["plant.mass", "actuator.stiffness"]
+    counting, without = (
+        sensitivities(LOOPS[which], 3.0, names, 0.0017, energies=energies) for energies in (True, False)
+    )
+    assert not without.trajectory.energies
+    for name in names:
+        for signal in SIGNALS:
+            one, other = (getattr(found.by_parameter[name], signal) for found in (counting, without))
+            assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), (name, signal)
 
 
 def test_every_number_of_the_physics_is_taken_where_none_is_named():

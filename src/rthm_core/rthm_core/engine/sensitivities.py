@@ -62,7 +62,12 @@ class Sensitivities:
 
 
 def sensitivities(
-    spec: Spec, duration: float, names: Sequence[str] | None = None, sample: float | None = None
+    spec: Spec,
+    duration: float,
+    names: Sequence[str] | None = None,
+    sample: float | None = None,
+    *,
+    energies: bool = True,
 ) -> Sensitivities:
     """Simulate a loop exactly, and how it changes with parameters.
 
@@ -76,6 +81,8 @@ def sensitivities(
         Dotted names of numbers, as in `apply`; every one of the physics when absent.
     sample : float, optional
         Distance of the rows in s; Td1 when absent.
+    energies : bool
+        Whether the works of the trajectory are counted; they have no derivatives.
 
     Raises
     ------
@@ -88,10 +95,10 @@ def sensitivities(
     chosen = physical_numbers(spec) if names is None else tuple(names)
     for name in chosen:
         _check(spec, name)
-    beside = _beside(spec, chosen, to_ns(duration), step)
+    beside = _beside(spec, chosen, to_ns(duration), step, energies=energies)
     if beside is not None:
         return beside
-    trajectory = simulate(spec, duration, step * 1e-9, energies=False)
+    trajectory = simulate(spec, duration, step * 1e-9, energies=energies)
     by_parameter = {name: _difference(spec, name, duration, step * 1e-9) for name in chosen}
     return Sensitivities(trajectory, by_parameter, tangents=False)
 
@@ -140,9 +147,9 @@ class _Prepared(NamedTuple):
 
 
 @kept
-def _prepared(spec: Spec, names: tuple[str, ...], step: int) -> _Prepared | None:
+def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> _Prepared | None:
     """What the kernel needs for rows every `step` ns; None where it does not know the loop."""
-    loop = curved_loop(spec, energies=False)
+    loop = curved_loop(spec, energies=energies)
     if loop is None or not loop.curved.steady or loop.linear.sensors is not None:
         return None
     changes = tangents(spec, loop, names)
@@ -180,10 +187,12 @@ def _tangent_work(one: _Prepared, state: State) -> TangentWork:
     )
 
 
-def _beside(spec: Spec, names: tuple[str, ...], end: int, step: int) -> Sensitivities | None:
+def _beside(
+    spec: Spec, names: tuple[str, ...], end: int, step: int, *, energies: bool
+) -> Sensitivities | None:
     """Sensitivities by tangents; None where there are none."""
-    one = _prepared(spec, names, step)
-    found = None if one is None else plan(spec, one.loop, end, step, energies=False, span=end + 1)
+    one = _prepared(spec, names, step, energies)
+    found = None if one is None else plan(spec, one.loop, end, step, energies=energies, span=end + 1)
     if one is None or found is None:
         return None
     state = start_state(one.loop, found.samples, found.references)

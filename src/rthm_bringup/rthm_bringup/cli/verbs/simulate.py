@@ -64,9 +64,9 @@ def verb(
             "hybrid and without --sensitivity."
         )
     schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
-    changes = _changes(test, duration, sample, system, sensitivity or [])
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
-        for block in _blocks(test, duration, sample, system, schedule):
+        blocks, changes = _simulated(test, duration, sample, system, schedule, sensitivity or [])
+        for block in blocks:
             file.add(block)
             report(float(block.t[-1]))
         for name, change in changes.items():
@@ -76,21 +76,26 @@ def verb(
     return 0
 
 
-def _changes(
-    test: Spec, duration: float, sample: float | None, system: System, names: list[str]
-) -> dict[str, Trajectory]:
-    """Derivatives of the motion with respect to some numbers of the spec."""
+def _simulated(
+    test: Spec,
+    duration: float,
+    sample: float | None,
+    system: System,
+    schedule: Schedule | None,
+    names: list[str],
+) -> tuple[Iterator[Trajectory], dict[str, Trajectory]]:
+    """Trajectory in blocks, and its derivatives with respect to some numbers of the spec."""
     from rthm_core.engine import sensitivities
 
     if not names:
-        return {}
+        return _blocks(test, duration, sample, system, schedule), {}
     if not test.is_loop or system is not System.hybrid:
         raise InputError(
             "sensitivities are those of a loop with its delays; leave out --sensitivity, or simulate a loop "
             "with --system hybrid."
         )
-    chosen = None if names == ["all"] else names
-    return sensitivities(test, duration, chosen, sample).by_parameter
+    found = sensitivities(test, duration, None if names == ["all"] else names, sample)
+    return iter([found.trajectory]), found.by_parameter
 
 
 def _recorded_schedule(test: Spec, bag: Path) -> Schedule:

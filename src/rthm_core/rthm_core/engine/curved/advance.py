@@ -259,6 +259,16 @@ def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-de
 
 
 @inlined
+def end_step(curved, work, number, z, law, share, terms, length):  # type: ignore[no-untyped-def]
+    """Count the moments of the done share of a step, and put its end into ``work.end`` where it is not yet."""
+    if work.moments.size:
+        terms = terms if terms else expand(curved, work, number, z, length)
+        _count(curved, work, terms, z, share, length)
+    if law >= 0 or work.moments.size:
+        at(work.terms, terms, share, work.end)
+
+
+@inlined
 def advance(curved, steps, work, z, k, t):  # type: ignore[no-untyped-def]
     """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on."""
     size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
@@ -275,13 +285,7 @@ def advance(curved, steps, work, z, k, t):  # type: ignore[no-untyped-def]
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
             law, share, terms = first_left(curved, work, number, z, length)
-        if work.moments.size:
-            terms = terms if terms else expand(curved, work, number, z, length)
-            _count(curved, work, terms, z, share, length)
-        if law >= 0:
-            at(work.terms, terms, share, work.end)
-        elif work.moments.size:
-            at(work.terms, terms, 1.0, work.end)
+        end_step(curved, work, number, z, law, share, terms, length)
         if law >= 0:
             hold = product(curved.holds[number, law], work.end)
             piece = work.pieces[law]

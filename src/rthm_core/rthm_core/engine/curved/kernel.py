@@ -112,7 +112,7 @@ def write_row(looks, z, reference, out, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
+def add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
     """Turn the moments into works."""
     for pair in range(moments.size):
         for term in range(forms.shape[0] - 1):
@@ -121,7 +121,7 @@ def _add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _works(forms, sums, z, out):  # type: ignore[no-untyped-def]
+def write_works(forms, sums, z, out):  # type: ignore[no-untyped-def]
     """Works so far, and the energy of the present state."""
     last, energy, pair = forms.shape[0] - 1, 0.0, 0
     for term in range(last):
@@ -172,7 +172,7 @@ def run_curved(
                     z[i] = end[i]
             elif k >= 0:
                 advance(curved, steps, work, z, k, now * 1e-9 - lengths[k])
-                _add_moments(looks.forms, work.moments, sums)
+                add_moments(looks.forms, work.moments, sums)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:
                 sample(looks, z, now, samples[s & s_mask])
@@ -187,7 +187,7 @@ def run_curved(
             elif what == OUTPUT:
                 write_row(looks, z, references[asked], out, row)
                 if counting:
-                    _works(looks.forms, sums, z, out.works[row])
+                    write_works(looks.forms, sums, z, out.works[row])
                 row += 1
                 if row == out.plant.shape[0]:
                     break

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rthm_core.compiled import Floats, inlined
-from rthm_core.engine.curved.advance import MOST_SWITCHES, begin_step, step_by
-from rthm_core.engine.curved.steps import at, fill, terms_of
+from rthm_core.engine.curved.advance import MOST_SWITCHES, begin_step, end_step, step_by
+from rthm_core.engine.curved.steps import fill, terms_of
 from rthm_core.engine.curved.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
@@ -128,8 +128,7 @@ def advance_tangents(curved, steps, work, tangents, own, z, k, t):  # type: igno
             terms_of(curved.fastest * length), z, own.dz, own.one, own.other, own.after,
         )  # fmt: skip
         copy_numbers(own.after, own.dz, size)
-        if law >= 0:
-            at(work.terms, terms, share, work.end)
+        end_step(curved, work, number, z, law, share, terms, length)
         for i in range(size):
             z[i] = work.end[i]
         done = whole if law < 0 else done + share * length

@@ -89,7 +89,7 @@ def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | N
     for name in names:
         weighted = []
         for beside, weight in stencil(spec, name):
-            changed = curved_loop(beside, energies=False)
+            changed = curved_loop(beside, energies=loop.forms.size > 0)
             arrays = () if changed is None else _arrays(changed)
             if [one.shape for one in arrays] != shapes:
                 return None

@@ -9,7 +9,17 @@ from typing import NamedTuple
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
 from rthm_core.engine.curved.advance import Work, set_of
-from rthm_core.engine.curved.kernel import Looks, Operations, Outputs, command, look, sample, write_row
+from rthm_core.engine.curved.kernel import (
+    Looks,
+    Operations,
+    Outputs,
+    add_moments,
+    command,
+    look,
+    sample,
+    write_row,
+    write_works,
+)
 from rthm_core.engine.curved.loop import Curved
 from rthm_core.engine.curved.quiet import quiet_step
 from rthm_core.engine.curved.steps import Steps
@@ -46,12 +56,20 @@ def _add(bias, out):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _command_change(k_tot, change, size, reference, dsample, dreference, dz):  # type: ignore[no-untyped-def]
-    for i in range(k_tot.size):
+def _command_change(  # type: ignore[no-untyped-def]
+    k_tot, change, counting, size, reference, dsample, dreference, dz
+):
+    """Tangents of a command: of its two parts where works are counted."""
+    m = k_tot.size
+    for i in range(m):
         compliance, part = 1.0 / k_tot[i], reference[i] / k_tot[i]
         for group in range(dz.shape[1]):
-            beside = numbers(dreference, (i, group)) - part * numbers(change, (i, group))
-            put_numbers(dz, (size + i, group), numbers(dsample, (i, group)) + beside * compliance)
+            beside = (numbers(dreference, (i, group)) - part * numbers(change, (i, group))) * compliance
+            if counting:
+                put_numbers(dz, (size + i, group), numbers(dsample, (i, group)))
+                put_numbers(dz, (size + m + i, group), beside)
+            else:
+                put_numbers(dz, (size + i, group), numbers(dsample, (i, group)) + beside)
 
 
 @inlined
@@ -106,7 +124,8 @@ def run_tangents(
     systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
     breakaway, pieces, end, sums = curved.laws.breakaway, work.pieces, work.end[:size], work.sums
     matrices, filled, lengths, works = steps.matrices, steps.filled, steps.lengths, steps.works
-    m, seen, columns = looks.k_tot.size, changes.seen, changes.columns
+    m, seen, columns, counting = looks.k_tot.size, changes.seen, changes.columns, looks.forms.shape[0] > 0
+    quick = works.shape[0] > 0 or not counting
     dz, dsamples, dreferences, after = own.dz, own.samples, own.references, own.after
     for p in range(passes):
         later = min(p, 1)
@@ -116,7 +135,7 @@ def run_tangents(
             quiet, number = False, 0
             if k >= 0:
                 number = set_of(bits, pieces)
-                quiet = quiet_step(
+                quiet = quick and quiet_step(
                     systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, works,
                     k, z, pieces, end, sums,
                 )  # fmt: skip
@@ -131,6 +150,7 @@ def run_tangents(
                     z[i] = end[i]
             elif k >= 0:
                 advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
+                add_moments(looks.forms, work.moments, sums)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:
                 sample(looks, z, now, samples[s & s_mask])
@@ -147,10 +167,11 @@ def run_tangents(
                 )  # fmt: skip
                 r += 1
             elif what == MOTOR:
-                command(looks, False, size, samples[used], references[asked], z)
+                command(looks, counting, size, samples[used], references[asked], z)
                 _command_change(
                     looks.k_tot,
                     tangents.k_tot,
+                    counting,
                     size,
                     references[asked],
                     dsamples[used],
@@ -159,6 +180,8 @@ def run_tangents(
                 )
             elif what == OUTPUT:
                 write_row(looks, z, references[asked], out, row)
+                if counting:
+                    write_works(looks.forms, sums, z, out.works[row])
                 by_matrix(seen.force, tangents.force, columns.force, z, dz, groups, after[:m])
                 _write(
                     looks.motion, out.plant.shape[1], dz, after[:m], dreferences[asked], beside, row,

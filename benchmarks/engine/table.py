@@ -43,7 +43,7 @@ of the program:
 | one of 1024 loops of {duration:g} s with delays of their own, a row every second | {own}, {own_ratio} of C |
 | one of 1024 stability checks | {check}, {check_ratio} of {duration:g} s in C |
 | Coulomb friction, sensitivities to {parameters} parameters | {sensitive}, {sensitive_ratio} of without |
-| Coulomb friction, with energies, sensitivities to {parameters} parameters | {counting_sensitive}, {counting_sensitive_ratio} of without |
+| the same, with energies | {counting_sensitive}, {counting_sensitive_ratio} of without |
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |

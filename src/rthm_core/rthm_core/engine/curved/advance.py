@@ -260,7 +260,7 @@ def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-de
 
 @inlined
 def end_step(curved, work, number, z, law, share, terms, length):  # type: ignore[no-untyped-def]
-    """Count the moments of the done share of a step, and put its end into ``work.end`` where it is not yet."""
+    """Count the moments of what is done of a step, and put its end into ``work.end`` if it is not there."""
     if work.moments.size:
         terms = terms if terms else expand(curved, work, number, z, length)
         _count(curved, work, terms, z, share, length)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_core.compiled import called, copy_into
+from rthm_core.compiled import called, copy_into, inlined
 from rthm_core.physical.laws import (
     CODE,
     DOF,
@@ -24,7 +24,7 @@ from rthm_core.physical.laws import (
 )
 
 
-@called
+@inlined
 def _row(row, y, u):  # type: ignore[no-untyped-def]
     """Product of a row with [y, u]."""
     total = 0.0
@@ -35,7 +35,7 @@ def _row(row, y, u):  # type: ignore[no-untyped-def]
     return total
 
 
-@called
+@inlined
 def settle_wire(wires, y, u, actuator):  # type: ignore[no-untyped-def]
     """Bring path-dependent states of one wire up to the present motion, in place; returns the drive-side
     position that the wire feels.
@@ -69,7 +69,7 @@ def wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: igno
     return _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold)
 
 
-@called
+@inlined
 def _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: ignore[no-untyped-def]
     """Force of a wire of any kind; ``hold[L + actuator]`` gets its tension, in N, if it can go slack."""
     tension = laws.numbers.shape[0] + actuator
@@ -102,14 +102,14 @@ def _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type:
     return force
 
 
-@called
+@inlined
 def _add(mechanics, column, force, dy):  # type: ignore[no-untyped-def]
     """Add a fed-back force to the rates."""
     for i in range(dy.size):
         dy[i] += mechanics[i, column] * force
 
 
-@called
+@inlined
 def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[no-untyped-def]
     """Add the force of one plant law, and the rates of its own states."""
     dof, begin = laws.numbers[row, PLACE], laws.numbers[row, STATE]
@@ -120,7 +120,7 @@ def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[
         plant_rate(code, x, v, y[begin:end], t, laws.parameters[row], piece, dy[begin:end])
 
 
-@called
+@inlined
 def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law),
     then the
@@ -144,7 +144,7 @@ def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type:
         _add_curved(laws, model, pieces, y, u, size + m + loads, t, dy, hold, scratch)
 
 
-@called
+@inlined
 def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Add what wires and laws that are not linear do; their forces enter through the columns of
     ``model.mechanics`` from `first` on.
@@ -169,7 +169,7 @@ def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type
         _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, pieces, dy, hold, sticking)
 
 
-@called
+@inlined
 def _hold(laws, mechanics, first, n, inverse_mass, pieces, dy, hold, sticking):  # type: ignore[no-untyped-def]
     """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs
     one sweep.

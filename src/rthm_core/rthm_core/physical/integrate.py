@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, copy_into
+from rthm_core.compiled import Floats, Integers, called, copy_into, inlined
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.physical.drive import motor_position
 from rthm_core.physical.flow import mechanics_rate, settle_wires
@@ -101,7 +101,7 @@ def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
     )
 
 
-@called
+@inlined
 def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
     """Motor positions and loads a time `s` after the start of the segment, into ``work.u`` and ``work.w``.
 
@@ -119,7 +119,7 @@ def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
         work.w[i] = polynomial(inputs, m + i, 0, s)
 
 
-@called
+@inlined
 def _rate(model, pieces, work, y, t, dy):  # type: ignore[no-untyped-def]
     mechanics_rate(model.laws, model, pieces, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
 
@@ -142,7 +142,7 @@ def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
     copy_into(work.rows[TRIAL], point)
 
 
-@called
+@inlined
 def _error(work, scale, h):  # type: ignore[no-untyped-def]
     """Estimated error of the last trial over the allowed one."""
     worst = 0.0
@@ -154,7 +154,7 @@ def _error(work, scale, h):  # type: ignore[no-untyped-def]
     return worst
 
 
-@called
+@inlined
 def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its piece; negative: it has left it."""
     if row >= model.laws.numbers.shape[0]:
@@ -162,7 +162,7 @@ def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
     return margin(model.laws, model.n, row, piece, y, hold[row])
 
 
-@called
+@inlined
 def _left(model, pieces, y, hold, other_than, tolerance):  # type: ignore[no-untyped-def]
     """First law, other than one, that has left its piece by more than a tolerance; -1: none."""
     for row in range(pieces.size):
@@ -190,7 +190,7 @@ def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
     return high
 
 
-@called
+@inlined
 def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
     """Put law `row` into the piece that is in force from here on."""
     if row >= model.laws.numbers.shape[0]:
@@ -217,7 +217,7 @@ def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
         state.pieces[loose] = loose_piece(work.hold[loose])
 
 
-@called
+@inlined
 def _record(trace, time, y, dy, start, pieces):  # type: ignore[no-untyped-def]
     row = trace.count[0]
     if row < trace.time.size:
@@ -230,7 +230,7 @@ def _record(trace, time, y, dy, start, pieces):  # type: ignore[no-untyped-def]
         trace.count[0] = row + 1
 
 
-@called
+@inlined
 def _until_switch(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
     """Shorten a step that was tried to the first switch on its way: its length, and the law that switches at
     its end (-1: none).
@@ -245,7 +245,7 @@ def _until_switch(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
     return h, law
 
 
-@called
+@inlined
 def _step_size(step, h, error):  # type: ignore[no-untyped-def]
     """Length to try next after a step of `h` with this relative error."""
     return max(step, h) if error == 0.0 else max(0.5 * step, h * min(4.0, 0.9 * error**-0.2))

@@ -80,17 +80,18 @@ CLOCKS = ("timing.td1", "timing.td2", "timing.td3")
 
 @pytest.mark.parametrize("name", ["paper", "three_mass"])
 @pytest.mark.parametrize("keys", [DELAYS, CLOCKS, (*DELAYS, *CLOCKS)], ids=["delays", "clocks", "both"])
-def test_loops_with_times_of_their_own_move_like_each_alone(name, keys):
+@pytest.mark.parametrize("sample", [0.0034, 0.37], ids=["often", "seldom"])
+def test_loops_with_times_of_their_own_move_like_each_alone(name, keys, sample):
     chance, spec = np.random.default_rng(7), shipped_spec(name)
     values = {
         key: np.round(getattr(spec.timing, key[-4:].strip(".")) * chance.uniform(0.5, 1.5, 4), 6)
         for key in keys
     }
     values["plant.mass"] = np.array(spec.plant.mass) * chance.uniform(0.9, 1.2, (4, 1))
-    together = simulate_many(spec, values, 5.0, 0.0034)
+    together = simulate_many(spec, values, 5.0, sample)
     for i in range(4):
         own = {key: one[i].tolist() for key, one in values.items()}
-        alone = simulate(apply(spec, own), 5.0, 0.0034, energies=False)
+        alone = simulate(apply(spec, own), 5.0, sample, energies=False)
         for signal in SIGNALS:
             assert np.abs(getattr(together, signal)[i] - getattr(alone, signal)).max() < 1e-11
 

@@ -2,7 +2,8 @@
 
 Where delays are constant, the instant of everything that happens follows from its number. The loop takes
 whichever of six streams comes next: commands on the controller's ticks and commands for new references, the
-samples that either use, ticks of the numerical side, and rows.
+samples that either use, ticks of the numerical side, and rows. Once it has gone through a whole period of its
+clocks, all periods without a row are repetitions.
 """
 
 from __future__ import annotations
@@ -14,6 +15,24 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.engine.curved.steps import Steps, fill
 from rthm_core.engine.linear.kernel import moved, put, seen
+from rthm_core.engine.many.period import (
+    COMMAND,
+    MOST,
+    SAMPLE,
+    TICK,
+    Between,
+    Notes,
+    Passing,
+    commanded,
+    common_period,
+    keep_reference,
+    keep_sample,
+    latch,
+    note,
+    repeat,
+    row_of,
+)
+from rthm_core.link import NEVER
 from rthm_core.schedule import INITIAL
 
 KEPT = 64
@@ -30,16 +49,6 @@ class Clocks(NamedTuple):
     tau2: int
     tau3: int
     tau4: int
-
-
-class Between(NamedTuple):
-    """What passes between the sides; (m,) arrays: dofs, k_tot, interface stiffness and damping."""
-
-    dof1: Integers
-    dof2: Integers
-    k_tot: Floats
-    stiffness: Floats
-    damping: Floats
 
 
 class Loops(NamedTuple):
@@ -109,16 +118,6 @@ def _matrix(side, last, length):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _reference(between, numerical, held, out, row):  # type: ignore[no-untyped-def]
-    """F_d between the held and the present motion."""
-    m, n = between.k_tot.size, len(numerical) // 2
-    for i in range(m):
-        v2, x2 = numerical[n + between.dof2[i]], numerical[between.dof2[i]]
-        damper = between.damping[i] * (held[m + i] - v2)
-        out[row, i] = -damper - between.stiffness[i] * (held[i] - x2)
-
-
-@inlined
 def _newest(number, period, delay, now):  # type: ignore[no-untyped-def]
     """Newest sample of a clock that has arrived, searched for from an earlier one on."""
     while (number + 1) * period + delay <= now:
@@ -137,20 +136,16 @@ def _next_use(index, sample, period, delay, td1):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _row(number, rows):  # type: ignore[no-untyped-def]
-    """Row of a memory in which a sample or a reference is; the last one for what was before the test."""
-    return number & (rows - 2) if number >= 0 else rows - 1
+def _known(side):  # type: ignore[no-untyped-def]
+    """Whether the matrices of all lengths so far are kept."""
+    return side.steps.filled[side.lengths.size - 1] < side.lengths.size - 1
 
 
 @inlined
-def _run(clocks, between, one, two, samples, references, plant, command, numerical, held, step, out):  # type: ignore[no-untyped-def]
-    """Simulate a loop and fill its rows `out` (N, n1 + n2 + 2 m).
-
-    `samples` (., 2 m) and `references` (., m) have a power of two of rows, and a last one for what has been
-    there before the test.
-    """
+def _run(clocks, between, one, two, passing, notes, plant, command, numerical, held, step, out):  # type: ignore[no-untyped-def]
+    """Simulate a loop and fill its rows `out` (N, n1 + n2 + 2 m)."""
     td1, td2, td3, tau1, tau2, tau3, tau4 = clocks
-    dof1, k_tot = between.dof1, between.k_tot
+    k_tot, dof1 = between.k_tot, between.dof1
     matrices1, matrices2 = one.steps.matrices[:, 0], two.steps.matrices[:, 0]
     n1, n2, m = len(plant), len(numerical), k_tot.size
     look1, look2 = one.look, two.look
@@ -159,10 +154,36 @@ def _run(clocks, between, one, two, samples, references, plant, command, numeric
     latched, arrived, taken = INITIAL, INITIAL, INITIAL
     use1, sample1 = _next_use(INITIAL, INITIAL, td3, tau1, td1)
     use2, sample2 = _next_use(INITIAL, INITIAL, td2, tau2, td1)
+    period, noting, noted = common_period(clocks), False, NEVER
+    steady = tau1 + tau2 + tau3 + tau4 + 2 * (td1 + td2 + td3)
+    boundary = NEVER if period == 0 else (steady // period + 1) * period
     while row < out.shape[0]:
         given = min(tick * td3, change * td2 + tau3)
         sampled = min(sample1, sample2)
         now = min(min(given + tau4, sampled * td1), min(number * td2, row * step))
+        if now >= boundary:
+            passes = 0
+            if noted == NEVER:
+                noting, noted, notes.size[0] = True, boundary, 0
+            elif noting and not (_known(one) and _known(two) and notes.size[0] <= MOST):
+                noting, boundary = False, NEVER
+                continue
+            else:
+                noting, passes = False, max((row * step - boundary) // period, 0)
+            if passes > 0:
+                first, ahead, further = (boundary - noted) // period, period // td1, period // td2
+                plant, command, numerical, held = repeat(
+                    notes, ahead, further, first, first + passes, one, two, between, passing,
+                    plant, command, numerical, held,
+                )  # fmt: skip
+                gone, ahead, further = passes * period, passes * ahead, passes * further
+                since1, since2, boundary = since1 + gone, since2 + gone, boundary + gone
+                tick, use1, use2 = tick + gone // td3, use1 + gone // td3, use2 + further
+                change, number, arrived = change + further, number + further, arrived + further
+                latched, taken = latched + ahead, taken + ahead
+                sample1, sample2 = sample1 + ahead, sample2 + ahead
+                continue
+            boundary += period
         if now == given + tau4:
             k1 = _matrix(one, k1, now - since1)
             plant, since1 = moved(matrices1, k1, plant, command, look1), now
@@ -170,15 +191,15 @@ def _run(clocks, between, one, two, samples, references, plant, command, numeric
                 latched, tick = _newest(latched, td1, tau1, given), tick + 1
             arrived = _newest(arrived, td2, tau3, given)
             change = arrived + 1
-            used, asked = _row(latched, samples.shape[0]), _row(arrived, references.shape[0])
-            for i in range(m):
-                command = put(command, i, samples[used, i] + references[asked, i] / k_tot[i])
+            command = commanded(between, passing, latched, arrived, command)
+            if noting:
+                note(notes, COMMAND, k1, latched, arrived)
         elif now == sampled * td1:
             k1 = _matrix(one, k1, now - since1)
             seen(matrices1, k1, plant, command, look1, 0, plant)
-            place = _row(sampled, samples.shape[0])
-            for i in range(m):
-                samples[place, i], samples[place, m + i] = look1[0, dof1[i]], look1[0, n1 // 2 + dof1[i]]
+            keep_sample(between, passing, sampled, look1)
+            if noting:
+                note(notes, SAMPLE, k1, sampled, 0)
             if sample1 == sampled:
                 use1, sample1 = _next_use(use1, sample1, td3, tau1, td1)
             if sample2 == sampled:
@@ -187,22 +208,22 @@ def _run(clocks, between, one, two, samples, references, plant, command, numeric
             k2 = _matrix(two, k2, now - since2)
             numerical, since2 = moved(matrices2, k2, numerical, held, look2), now
             taken = _newest(taken, td1, tau2, now)
-            used = _row(taken, samples.shape[0])
-            for i in range(2 * m):
-                held = put(held, i, samples[used, i])
-            _reference(between, numerical, held, references, _row(number, references.shape[0]))
+            held = latch(passing, taken, held)
+            keep_reference(between, passing, number, numerical, held)
+            if noting:
+                note(notes, TICK, k2, taken, number)
             number += 1
         else:
             k1, k2 = _matrix(one, k1, now - since1), _matrix(two, k2, now - since2)
             seen(matrices1, k1, plant, command, look1, 0, plant)
             seen(matrices2, k2, numerical, held, look2, 0, numerical)
-            asked = _row((now - tau3) // td2, references.shape[0])
+            asked = row_of((now - tau3) // td2, passing.references.shape[0])
             for i in range(n1):
                 out[row, i] = look1[0, i]
             for i in range(n2):
                 out[row, n1 + i] = look2[0, i]
             for i in range(m):
-                out[row, n1 + n2 + i] = references[asked, i]
+                out[row, n1 + n2 + i] = passing.references[asked, i]
                 out[row, n1 + n2 + m + i] = k_tot[i] * (command[i] - look1[0, dof1[i]])
             row += 1
 
@@ -223,13 +244,13 @@ def moving(states: int, inputs: int) -> Moving:
     )
 
 
-def memories(clocks: Integers, m: int) -> tuple[Floats, Floats]:
+def memories(clocks: Integers, m: int) -> Passing:
     """Memories of samples and references that are long enough for all `clocks` (L, 7)."""
     td1, td2, td3, tau1, tau2, tau3, tau4 = clocks.T
     samples = np.max(np.maximum(tau1 + td3 + tau4, tau2) // td1)
     references = np.max((tau3 + tau4 + td3) // td2)
     lengths = [(1 << (int(needed) + 2).bit_length()) + 1 for needed in (samples, references)]
-    return np.empty((lengths[0], 2 * m)), np.empty((lengths[1], m))
+    return Passing(np.empty((lengths[0], 2 * m)), np.empty((lengths[1], m)))
 
 
 @inlined
@@ -257,7 +278,8 @@ def run_each(
     loops: Loops,
     dofs: tuple[Integers, Integers],
     sides: tuple[Moving, Moving],
-    memory: tuple[Floats, Floats],
+    passing: Passing,
+    notes: Notes,
     like: Any,
     step: int,
     out: Floats,
@@ -271,12 +293,12 @@ def run_each(
         What is different in each.
     dofs : (m,) arrays
         Interface dofs of both sides.
-    sides, memory
-        Of the right size (`moving`, `memories`).
+    sides, passing, notes
+        Of the right size (`moving`, `memories`, `notes`).
     like : tuple
         Vectors as long as the states and held inputs: plant, commands, numerical side, latched motion.
     """
-    (one, two), (samples, references), m = sides, memory, loops.k_tot.shape[1]
+    (one, two), (samples, references), m = sides, passing, loops.k_tot.shape[1]
     n1, n2 = len(like[0]), len(like[2])
     for i in range(loops.clocks.shape[0]):
         t, k_tot, y1, y2 = loops.clocks[i], loops.k_tot[i], loops.y1[i], loops.y2[i]
@@ -290,4 +312,4 @@ def run_each(
         plant, command = _filled(like[0], y1, 0), _filled(like[1], y1, n1)
         numerical, held = _filled(like[2], y2, 0), _filled(like[3], y2, n2)
         clocks = Clocks(t[0], t[1], t[2], t[3], t[4], t[5], t[6])
-        _run(clocks, between, one, two, samples, references, plant, command, numerical, held, step, out[i])
+        _run(clocks, between, one, two, passing, notes, plant, command, numerical, held, step, out[i])

@@ -16,6 +16,7 @@ from rthm_core.engine.linear.kernel import vector
 from rthm_core.engine.linear.run import repeating_program
 from rthm_core.engine.many.delayed import Clocks, Loops, memories, moving, run_each
 from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_lanes, scratch
+from rthm_core.engine.many.period import notes
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
 from rthm_core.substructure import interface
@@ -229,7 +230,7 @@ def _each_with_its_delays(
     like = tuple(vector(np.zeros(size)) for size in (n1, m, n2, 2 * m))
     loops = Loops(a1, a2, y1, y2, k_tot, stiffness, damping, fastest, clocks)
     sides = (moving(n1, m), moving(n2, 2 * m))
-    run_each(loops, dofs, sides, memories(clocks, m), like, step, found)
+    run_each(loops, dofs, sides, memories(clocks, m), notes(), like, step, found)
     return _ensemble(found, step, n1, n2, m)
 
 

@@ -44,6 +44,10 @@ class Commands(NamedTuple):
     reference: Integers
     rank: Integers
 
+    def rows(self, which: Integers | slice) -> Commands:
+        """Return some of the commands."""
+        return Commands(*(column[which] for column in self))
+
 
 class Depth(NamedTuple):
     """How many of the latest samples, references and commands can still be used."""
@@ -146,8 +150,7 @@ class Schedule:
         of them.
         """
         if self._span[0] <= begin and end <= self._span[1]:
-            within = slice(*np.searchsorted(self._within_span.time, [begin, end]))
-            return Commands(*(column[within] for column in self._within_span))
+            return self._within_span.rows(slice(*np.searchsorted(self._within_span.time, [begin, end])))
         self._within_span, self._span = self._commands(begin, end), (begin, end)
         return self._within_span
 
@@ -187,7 +190,7 @@ class Schedule:
         due = np.where(due < NEVER, due + self.motor_delay, NEVER)
         used = overtaking(due)
         used = used[(due[used] >= begin) & (due[used] < end)]
-        return due[used], Commands(*(column[used] for column in sent))
+        return due[used], sent.rows(used)
 
     def events(self, begin: int, end: int, output: int | None = None) -> Events:
         """Everything that happens in [begin, end), in order; with `output`, a row is written every `output`

@@ -55,16 +55,16 @@ class RecordedSchedule(Schedule):
         _check(spec, recording)
         self._recording = recording
         self.end = to_ns(recording.duration) + self.td1 - 1
-        self._state = {"tau2": self._held("tau2"), "tau1": self._held("tau1")}
+        self._latched = self._held("tau2")
         self._sent = self._all_commands()
         self._due, self._arriving = self._all_arrivals()
-        states = np.concatenate([self._sent.state, self._state["tau2"]])
+        states = np.concatenate([self._sent.state, self._latched])
         self._taken = np.unique(states[states != INITIAL])
 
     @property
     def depth(self) -> Depth:
         """How far back a sample, a reference or a command lies that is used."""
-        sent, ticks = self._sent, self._state["tau2"]
+        sent, ticks = self._sent, self._latched
         samples = np.concatenate(
             [sent.time // self.td1 - sent.state, np.arange(ticks.size) * self.td2 // self.td1 - ticks]
         )
@@ -91,17 +91,16 @@ class RecordedSchedule(Schedule):
     def references(self, begin: int, end: int) -> tuple[Integers, Integers]:
         """Numbers of the numerical ticks in [begin, end), and of the state sample that each used."""
         numbers = self.ticks(self.td2, begin, min(end, self.end + 1))
-        return numbers, self._state["tau2"][numbers]
+        return numbers, self._latched[numbers]
 
     def commands(self, begin: int, end: int) -> Commands:
         """Commands that were sent in [begin, end)."""
-        within = slice(*np.searchsorted(self._sent.time, [begin, end]))
-        return Commands(*(column[within] for column in self._sent))
+        return self._sent.rows(slice(*np.searchsorted(self._sent.time, [begin, end])))
 
     def arrivals(self, begin: int, end: int) -> tuple[Integers, Commands]:
         """Instants in [begin, end) at which a command became the input of a motor, and these commands."""
         within = slice(*np.searchsorted(self._due, [begin, end]))
-        return self._due[within], Commands(*(column[within] for column in self._arriving))
+        return self._due[within], self._arriving.rows(within)
 
     def samples(self, begin: int, end: int) -> Integers:
         """Numbers of the samples taken in [begin, end) that anybody used."""
@@ -137,7 +136,7 @@ class RecordedSchedule(Schedule):
         taken, number = self._references_taken(time)
         latest = np.searchsorted(taken, time, side="right") - 1
         reference = np.where(latest >= 0, number[np.maximum(latest, 0)], INITIAL) if number.size else latest
-        state = self._state["tau1"][time // self.td3]
+        state = self._held("tau1")[time // self.td3]
         return Commands(time, state, reference, self._ranks(time))
 
     def _references_taken(self, commands: Integers) -> tuple[Integers, Integers]:
@@ -177,7 +176,7 @@ class RecordedSchedule(Schedule):
         there = (row < self._sent.time.size) & (stamp >= 0)
         order = np.argsort(use[there], kind="stable")
         due = use[there][order] + self.motor_delay
-        return due, Commands(*(column[row[there][order]] for column in self._sent))
+        return due, self._sent.rows(row[there][order])
 
 
 def _numbers(stamps: Integers, period: int) -> Integers:
@@ -186,8 +185,8 @@ def _numbers(stamps: Integers, period: int) -> Integers:
 
 
 def _check(spec: Spec, recording: Recording) -> None:
-    missing = [name for name in LINKS if name not in recording.links]
-    missing += [name for name in ("actuator/command",) if name not in recording.tables]
+    there = {*recording.links, *recording.tables}
+    missing = [name for name in (*LINKS, "actuator/command") if name not in there]
     if missing:
         raise InputError(
             f"the recording has no {', '.join(missing)}, so when its samples were used is not known; it "

@@ -11,15 +11,17 @@ import numpy as np
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
+from rthm_core.engine.curved.kernel import Looks
 from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
 from rthm_core.engine.curved.run import Portion, State, looks_of, outputs, plan, start_state
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import Rows, joined
 from rthm_core.engine.linear.kernel import ROWS
+from rthm_core.engine.linear.preparation import filled
 from rthm_core.engine.simulate import checked_step, simulate
 from rthm_core.engine.tangents.advance import TangentWork, Term
-from rthm_core.engine.tangents.changes import Tangents, columns, stencil, tangents
-from rthm_core.engine.tangents.kernel import Seen, TangentSteps, run_tangents
+from rthm_core.engine.tangents.changes import Tangents, look_pairs, stencil, step_pairs, tangents
+from rthm_core.engine.tangents.kernel import TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.spec import parameters
@@ -92,9 +94,7 @@ def sensitivities(
     """
     step = checked_step(spec, duration, sample)
     spec.loop()
-    chosen = physical_numbers(spec) if names is None else tuple(names)
-    for name in chosen:
-        _check(spec, name)
+    chosen = physical_numbers(spec) if names is None else _checked(spec, tuple(names))
     beside = _beside(spec, chosen, to_ns(duration), step, energies=energies)
     if beside is not None:
         return beside
@@ -130,18 +130,24 @@ def _shifts_time(one: EffectSpec) -> bool:
     return one.block.startswith("link") or one.kind == "extra_delay"
 
 
-def _check(spec: Spec, name: str) -> None:
-    if _within(name, (*NOT_SMOOTH, *(one.name for one in spec.effects if _shifts_time(one)))):
-        raise InputError(
-            f"{name} is nothing on which a motion depends smoothly, allowed are numbers of the plant, the "
-            f"numerical side, the interface, the actuators, loads and effects; leave it out."
-        )
+@kept
+def _checked(spec: Spec, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The names; refuses those on which no motion depends smoothly."""
+    refused = (*NOT_SMOOTH, *(one.name for one in spec.effects if _shifts_time(one)))
+    for name in names:
+        if _within(name, refused):
+            raise InputError(
+                f"{name} is nothing on which a motion depends smoothly, allowed are numbers of the plant, "
+                f"the numerical side, the interface, the actuators, loads and effects; leave it out."
+            )
+    return names
 
 
 class _Prepared(NamedTuple):
-    """A loop, its derivatives, and memory for the changes of its steps."""
+    """A loop, what is seen of it, its derivatives, and memory for the changes of its steps."""
 
     loop: CurvedLoop
+    looks: Looks
     changes: Tangents
     steps: dict[int, TangentSteps]
 
@@ -153,37 +159,41 @@ def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> 
     if loop is None or not loop.curved.steady or loop.linear.sensors is not None:
         return None
     changes = tangents(spec, loop, names)
-    return None if changes is None else _Prepared(loop, changes, {})
+    return None if changes is None else _Prepared(loop, looks_of(loop), changes, {})
 
 
 def _steps(one: _Prepared, slots: int) -> TangentSteps:
     """Memory for the changes of so many steps."""
     if slots not in one.steps:
-        _, n, d, *groups = one.changes.systems.shape
-        loop, none = one.loop, np.zeros(slots, dtype=np.int64)
-        seen = Seen(*(np.ascontiguousarray(rows.T) for rows in (loop.sample, loop.force, loop.reference)))
-        memory = np.empty((slots, d, n, *groups))
-        one.steps[slots] = TangentSteps(memory, none, seen, columns(loop, one.changes))
+        loop, changes = one.loop, one.changes
+        one.steps[slots] = TangentSteps(
+            step_pairs(loop, changes, slots),
+            np.zeros(slots, dtype=np.int64),
+            look_pairs(loop.sample, changes.sample),
+            look_pairs(loop.force, changes.force),
+            look_pairs(loop.reference, changes.reference),
+        )
     return one.steps[slots]
 
 
-def _tangent_work(one: _Prepared, state: State) -> TangentWork:
-    """Tangents at the start of a test."""
+def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
+    """Tangents at the start of a test that looks back on so many samples and references."""
     changes = one.changes
     _, n, d, *groups = changes.systems.shape
     dz = np.zeros((d, *groups))
     dz[: changes.start.shape[0]] = changes.start
     return TangentWork(
         dz,
-        np.tile(changes.first_sample, (state.memory.samples.shape[0], 1, 1, 1)),
-        np.tile(changes.first_reference, (state.memory.references.shape[0], 1, 1, 1)),
-        np.zeros((n, *groups)),
+        dz.copy(),
+        filled(changes.first_sample, samples),
+        filled(changes.first_reference, references),
         np.zeros(n),
         np.zeros(groups),
         Term(np.zeros(n), np.zeros((n, *groups))),
         Term(np.zeros(n), np.zeros((n, *groups))),
         np.zeros(d),
         np.zeros((d, *groups)),
+        np.zeros((d, n, *groups)),
     )
 
 
@@ -195,8 +205,7 @@ def _beside(
     found = None if one is None else plan(spec, one.loop, end, step, energies=energies, span=end + 1)
     if one is None or found is None:
         return None
-    state = start_state(one.loop, found.samples, found.references)
-    own = _tangent_work(one, state)
+    state, own = start_state(one.loop, 0, 0), _tangent_work(one, found.samples, found.references)
     blocks = [_block(one, portion, state, own, len(names)) for portion in found.portions]
     rows, (beside,) = (joined(parts) for parts in zip(*blocks, strict=True))
     ends = np.cumsum([part.shape[1] for part in rows[:2]])
@@ -226,9 +235,9 @@ def _block(
         loop.curved,
         portion.steps,
         state.work,
-        looks_of(loop),
+        one.looks,
         portion.operations,
-        state.memory,
+        state.memory.count,
         state.z,
         portion.passes,
         out,

@@ -10,6 +10,7 @@ from rthm_core.engine.curved.loop import Curved
 from rthm_core.engine.curved.quiet import quiet_step
 from rthm_core.engine.curved.steps import Steps
 from rthm_core.engine.linear.kernel import Memory
+from rthm_core.engine.worked import energy
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 
@@ -123,14 +124,10 @@ def add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
 @inlined
 def write_works(forms, sums, z, out):  # type: ignore[no-untyped-def]
     """Works so far, and the energy of the present state."""
-    last, energy, pair = forms.shape[0] - 1, 0.0, 0
+    last = forms.shape[0] - 1
     for term in range(last):
         out[term] = sums[term]
-    for i in range(z.size):
-        for j in range(i, z.size):
-            energy += forms[last, pair] * z[i] * z[j]
-            pair += 1
-    out[last] = energy
+    out[last] = energy(forms[last], z)
 
 
 @compiled_in_place

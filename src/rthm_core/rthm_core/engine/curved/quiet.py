@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from rthm_core.compiled import inlined
 from rthm_core.engine.curved.switch import product
+from rthm_core.engine.worked import worked
 from rthm_core.physical.laws import PLACE
+from rthm_core.wide import numbers, put_numbers
 
 
 @inlined
@@ -34,15 +36,17 @@ def _moves_on(slope, velocity, piece, z, end):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _count(table, z, sums):  # type: ignore[no-untyped-def]
-    """Add the works of a step from `z` on."""
-    pair = 0
-    for i in range(z.size):
-        for j in range(i, z.size):
-            product = z[i] * z[j]
-            for column in range(sums.size):
-                sums[column] += table[pair, column] * product
-            pair += 1
+def nothing_switches(  # type: ignore[no-untyped-def]
+    systems, holds, number, places, n, breakaway, z, pieces, end
+):
+    """Whether all dofs stick on, or slip on, over a step from ``z = [y, held, g]`` to the states `end`."""
+    for row in range(pieces.size):
+        piece, velocity = pieces[row], places[row, PLACE] + n
+        if piece == 0 and not _holds_on(holds[number, row], breakaway[row], z, end):
+            return False
+        if piece != 0 and not _moves_on(systems[number, velocity], velocity, piece, z, end):
+            return False
+    return True
 
 
 @inlined
@@ -63,12 +67,8 @@ def quiet_step(  # type: ignore[no-untyped-def]
         for j in range(z.size):
             total += matrices[slot, 0, j, i] * z[j]
         end[i] = total
-    for row in range(pieces.size):
-        piece, velocity = pieces[row], places[row, PLACE] + n
-        if piece == 0 and not _holds_on(holds[number, row], breakaway[row], z, end):
-            return False
-        if piece != 0 and not _moves_on(systems[number, velocity], velocity, piece, z, end):
-            return False
+    if not nothing_switches(systems, holds, number, places, n, breakaway, z, pieces, end):
+        return False
     if works.shape[0]:
-        _count(works[slot], z, sums)
+        put_numbers(sums, (), numbers(sums, ()) + worked(works, slot, z))
     return True

@@ -13,9 +13,11 @@ from numba.core import types
 from numba.cpython.unsafe.tuple import tuple_setitem
 from numba.extending import overload
 
-from rthm_core.compiled import Floats, Integers, compiled, inlined
+from rthm_core.compiled import FUSED, Floats, Integers, fused, inlined
+from rthm_core.engine.worked import worked
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+from rthm_core.wide import numbers, put_numbers
 
 SMALL = 6
 """Longest state that is kept in registers."""
@@ -121,7 +123,7 @@ def moved(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
     """`state` after the step with matrix `k`; an array is changed in place."""
 
 
-@overload(moved)  # type: ignore[untyped-decorator]
+@overload(moved, jit_options={"fastmath": FUSED})  # type: ignore[untyped-decorator]
 def _moved(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
     if isinstance(state, types.Array):
 
@@ -151,7 +153,7 @@ def seen(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: A
     """Write what matrix `k` makes of [state, held] into a row of `out`, which is as long as `like`."""
 
 
-@overload(seen)  # type: ignore[untyped-decorator]
+@overload(seen, jit_options={"fastmath": FUSED})  # type: ignore[untyped-decorator]
 def _seen(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: Any) -> Any:
     if isinstance(state, types.Array):
 
@@ -192,21 +194,13 @@ def _joined(joint: Floats, begin: int, part: Vector) -> int:
 def _worked(
     tables: Floats, k: int, joint: Floats, plant: Vector, command: Vector, numerical: Vector, held: Vector
 ) -> Any:
-    """Works (8,) by table `k` from the joint state."""
+    """Works (8,), a wide value, by table `k` from the joint state."""
     d = _joined(joint, _joined(joint, 0, plant), command)
-    d = _joined(joint, _joined(joint, d, numerical), held)
-    sums = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    pair = 0
-    for i in range(d):
-        for j in range(i, d):
-            product = joint[i] * joint[j]
-            for column in range(8):
-                sums = tuple_setitem(sums, column, sums[column] + tables[k, pair, column] * product)
-            pair += 1
-    return sums
+    _joined(joint, _joined(joint, d, numerical), held)
+    return worked(tables, k, joint)
 
 
-@compiled
+@fused
 def run(
     tables: Tables,
     operations: Operations,
@@ -246,8 +240,7 @@ def run(
                 if counting is not None:
                     k = work_at[later + e]
                     works = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
-                    for i in range(8):
-                        work_out[row, i] = counting.sums[i] + works[i]
+                    put_numbers(work_out, (row,), numbers(counting.sums, ()) + works)
                 row += 1
                 if row == reference_out.shape[0]:
                     break
@@ -267,8 +260,7 @@ def run(
             if counting is not None and step1 >= 0:
                 k = work_at[later + e]
                 works = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
-                for i in range(8):
-                    counting.sums[i] += works[i]
+                put_numbers(counting.sums, (), numbers(counting.sums, ()) + works)
             if step1 >= 0:
                 plant = moved(plant_step, step1, plant, command, scratch1)
             if step2 >= 0:

@@ -142,7 +142,7 @@ class Start(NamedTuple):
 
 def filled(row: Floats, needed: int) -> Floats:
     """Memory of at least so many rows, all of them what has been there before the test."""
-    return np.tile(row, (1 << (needed + 1).bit_length(), 1))
+    return np.repeat(row[None], 1 << (needed + 1).bit_length(), axis=0)
 
 
 def start_of(loop: LinearLoop, samples: int, references: int) -> Start:

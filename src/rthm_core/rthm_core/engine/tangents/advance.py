@@ -30,30 +30,29 @@ class TangentWork(NamedTuple):
 
     Attributes
     ----------
-    dz : (d, Q, 8) array
-        Tangents of [y, held, g].
+    dz, after : (d, Q, 8) arrays
+        Tangents of [y, held, g], and those after a step.
     samples, references : (length, 2 m, Q, 8), (length, m, Q, 8) arrays
         Those of the memory.
-    after : (N, Q, 8) array
-        Tangents of y after a step.
     rate : (N,) array
         Of y just before a law switches.
     shift : (Q, 8) array
         How much later it switches, s per unit of each parameter.
     one, other : Term
-    unit, zero : (d,), (d, Q, 8) arrays
+    unit, zero, change : (d,), (d, Q, 8), (d, N, Q, 8) arrays
     """
 
     dz: Floats
+    after: Floats
     samples: Floats
     references: Floats
-    after: Floats
     rate: Floats
     shift: Floats
     one: Term
     other: Term
     unit: Floats
     zero: Floats
+    change: Floats
 
 
 @inlined
@@ -84,35 +83,35 @@ def _shift(curved, tangents, number, law, piece, z, dz, rate, shift):  # type: i
 
 
 @inlined
-def _cross(curved, work, tangents, own, number, law, z, t):  # type: ignore[no-untyped-def]
+def _cross(curved, work, tangents, own, number, law, z, dz, t):  # type: ignore[no-untyped-def]
     """Let a law switch at `t`, where it leaves its piece, and the tangents jump."""
     first, size = z.size - curved.push.shape[1], curved.systems.shape[1]
     for i in range(size):
         own.rate[i] = product(curved.systems[number, i], z)
     piece = work.pieces[law]
-    _shift(curved, tangents, number, law, piece, z, own.dz, own.rate, own.shift)
+    _shift(curved, tangents, number, law, piece, z, dz, own.rate, own.shift)
     hold = product(curved.holds[number, law], z)
     work.pieces[law] = switched(curved.laws, curved.n, law, piece, z, hold)
     following = begin_step(curved, z, t, work.pieces)
-    _forces(tangents.forces, work.pieces, first, own.dz)
+    _forces(tangents.forces, work.pieces, first, dz)
     for i in range(size):
         jump = own.rate[i] - product(curved.systems[following, i], z)
         for group in range(own.shift.shape[0]):
-            put_numbers(own.dz, (i, group), numbers(own.dz, (i, group)) + jump * numbers(own.shift, (group,)))
+            put_numbers(dz, (i, group), numbers(dz, (i, group)) + jump * numbers(own.shift, (group,)))
     if work.pieces[law] == 0:  # at rest, whatever the parameter
         for group in range(own.shift.shape[0]):
             velocity = curved.laws.numbers[law, PLACE] + curved.n
-            put_numbers(own.dz, (velocity, group), everywhere(0.0))
+            put_numbers(dz, (velocity, group), everywhere(0.0))
 
 
 @inlined
-def advance_tangents(curved, steps, work, tangents, own, z, k, t):  # type: ignore[no-untyped-def]
-    """Advance z and its tangents over length `k`, from time `t` (s) on."""
+def advance_tangents(curved, steps, work, tangents, own, z, dz, after, k, t):  # type: ignore[no-untyped-def]
+    """Advance z and its tangents dz over length `k`, from time `t` (s) on; `after` is scratch."""
     size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
     first, done, length, switches = z.size - curved.push.shape[1], 0.0, whole, 0
     while done < whole:
         number = begin_step(curved, z, t + done, work.pieces)
-        _forces(tangents.forces, work.pieces, first, own.dz)
+        _forces(tangents.forces, work.pieces, first, dz)
         slot = number * lengths + k if length == whole else steps.filled.size - 1
         if length != whole or not steps.filled[slot]:
             fill(curved.systems[number], curved.fastest, steps, slot, length)
@@ -125,26 +124,26 @@ def advance_tangents(curved, steps, work, tangents, own, z, k, t):  # type: igno
             law, share, terms = first_left(curved, work, number, z, length)
         by_series(
             curved.systems[number], tangents.systems[number], share * length,
-            terms_of(curved.fastest * length), z, own.dz, own.one, own.other, own.after,
+            terms_of(curved.fastest * length), z, dz, own.one, own.other, after[:size],
         )  # fmt: skip
-        copy_numbers(own.after, own.dz, size)
+        copy_numbers(after, dz, size)
         end_step(curved, work, number, z, law, share, terms, length)
         for i in range(size):
             z[i] = work.end[i]
         done = whole if law < 0 else done + share * length
         if law >= 0:
-            _cross(curved, work, tangents, own, number, law, z, t + done)
+            _cross(curved, work, tangents, own, number, law, z, dz, t + done)
             switches += 1
         length = whole - done
     begin_step(curved, z, t + whole, work.pieces)
-    _forces(tangents.forces, work.pieces, first, own.dz)
+    _forces(tangents.forces, work.pieces, first, dz)
 
 
 @inlined
-def change_of_step(curved, steps, tangents, own, number, k, out):  # type: ignore[no-untyped-def]
-    """Change of the matrix of a step over length `k`."""
+def change_of_step(curved, steps, tangents, own, number, k):  # type: ignore[no-untyped-def]
+    """Change of the matrix of a step over length `k`, into ``own.change``."""
     length = steps.lengths[k]
     fill_change(
         curved.systems[number], tangents.systems[number], length, terms_of(curved.fastest * length),
-        own.unit, own.zero, own.one, own.other, out,
+        own.unit, own.zero, own.one, own.other, own.change,
     )  # fmt: skip

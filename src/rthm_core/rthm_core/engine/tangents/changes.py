@@ -34,7 +34,10 @@ Stencil = list[tuple["Spec", float]]
 
 
 class Tangents(NamedTuple):
-    """Derivatives with respect to 8 Q parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
+    """Derivatives with respect to parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
+
+    The last two axes, Q groups of 8 lanes, are the parameters; the lane after the last of them is the motion
+    itself. There matrices and limits are zero, since these do not change, and all else is as it is.
 
     Attributes
     ----------
@@ -95,15 +98,23 @@ def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | N
                 return None
             weighted.append([weight * one for one in arrays])
         derivatives.append([np.sum(parts, axis=0) for parts in zip(*weighted, strict=True)])
-    return Tangents(*(_side_by_side(parts) for parts in zip(*derivatives, strict=True)))
+    motion = _motion(loop)
+    return Tangents(*(_lanes(parts, own) for *parts, own in zip(*derivatives, motion, strict=True)))
 
 
-def _side_by_side(derivatives: Sequence[Floats]) -> Floats:
+def _motion(loop: CurvedLoop) -> list[Floats]:
+    """Lane of the motion, in the order of `Tangents`."""
+    themselves = ("forces", "bias", "start", "first_sample", "first_reference")
+    arrays = zip(Tangents._fields, _arrays(loop), strict=True)
+    return [one if name in themselves else np.zeros_like(one) for name, one in arrays]
+
+
+def _lanes(derivatives: Sequence[Floats], motion: Floats) -> Floats:
     """Arrays stacked along a last axis that is filled up to whole groups, and parted into them."""
-    first, missing = derivatives[0], -len(derivatives) % WIDTH
-    stacked = np.stack([*derivatives, *([np.zeros_like(first)] * missing)], axis=-1)
-    groups = stacked.shape[-1] // WIDTH
-    return np.ascontiguousarray(stacked.reshape(*first.shape, groups, WIDTH))
+    groups = len(derivatives) // WIDTH + 1
+    missing = groups * WIDTH - len(derivatives) - 1
+    stacked = np.stack([*derivatives, motion, *([np.zeros_like(motion)] * missing)], axis=-1)
+    return np.ascontiguousarray(stacked.reshape(*motion.shape, groups, WIDTH))
 
 
 def _arrays(loop: CurvedLoop) -> tuple[Floats, ...]:
@@ -136,39 +147,48 @@ def _forces(numbers: Integers, parameters: Floats) -> Floats:
     return found
 
 
-class Columns(NamedTuple):
-    """For each two rows of what is made of [y, held, g] the number of elements that count, and then these.
+class Pairs(NamedTuple):
+    """Matrices and their changes, two rows at a time, as `by_pairs` takes them.
 
-    Unsigned, since compiled code need not ask whether such an index counts from the end.
+    Attributes
+    ----------
+    columns : (N / 2, .) array
+        Number of elements that count, and then these. Unsigned, since compiled code need not ask whether such
+        an index counts from the end.
+    values, changes : (K, N / 2, ., 2), (K, N / 2, ., 2, Q, 8) arrays
     """
 
-    steps: Unsigned
-    sample: Unsigned
-    force: Unsigned
-    reference: Unsigned
+    columns: Unsigned
+    values: Floats
+    changes: Floats
 
 
-def columns(loop: CurvedLoop, changes: Tangents) -> Columns:
-    """What the tangents after a step, and those of what is seen, depend on."""
+def step_pairs(loop: CurvedLoop, changes: Tangents, slots: int) -> Pairs:
+    """Memory for the matrices of so many steps, which are made when they are needed."""
     systems = np.abs(loop.curved.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
     n = systems.shape[0]
     states = np.eye(n, dtype=bool)
     for _ in range(n):
         states = states | (states.astype(int) @ (systems[:, :n] != 0.0) > 0)
-    reached = np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0])
-    looks = zip(
-        (loop.sample, loop.force, loop.reference),
-        (changes.sample, changes.force, changes.reference),
-        strict=True,
+    columns = _numbered(np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0]))
+    values = np.empty((slots, *columns.shape, 2))
+    return Pairs(columns, values, np.empty((*values.shape, *changes.systems.shape[-2:])))
+
+
+def look_pairs(rows: Floats, changes: Floats) -> Pairs:
+    """What is seen of [y, held] through `rows` (., N + M), with their transposed `changes`."""
+    columns = _numbered((rows != 0.0) | np.any(changes != 0.0, axis=(2, 3)).T)
+    which = np.minimum(2 * np.arange(columns.shape[0])[:, None] + [0, 1], rows.shape[0] - 1)
+    taken = columns.astype(int)[:, :, None], which[:, None]
+    return Pairs(
+        columns, np.ascontiguousarray(rows.T[taken][None]), np.ascontiguousarray(changes[taken][None])
     )
-    seen = [(rows != 0.0) | np.any(change != 0.0, axis=(2, 3)).T for rows, change in looks]
-    return Columns(*(_numbered(rows) for rows in (reached, *seen)))
 
 
 def _numbered(rows: Flags) -> Unsigned:
     """Number of columns that are true in either of two rows, and then their indices."""
     rows = np.logical_or.reduceat(rows, np.arange(0, rows.shape[0], 2))
-    found = np.zeros((rows.shape[0], 1 + rows.shape[1]), dtype=np.uint64)
+    found = np.zeros((rows.shape[0], 1 + rows.sum(axis=1).max()), dtype=np.uint64)
     for i, row in enumerate(rows):
         which = np.flatnonzero(row)
         found[i, 0], found[i, 1 : 1 + which.size] = which.size, which

@@ -1,6 +1,7 @@
 """The compiled kernel of a loop and its tangents: what `curved.kernel` runs, with derivatives beside it.
 
-Clocks do not depend on physics, so that both follow one program.
+Clocks do not depend on physics, so that both follow one program. The motion is a lane of its tangents (see
+`Tangents`), and is advanced with them; a step in which a law switches is made by itself.
 """
 
 from __future__ import annotations
@@ -14,84 +15,122 @@ from rthm_core.engine.curved.kernel import (
     Operations,
     Outputs,
     add_moments,
-    command,
-    look,
-    sample,
-    write_row,
     write_works,
 )
 from rthm_core.engine.curved.loop import Curved
-from rthm_core.engine.curved.quiet import quiet_step
+from rthm_core.engine.curved.quiet import nothing_switches
 from rthm_core.engine.curved.steps import Steps
-from rthm_core.engine.linear.kernel import Memory
 from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step
-from rthm_core.engine.tangents.changes import Columns, Tangents
-from rthm_core.engine.tangents.steps import by_matrix, copy_numbers
+from rthm_core.engine.tangents.changes import Pairs, Tangents
+from rthm_core.engine.tangents.steps import by_pairs, copy_numbers, put_pairs
+from rthm_core.engine.worked import worked
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.wide import WIDTH, numbers, put_numbers, put_numbers_from
 
 
-class Seen(NamedTuple):
-    """Transposed matrices (N + M, .) of what is seen of [y, held]."""
-
-    sample: Floats
-    force: Floats
-    reference: Floats
-
-
 class TangentSteps(NamedTuple):
-    """Changes (K, d, N, Q, 8) of the steps' matrices, which of them are there, and what is seen."""
+    """Matrices of steps, which of them are there, and what is seen of [y, held]."""
 
-    changes: Floats
+    steps: Pairs
     filled: Integers
-    seen: Seen
-    columns: Columns
+    sample: Pairs
+    force: Pairs
+    reference: Pairs
 
 
 @inlined
-def _add(bias, out):  # type: ignore[no-untyped-def]
+def _see(pairs, z, dz, groups, out):  # type: ignore[no-untyped-def]
+    by_pairs(pairs.columns, pairs.values, pairs.changes, 0, z, dz, groups, out.shape[0], out)
+
+
+@inlined
+def _add(bias, out, groups):  # type: ignore[no-untyped-def]
     for i in range(out.shape[0]):
-        for group in range(out.shape[1]):
+        for group in range(len(groups)):
             put_numbers(out, (i, group), numbers(out, (i, group)) + numbers(bias, (i, group)))
 
 
 @inlined
-def _command_change(  # type: ignore[no-untyped-def]
-    k_tot, change, counting, size, reference, dsample, dreference, dz
-):
-    """Tangents of a command: of its two parts where works are counted."""
-    m = k_tot.size
-    for i in range(m):
-        compliance, part = 1.0 / k_tot[i], reference[i] / k_tot[i]
-        for group in range(dz.shape[1]):
-            beside = (numbers(dreference, (i, group)) - part * numbers(change, (i, group))) * compliance
-            if counting:
-                put_numbers(dz, (size + i, group), numbers(dsample, (i, group)))
-                put_numbers(dz, (size + m + i, group), beside)
-            else:
-                put_numbers(dz, (size + i, group), numbers(dsample, (i, group)) + beside)
+def _lane(dz, i, motion):  # type: ignore[no-untyped-def]
+    """Element of the motion whose tangents these are."""
+    return dz[i, motion[0], motion[1]]
 
 
 @inlined
-def _put(dz, i, beside, place, parameters):  # type: ignore[no-untyped-def]
-    """Write the tangents of one signal; those beyond the parameters are overwritten by the next."""
-    for group in range(dz.shape[1]):
+def _command(k_tot, change, counting, motion, dsample, dreference, out, groups):  # type: ignore[no-untyped-def]
+    """Tangents of a command: of its two parts where works are counted."""
+    m = k_tot.size
+    for i in range(m):
+        compliance = 1.0 / k_tot[i]
+        part = _lane(dreference, i, motion) * compliance
+        for group in range(len(groups)):
+            beside = (numbers(dreference, (i, group)) - part * numbers(change, (i, group))) * compliance
+            if counting:
+                put_numbers(out, (i, group), numbers(dsample, (i, group)))
+                put_numbers(out, (m + i, group), beside)
+            else:
+                put_numbers(out, (i, group), numbers(dsample, (i, group)) + beside)
+
+
+@inlined
+def _hold(dz, after, first, count, groups):  # type: ignore[no-untyped-def]
+    """Let inputs that changed be those after the following step, too."""
+    for i in range(first, first + count):
+        for group in range(len(groups)):
+            put_numbers(after, (i, group), numbers(dz, (i, group)))
+
+
+@inlined
+def _put(dz, i, beside, place, parameters, groups):  # type: ignore[no-untyped-def]
+    """Write the tangents of one signal; lanes beyond the parameters are overwritten by the next."""
+    for group in range(len(groups)):
         put_numbers_from(beside, place * parameters + group * WIDTH, numbers(dz, (i, group)))
 
 
 @inlined
-def _write(motion, plant, dz, dforce, dreference, beside, row, parameters):  # type: ignore[no-untyped-def]
-    """Tangents of a row [x1, v1, F, x2, v2, F_d]; `plant` is how many of them belong to the plant."""
-    m = dforce.shape[0]
-    place = row * (motion.size + 2 * m)
+def _write(  # type: ignore[no-untyped-def]
+    places, motion, dz, dforce, dreference, out, row, beside, parameters, groups
+):
+    """Write a row [x1, v1, F, x2, v2, F_d] and its tangents."""
+    m, plant = dforce.shape[0], out.plant.shape[1]
+    place = row * (places.size + 2 * m)
     for i in range(plant - m):
-        _put(dz, motion[i], beside, place + i, parameters)
+        out.plant[row, i] = _lane(dz, places[i], motion)
+        _put(dz, places[i], beside, place + i, parameters, groups)
     for i in range(m):
-        _put(dforce, i, beside, place + plant - m + i, parameters)
-    for i in range(plant - m, motion.size):
-        _put(dz, motion[i], beside, place + m + i, parameters)
+        out.plant[row, plant - m + i] = _lane(dforce, i, motion)
+        _put(dforce, i, beside, place + plant - m + i, parameters, groups)
+    for i in range(plant - m, places.size):
+        out.numerical[row, i - plant + m] = _lane(dz, places[i], motion)
+        _put(dz, places[i], beside, place + m + i, parameters, groups)
     for i in range(m):
-        _put(dreference, i, beside, place + motion.size + m + i, parameters)
+        out.reference[row, i] = _lane(dreference, i, motion)
+        _put(dreference, i, beside, place + places.size + m + i, parameters, groups)
+
+
+@inlined
+def _quiet(  # type: ignore[no-untyped-def]
+    curved, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups
+):
+    """Tangents `after` a step from dz on, with the motions `end` and y as lanes; whether it may be taken,
+    which it may not where anything switches.
+    """
+    pairs, slot = changes.steps, number * steps.lengths.size + k
+    if not steps.filled[slot]:
+        return False
+    if not changes.filled[slot]:
+        change_of_step(curved, steps, tangents, own, number, k)
+        put_pairs(steps.matrices[slot, 0], own.change, pairs, slot)
+        changes.filled[slot] = 1
+    by_pairs(pairs.columns, pairs.values, pairs.changes, slot, y, dz, groups, curved.systems.shape[1], after)
+    if not nothing_switches(
+        curved.systems, curved.holds, number, curved.laws.numbers, curved.n, curved.laws.breakaway, y,
+        work.pieces, end,
+    ):  # fmt: skip
+        return False
+    if steps.works.shape[0]:
+        put_numbers(work.sums, (), numbers(work.sums, ()) + worked(steps.works, slot, y))
+    return True
 
 
 @compiled_in_place
@@ -101,7 +140,7 @@ def run_tangents(
     work: Work,
     looks: Looks,
     operations: Operations,
-    memory: Memory,
+    count: Integers,
     z: Floats,
     passes: int,
     out: Outputs,
@@ -114,80 +153,60 @@ def run_tangents(
 ) -> None:
     """Execute a program `passes` times or until the rows `out` are full, from z on.
 
-    The tangents of each row [x1, v1, F, x2, v2, F_d] with respect to so many `parameters`, of which there are
-    as many `groups` as the tuple is long, follow each other in `beside`, which has `WIDTH` numbers to spare.
+    The tangents of each row [x1, v1, F, x2, v2, F_d] with respect to so many `parameters` follow each other
+    in `beside`, which has `WIDTH` numbers to spare. The tuple `groups` is as long as there are groups of
+    lanes.
     """
-    samples, references, count = memory
-    s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
+    dz, after, dsamples, dreferences = own.dz, own.after, own.samples, own.references
+    s_mask, r_mask = dsamples.shape[0] - 1, dreferences.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
-    size, held = curved.systems.shape[1], looks.sample.shape[1] - looks.sample.shape[0]
-    systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
-    breakaway, pieces, end, sums = curved.laws.breakaway, work.pieces, work.end[:size], work.sums
-    matrices, filled, lengths, works = steps.matrices, steps.filled, steps.lengths, steps.works
-    m, seen, columns, counting = looks.k_tot.size, changes.seen, changes.columns, looks.forms.shape[0] > 0
-    quick = works.shape[0] > 0 or not counting
-    dz, dsamples, dreferences, after = own.dz, own.samples, own.references, own.after
+    size, m, motion = curved.systems.shape[1], looks.k_tot.size, divmod(parameters, WIDTH)
+    held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
+    y, end = dz[:, motion[0], motion[1]], after[:, motion[0], motion[1]]
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
             what, k = operations.what[e], operations.length[later, e]
-            now = operations.time[e] + p * operations.period
-            quiet, number = False, 0
             if k >= 0:
-                number = set_of(bits, pieces)
-                quiet = quick and quiet_step(
-                    systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, works,
-                    k, z, pieces, end, sums,
-                )  # fmt: skip
-            if quiet:
-                slot = number * lengths.size + k
-                if not changes.filled[slot]:
-                    change_of_step(curved, steps, tangents, own, number, k, changes.changes[slot])
-                    changes.filled[slot] = 1
-                by_matrix(matrices[slot, 0], changes.changes[slot], columns.steps, z, dz, groups, after)
-                copy_numbers(after, dz, size)
-                for i in range(size):
-                    z[i] = end[i]
-            elif k >= 0:
-                advance_tangents(curved, steps, work, tangents, own, z, k, now * 1e-9 - lengths[k])
-                add_moments(looks.forms, work.moments, sums)
+                number = set_of(curved.bits, work.pieces)
+                if _quiet(curved, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups):
+                    dz, after, y, end = after, dz, end, y
+                else:
+                    begin = (operations.time[e] + p * operations.period) * 1e-9 - steps.lengths[k]
+                    copy_into(z, y)
+                    advance_tangents(curved, steps, work, tangents, own, z, dz, after, k, begin)
+                    add_moments(looks.forms, work.moments, work.sums)
+                    copy_into(y, z)
+                    _hold(dz, after, size, z.size - size, groups)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:
-                sample(looks, z, now, samples[s & s_mask])
-                by_matrix(seen.sample, tangents.sample, columns.sample, z, dz, groups, dsamples[s & s_mask])
-                _add(tangents.bias, dsamples[s & s_mask])
+                sample = dsamples[s & s_mask]
+                _see(changes.sample, y, dz, groups, sample)
+                _add(tangents.bias, sample, groups)
                 s += 1
             elif what == REFERENCE:
-                copy_into(z[held : held + samples.shape[1]], samples[used])
-                copy_numbers(dsamples[used], dz[held:], samples.shape[1])
-                look(looks.reference, z, references[r & r_mask])
-                by_matrix(
-                    seen.reference, tangents.reference, columns.reference, z, dz, groups,
-                    dreferences[r & r_mask],
-                )  # fmt: skip
+                copy_numbers(dsamples[used], dz[held:], 2 * m)
+                _hold(dz, after, held, 2 * m, groups)
+                reference = dreferences[r & r_mask]
+                _see(changes.reference, y, dz, groups, reference)
                 r += 1
             elif what == MOTOR:
-                command(looks, counting, size, samples[used], references[asked], z)
-                _command_change(
-                    looks.k_tot,
-                    tangents.k_tot,
-                    counting,
-                    size,
-                    references[asked],
-                    dsamples[used],
-                    dreferences[asked],
-                    dz,
-                )
-            elif what == OUTPUT:
-                write_row(looks, z, references[asked], out, row)
-                if counting:
-                    write_works(looks.forms, sums, z, out.works[row])
-                by_matrix(seen.force, tangents.force, columns.force, z, dz, groups, after[:m])
-                _write(
-                    looks.motion, out.plant.shape[1], dz, after[:m], dreferences[asked], beside, row,
-                    parameters,
+                _command(
+                    looks.k_tot, tangents.k_tot, counting, motion, dsamples[used], dreferences[asked],
+                    dz[size:], groups,
                 )  # fmt: skip
+                _hold(dz, after, size, 2 * m if counting else m, groups)
+            elif what == OUTPUT:
+                force = after[:m]
+                _see(changes.force, y, dz, groups, force)
+                _write(
+                    looks.motion, motion, dz, force, dreferences[asked], out, row, beside, parameters, groups
+                )
+                if counting:
+                    write_works(looks.forms, work.sums, y, out.works[row])
                 row += 1
                 if row == out.plant.shape[0]:
                     break
+    copy_into(z, y)
+    copy_numbers(dz, own.dz, z.size)
     count[0], count[1], count[2] = s, r, row

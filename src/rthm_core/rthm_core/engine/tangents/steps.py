@@ -21,25 +21,40 @@ def copy_numbers(source, target, count):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def by_matrix(matrix, change, columns, z, dz, groups, out):  # type: ignore[no-untyped-def]
-    """Tangents (N, Q, 8) of what a transposed matrix (., N), which changes as well (., N, Q, 8), makes of z.
+def put_pairs(matrix, change, pairs, number):  # type: ignore[no-untyped-def]
+    """Let one of the matrices of `by_pairs` be a transposed matrix (., N) that changes by (., N, Q, 8)."""
+    last = matrix.shape[1] - 1
+    for pair in range(pairs.columns.shape[0]):
+        for at in range(1, pairs.columns[pair, 0] + 1):
+            j = pairs.columns[pair, at]
+            for side in range(2):
+                i = min(2 * pair + side, last)
+                pairs.values[number, pair, at, side] = matrix[j, i]
+                for group in range(change.shape[2]):
+                    beside = numbers(change, (j, i, group))
+                    put_numbers(pairs.changes, (number, pair, at, side, group), beside)
 
-    Two rows at a time, for which `columns` (N / 2, .) has the number of elements of z that count, and then
-    these. A tuple of Q `groups` lets the compiler keep their tangents in registers.
+
+@inlined
+def by_pairs(columns, values, changes, number, z, dz, groups, rows, out):  # type: ignore[no-untyped-def]
+    """What a matrix of so many `rows` makes of z, and its tangents (., Q, 8).
+
+    The matrix, one of several, is given two rows at a time, for which `columns` (N / 2, .) has the number of
+    elements of z that count, and then these; `values` (., N / 2, ., 2) and `changes` (., N / 2, ., 2, Q, 8)
+    have what belongs to each. A tuple of Q `groups` lets the compiler keep the sums in registers.
     """
-    last = out.shape[0] - 1
     for pair in range(columns.shape[0]):
-        i, k = 2 * pair, min(2 * pair + 1, last)
         one, other = several(groups), several(groups)
         for at in range(1, columns[pair, 0] + 1):
             j = columns[pair, at]
-            here, first, second = z[j], matrix[j, i], matrix[j, k]
+            here, first, second = z[j], values[number, pair, at, 0], values[number, pair, at, 1]
             for group in range(len(groups)):
                 moving = numbers(dz, (j, group))
-                more = one[group] + first * moving + here * numbers(change, (j, i, group))
-                one = tuple_setitem(one, group, more)
-                more = other[group] + second * moving + here * numbers(change, (j, k, group))
-                other = tuple_setitem(other, group, more)
+                change = numbers(changes, (number, pair, at, 0, group))
+                one = tuple_setitem(one, group, one[group] + first * moving + here * change)
+                change = numbers(changes, (number, pair, at, 1, group))
+                other = tuple_setitem(other, group, other[group] + second * moving + here * change)
+        i, k = 2 * pair, min(2 * pair + 1, rows - 1)
         for group in range(len(groups)):
             put_numbers(out, (i, group), one[group])
             put_numbers(out, (k, group), other[group])

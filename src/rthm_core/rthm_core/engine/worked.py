@@ -1,0 +1,35 @@
+"""Works over a step as products of what it begins with, compiled."""
+
+from __future__ import annotations
+
+from rthm_core.compiled import inlined
+from rthm_core.wide import everywhere, numbers
+
+
+@inlined
+def worked(tables, k, z):  # type: ignore[no-untyped-def]
+    """Works (8,), a wide value, over a step from `z` on.
+
+    Table `k` of `tables` (K, d (d + 1) / 2, 8) has the coefficients of the products of every two elements.
+    """
+    total, pair = everywhere(0.0), 0
+    for i in range(z.size):
+        part = everywhere(0.0)
+        for j in range(i, z.size):
+            part += numbers(tables, (k, pair)) * z[j]
+            pair += 1
+        total += part * z[i]
+    return total
+
+
+@inlined
+def energy(form, z):  # type: ignore[no-untyped-def]
+    """Sum over every two elements of `z` of ``form[pair] z_i z_j``."""
+    total, pair = 0.0, 0
+    for i in range(z.size):
+        part = 0.0
+        for j in range(i, z.size):
+            part += form[pair] * z[j]
+            pair += 1
+        total += part * z[i]
+    return total

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from benchmarks.engine import THREADS
 from benchmarks.engine.clock import interleaved
 
 from rthm_analysis.lifted.commensurate import period_of
@@ -94,7 +95,8 @@ def long_run(spec: Spec, duration: float, sample: float) -> tuple[float, float]:
 def starts(times: int = 3) -> tuple[float, float]:
     """CPU seconds of ``rthm simulate`` for 20 s: the first use after installation, and a later one."""
     with tempfile.TemporaryDirectory() as folder:
-        environment = os.environ | {"RTHM_CACHE_DIR": folder}
+        users = {name: value for name, value in os.environ.items() if name not in THREADS}
+        environment = users | {"RTHM_CACHE_DIR": folder}
         rthm = str(Path(sys.executable).parent / "rthm")
         command = [rthm, "simulate", "paper", "--duration", "20", "--out", str(Path(folder) / "run.npz")]
 

@@ -72,9 +72,9 @@ WAYS: dict[str, Callable[[Spec, float, float], Entry]] = {
     "scipy solve_ivp, restarted": restarted,
 }
 SLOW = {
-    "JiTCDDE, true sampling": 5,
-    "JiTCDDE, true sampling, steps laid on the events": 5,
-    "JiTCDDE, mean delays": 5,
+    "JiTCDDE, true sampling": 15,
+    "JiTCDDE, true sampling, steps laid on the events": 15,
+    "JiTCDDE, mean delays": 15,
     "FMPy co-simulation": 3,
     "scipy solve_ivp, restarted": 1,
 }
@@ -119,7 +119,7 @@ def beside_twins(spec: Spec, rounds: int) -> list[Row]:
             return [Row(name, skipped=str(reason))]
         difference = float(np.abs(kernel().plant - twin()).max())
         times = interleaved({"kernel": kernel, "twin": twin}, max(3, rounds // 3), {})
-        rows.append(Row(name, times["kernel"], times["kernel"] / times["twin"], difference))
+        rows.append(Row(name, times.median("kernel"), times.ratio("kernel", "twin"), difference))
     return rows
 
 
@@ -138,9 +138,9 @@ def scaled(spec: Spec) -> dict[str, float]:
 
 def _time(rows: dict[str, Row], calls: dict[str, Callable[[], Any]], rounds: int) -> None:
     times = interleaved(calls, rounds, SLOW)
-    for name, cpu in times.items():
-        rows[name].cpu = cpu
-        rows[name].ratio = cpu / times[LIMIT] if LIMIT in times else None
+    for name in calls:
+        rows[name].cpu = times.median(name)
+        rows[name].ratio = times.ratio(name, LIMIT) if LIMIT in calls else None
 
 
 def main() -> None:

@@ -4,17 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from statistics import median
 
 
-def interleaved(
-    calls: Mapping[str, Callable[[], object]], rounds: int, slow: Mapping[str, int]
-) -> dict[str, float]:
-    """Median CPU seconds of each call.
+@dataclass
+class Times:
+    """CPU seconds of each call, round by round."""
 
-    Every round takes each once, in turn; those in `slow` only in so many of the first rounds.
-    """
-    times: dict[str, list[float]] = {name: [] for name in calls}
+    of: dict[str, list[float]] = field(default_factory=dict)
+
+    def median(self, name: str) -> float:
+        """Of all rounds."""
+        return median(self.of[name])
+
+    def ratio(self, name: str, unit: str) -> float:
+        """Median of the ratios within each round: a machine that is slow for a while is so for both."""
+        return median(one / other for one, other in zip(self.of[name], self.of[unit], strict=False))
+
+
+def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, slow: Mapping[str, int]) -> Times:
+    """Time calls: every round takes each once, in turn; those in `slow` in the first of them only."""
+    times = Times({name: [] for name in calls})
     for name, call in calls.items():
         if slow.get(name, rounds) > 1:
             call()
@@ -23,5 +34,5 @@ def interleaved(
             if turn < slow.get(name, rounds):
                 begin = time.process_time_ns()
                 call()
-                times[name].append((time.process_time_ns() - begin) * 1e-9)
-    return {name: median(found) for name, found in times.items()}
+                times.of[name].append((time.process_time_ns() - begin) * 1e-9)
+    return times

@@ -54,10 +54,10 @@ def stability_checks(spec: Spec) -> Callable[[], object]:
 def per_one(calls: dict[str, Callable[[], object]], unit: Callable[[], object] | None) -> dict[str, float]:
     """CPU seconds for one of the `COUNT` of each call; as ``..._ratio``, in units of a call of `unit`."""
     every = calls | ({"unit": lambda: [unit() for _ in range(100)]} if unit else {})
-    times = interleaved(every, 7, {})
-    found = {name: times[name] / COUNT for name in calls}
+    times = interleaved(every, 21, {})
+    found = {name: times.median(name) / COUNT for name in calls}
     if unit:
-        found |= {f"{name}_ratio": found[name] / (times["unit"] / 100) for name in calls}
+        found |= {f"{name}_ratio": times.ratio(name, "unit") * 100 / COUNT for name in calls}
     return found
 
 
@@ -74,10 +74,10 @@ def sensitive(spec: Spec, duration: float, sample: float) -> dict[str, float]:
     times = interleaved(calls, 31, {})
     return {
         "parameters": len(sensitivities(spec, 0.1, sample=sample).by_parameter),
-        "sensitive": times["sensitive"],
-        "sensitive_ratio": times["sensitive"] / times["without"],
-        "counting_sensitive": times["counting_sensitive"],
-        "counting_sensitive_ratio": times["counting_sensitive"] / times["counting"],
+        "sensitive": times.median("sensitive"),
+        "sensitive_ratio": times.ratio("sensitive", "without"),
+        "counting_sensitive": times.median("counting_sensitive"),
+        "counting_sensitive_ratio": times.ratio("counting_sensitive", "counting"),
     }
 
 

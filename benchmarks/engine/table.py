@@ -8,8 +8,8 @@ HEAD = """\
 # Speed
 
 {duration:g} s of the paper's loop with a row of the trajectory every {milliseconds:g} ms ({rows} rows): CPU
-time on one thread, median of interleaved rounds, and as a ratio to a C event engine on the same work. Error:
-largest difference of x1 from the same events in 50-digit arithmetic.
+time on one thread, median of interleaved rounds, and as a ratio to a C event engine on the same work, median
+of the ratios within each round. Error: largest difference of x1 from the same events in 50-digit arithmetic.
 
 {date}, {machine}. Again: `python -m benchmarks.engine --out docs`.
 

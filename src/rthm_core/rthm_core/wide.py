@@ -7,20 +7,41 @@ processor with shorter registers the compiler uses several of them.
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
 from numba.core.errors import TypingError
 from numba.extending import intrinsic, lower_builtin, register_model, type_callable
 
+from rthm_core.compiled import Floats
+
 WIDTH = 8
 """How many numbers."""
 
 _NUMBERS = ir.VectorType(ir.DoubleType(), WIDTH)
+
+
+def wide_empty(*shape: int) -> Floats:
+    """Array without values, none of whose wide ones lies across two lines of the nearest memory: reading such
+    a one takes twice as long.
+    """
+    size = math.prod(shape)
+    memory = np.empty(size + WIDTH)
+    begin = -(memory.__array_interface__["data"][0] // memory.itemsize) % WIDTH
+    return memory[begin : begin + size].reshape(shape)
+
+
+def wide_copy(values: Floats) -> Floats:
+    """Copy of an array at such a place."""
+    copy = wide_empty(*values.shape)
+    copy[...] = values
+    return copy
 
 
 class Wide(types.Type):

@@ -7,7 +7,7 @@ import pytest
 from numba.core.errors import TypingError
 
 from rthm_core.compiled import compiled_in_place
-from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several
+from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several, wide_copy, wide_empty
 
 
 @compiled_in_place
@@ -53,3 +53,12 @@ def test_as_many_zeros_as_asked_for():
 def test_numbers_that_do_not_lie_side_by_side_are_refused(out):
     with pytest.raises(TypingError, match="side by side"):
         doubled(np.zeros((2, WIDTH)), out)
+
+
+def test_arrays_for_wide_values_begin_at_a_line_of_memory():
+    kept = [np.empty(odd) for odd in range(1, 40, 2)]  # so that what follows begins anywhere
+    values = np.arange(3.0 * 5 * WIDTH).reshape(5, 3, WIDTH).swapaxes(0, 1)
+    for array in (wide_empty(7, WIDTH), wide_empty(0, WIDTH), wide_copy(values), *map(wide_copy, kept)):
+        assert array.flags.c_contiguous
+        assert array.ctypes.data % (8 * WIDTH) == 0 or array.size == 0
+    assert np.array_equal(wide_copy(values), values)

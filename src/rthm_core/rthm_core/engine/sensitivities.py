@@ -25,7 +25,7 @@ from rthm_core.engine.tangents.kernel import TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.spec import parameters
-from rthm_core.wide import WIDTH
+from rthm_core.wide import WIDTH, wide_copy, wide_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import EffectSpec, Spec
@@ -180,20 +180,21 @@ def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
     """Tangents at the start of a test that looks back on so many samples and references."""
     changes = one.changes
     _, n, d, *groups = changes.systems.shape
-    dz = np.zeros((d, *groups))
+    nothing = np.zeros((d, *groups))
+    dz = wide_copy(nothing)
     dz[: changes.start.shape[0]] = changes.start
     return TangentWork(
         dz,
-        dz.copy(),
-        filled(changes.first_sample, samples),
-        filled(changes.first_reference, references),
+        wide_copy(dz),
+        wide_copy(filled(changes.first_sample, samples)),
+        wide_copy(filled(changes.first_reference, references)),
         np.zeros(n),
-        np.zeros(groups),
-        Term(np.zeros(n), np.zeros((n, *groups))),
-        Term(np.zeros(n), np.zeros((n, *groups))),
+        wide_copy(nothing[0]),
+        Term(np.zeros(n), wide_copy(nothing[:n])),
+        Term(np.zeros(n), wide_copy(nothing[:n])),
         np.zeros(d),
-        np.zeros((d, *groups)),
-        np.zeros((d, n, *groups)),
+        wide_copy(nothing),
+        wide_empty(d, n, *groups),
     )
 
 

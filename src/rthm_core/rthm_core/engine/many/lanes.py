@@ -17,7 +17,7 @@ from numba.extending import overload
 from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
 from rthm_core.engine.curved.steps import terms_of
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several
+from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several, wide_empty
 
 GROUPS = 8
 """How many groups execute an operation one after the other; what they need stays in the nearest memory."""
@@ -68,10 +68,10 @@ def scratch(samples: int, references: int, m: int, columns: int) -> Scratch:
     """Memory that reaches back so many samples and references, for rows of so many columns."""
     lengths = [1 << (reach + 1).bit_length() for reach in (samples, references)]
     return Scratch(
-        np.empty((lengths[0], 2 * m, GROUPS, WIDTH)),
-        np.empty((lengths[1], m, GROUPS, WIDTH)),
-        np.empty((1, columns, GROUPS, WIDTH)),
-        np.empty((BUFFER, columns, GROUPS, WIDTH)),
+        wide_empty(lengths[0], 2 * m, GROUPS, WIDTH),
+        wide_empty(lengths[1], m, GROUPS, WIDTH),
+        wide_empty(1, columns, GROUPS, WIDTH),
+        wide_empty(BUFFER, columns, GROUPS, WIDTH),
     )
 
 
@@ -123,11 +123,16 @@ def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) ->
         _scaled(work, 1.0, grown)
 
 
-@compiled
 def lane_steps(a: Floats, lengths: Floats, states: int) -> Floats:
     """Step matrices (K, n, states, Q, 8), transposed, over each of the lengths (s)."""
-    n, groups = a.shape[0], a.shape[2]
-    steps = np.empty((lengths.size, n, states, groups, WIDTH))
+    steps = wide_empty(lengths.size, a.shape[0], states, a.shape[2], WIDTH)
+    _fill_steps(a, lengths, steps)
+    return steps
+
+
+@compiled
+def _fill_steps(a: Floats, lengths: Floats, steps: Floats) -> None:
+    n, states, groups = steps.shape[1:4]
     own, x, grown, work = (
         np.empty((n, n, WIDTH)),
         np.empty((n, n, WIDTH)),
@@ -144,7 +149,6 @@ def lane_steps(a: Floats, lengths: Floats, states: int) -> Floats:
                 for j in range(n):
                     same = 1.0 if i == j else 0.0
                     put_numbers(steps, (k, j, i, group), numbers(grown, (i, j)) + same)
-    return steps
 
 
 @inlined

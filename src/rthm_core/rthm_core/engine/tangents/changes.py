@@ -18,7 +18,7 @@ from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
 from rthm_core.errors import InputError
 from rthm_core.physical.laws import CODE, FRICTION, PLANT_LAWS, SPLIT
 from rthm_core.spec import apply, number_at
-from rthm_core.wide import WIDTH
+from rthm_core.wide import WIDTH, wide_copy, wide_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -114,7 +114,7 @@ def _lanes(derivatives: Sequence[Floats], motion: Floats) -> Floats:
     groups = len(derivatives) // WIDTH + 1
     missing = groups * WIDTH - len(derivatives) - 1
     stacked = np.stack([*derivatives, motion, *([np.zeros_like(motion)] * missing)], axis=-1)
-    return np.ascontiguousarray(stacked.reshape(*motion.shape, groups, WIDTH))
+    return wide_copy(stacked.reshape(*motion.shape, groups, WIDTH))
 
 
 def _arrays(loop: CurvedLoop) -> tuple[Floats, ...]:
@@ -172,7 +172,7 @@ def step_pairs(loop: CurvedLoop, changes: Tangents, slots: int) -> Pairs:
         states = states | (states.astype(int) @ (systems[:, :n] != 0.0) > 0)
     columns = _numbered(np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0]))
     values = np.empty((slots, *columns.shape, 2))
-    return Pairs(columns, values, np.empty((*values.shape, *changes.systems.shape[-2:])))
+    return Pairs(columns, values, wide_empty(*values.shape, *changes.systems.shape[-2:]))
 
 
 def look_pairs(rows: Floats, changes: Floats) -> Pairs:
@@ -180,9 +180,7 @@ def look_pairs(rows: Floats, changes: Floats) -> Pairs:
     columns = _numbered((rows != 0.0) | np.any(changes != 0.0, axis=(2, 3)).T)
     which = np.minimum(2 * np.arange(columns.shape[0])[:, None] + [0, 1], rows.shape[0] - 1)
     taken = columns.astype(int)[:, :, None], which[:, None]
-    return Pairs(
-        columns, np.ascontiguousarray(rows.T[taken][None]), np.ascontiguousarray(changes[taken][None])
-    )
+    return Pairs(columns, np.ascontiguousarray(rows.T[taken][None]), wide_copy(changes[taken][None]))
 
 
 def _numbered(rows: Flags) -> Unsigned:

@@ -42,8 +42,8 @@ of the program:
 | one of 1024 loops of {duration:g} s side by side, a row every second | {per_loop}, {ratio} of C |
 | one of 1024 loops of {duration:g} s with delays of their own, a row every second | {own}, {own_ratio} of C |
 | one of 1024 stability checks | {check}, {check_ratio} of {duration:g} s in C |
-| Coulomb friction, sensitivities to {parameters} parameters | {sensitive}, {sensitive_ratio} of without |
-| the same, with energies | {counting_sensitive}, {counting_sensitive_ratio} of without |
+| Coulomb friction, `sensitivities` to {parameters} parameters | {counted}, {counted_ratio} of `simulate` |
+| the same, energies counted in neither | {sensitive}, {sensitive_ratio} of `simulate` |
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |
@@ -91,8 +91,8 @@ def markdown(found: dict[str, Any]) -> str:
         parameters=scale["parameters"],
         sensitive=_time(scale["sensitive"]),
         sensitive_ratio=_number(scale["sensitive_ratio"]),
-        counting_sensitive=_time(scale["counting_sensitive"]),
-        counting_sensitive_ratio=_number(scale["counting_sensitive_ratio"]),
+        counted=_time(scale["counting_sensitive"]),
+        counted_ratio=_number(scale["counting_sensitive_ratio"]),
         hour=_time(scale["hour"]),
         added=scale["hour_added_mb"],
         first=_time(scale["first_start"]),

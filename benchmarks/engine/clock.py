@@ -7,6 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from statistics import median
 
+LEAST = 0.01
+"""CPU seconds that each call is given in a round."""
+
 
 @dataclass
 class Times:
@@ -24,7 +27,7 @@ class Times:
 
 
 def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, slow: Mapping[str, int]) -> Times:
-    """Time calls: every round takes each once, in turn; those in `slow` in the first of them only."""
+    """Time calls: every round takes each in turn, those in `slow` in the first of them only."""
     times = Times({name: [] for name in calls})
     for name, call in calls.items():
         if slow.get(name, rounds) > 1:
@@ -32,7 +35,17 @@ def interleaved(calls: Mapping[str, Callable[[], object]], rounds: int, slow: Ma
     for turn in range(rounds):
         for name, call in calls.items():
             if turn < slow.get(name, rounds):
-                begin = time.process_time_ns()
-                call()
-                times.of[name].append((time.process_time_ns() - begin) * 1e-9)
+                times.of[name].append(_of_round(call))
     return times
+
+
+def _of_round(call: Callable[[], object]) -> float:
+    """CPU seconds of a call: median of as many as fill `LEAST`, since what was called before leaves a short
+    call without its data in the nearest memory, which a long one soon fetches.
+    """
+    found: list[float] = []
+    while sum(found) < LEAST:
+        begin = time.process_time_ns()
+        call()
+        found.append((time.process_time_ns() - begin) * 1e-9)
+    return median(found)

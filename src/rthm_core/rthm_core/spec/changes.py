@@ -9,7 +9,7 @@ from typing import Any
 
 from rthm_core.errors import refusal
 from rthm_core.spec.building import spec_from_parameters
-from rthm_core.spec.parameters import parameters
+from rthm_core.spec.parameters import values
 from rthm_core.spec.schema import Spec
 
 PLACE_KEYS = ("block", "dof", "actuator")
@@ -32,7 +32,7 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
     InputError
         If a name is not known or a value not allowed.
     """
-    flat: dict[str, Any] = {one.name: one.value for one in parameters(spec)}
+    flat = values(spec)
     changed = _flattened(changes)
     _make_way(flat, changed, spec)
     for name, value in changed.items():
@@ -46,9 +46,8 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
 
 def number_at(spec: Spec, name: str) -> float | None:
     """Number that a spec has under a dotted name; None for what is no single number of it."""
-    values = {one.name: one.value for one in parameters(spec)}
     indexed = _INDEXED.fullmatch(name)
-    value = values.get(indexed["name"] if indexed else name)
+    value = values(spec).get(indexed["name"] if indexed else name)
     if isinstance(value, list):
         index = int(indexed["index"]) if indexed else 0
         value = value[index] if index < len(value) and (indexed or len(value) == 1) else None
@@ -92,11 +91,11 @@ def _is_only_element(old: Any, new: Any) -> bool:
 
 
 def _set_element(flat: dict[str, Any], name: str, index: int, value: Any) -> None:
-    values = flat.get(name)
-    if not isinstance(values, list) or index >= len(values):
-        have = f"{len(values)} elements" if isinstance(values, list) else "no elements"
+    old = flat.get(name)
+    if not isinstance(old, list) or index >= len(old):
+        have = f"{len(old)} elements" if isinstance(old, list) else "no elements"
         raise refusal(f"{name}[{index}]", value, f"an element that there is, and {name} has {have}")
-    flat[name] = [*values[:index], value, *values[index + 1 :]]
+    flat[name] = [*old[:index], value, *old[index + 1 :]]
 
 
 def _remove(flat: dict[str, Any], name: str) -> None:

@@ -47,44 +47,59 @@ class Parameter:
 
 def parameters(spec: Spec) -> list[Parameter]:
     """Every entry of a spec, in the order of the schema; absent entries and empty lists are left out."""
-    found = list(_of_section("", spec))
+    return [parameter(*one) for one in _placed(spec)]
+
+
+def values(spec: Spec) -> dict[str, Any]:
+    """Value of every one of the `parameters`, by name."""
+    return {name: _stored(value) for name, value, *_ in _placed(spec)}
+
+
+Placed = tuple[str, Any, Entry | Quantity | Text, str | None]
+"""What `parameter` takes."""
+
+
+def _placed(spec: Spec) -> Iterator[Placed]:
+    yield from _of_section("", spec)
     if spec.effects:
-        names = [one.name for one in spec.effects]
-        found.append(parameter("effects", names, Names("names of the effects, each with its own section")))
+        names = Names("names of the effects, each with its own section")
+        yield "effects", [one.name for one in spec.effects], names, None
     for one in spec.effects:
-        found.extend(_of_effect(one))
-    return found
+        yield from _of_effect(one)
 
 
-def _of_section(key: str, section: Section) -> Iterator[Parameter]:
+def _of_section(key: str, section: Section) -> Iterator[Placed]:
     entries = dict(section.entries())
     for name, value in section.items():
         dotted = f"{key}.{name}" if key else name
         if isinstance(value, Section):
             yield from _of_section(dotted, value)
         elif name in entries and value is not None and value != ():
-            yield parameter(dotted, value, entries[name])
+            yield dotted, value, entries[name], None
         elif name == "kind":
-            yield parameter(dotted, value, Name(f"kind of load: {', '.join(LOAD_KINDS)}"))
+            yield dotted, value, Name(f"kind of load: {', '.join(LOAD_KINDS)}"), None
 
 
-def _of_effect(one: EffectSpec) -> Iterator[Parameter]:
+def _of_effect(one: EffectSpec) -> Iterator[Placed]:
     entries = dict(EffectSpec.entries())
     for key in ("block", "kind", "dof", "actuator"):
         value = getattr(one, key)
         if value is not None:
-            yield parameter(f"{one.name}.{key}", value, entries[key])
+            yield f"{one.name}.{key}", value, entries[key], None
     declared = effect(one.kind, one.block)
     for name, value in one.parameters.items():
         entry = declared.parameters[name]
         unit = declared.unit(name, one.block)
-        yield parameter(f"{one.name}.{name}", value, entry, unit)
+        yield f"{one.name}.{name}", value, entry, unit
 
 
 def parameter(name: str, value: Any, entry: Entry | Quantity | Text, unit: str | None = None) -> Parameter:
     """Return the parameter of an entry; an effect's entry needs its `unit`, as that may follow the block."""
     kind = entry.type if isinstance(entry, Entry) else "string" if isinstance(entry, Text) else "double"
     bounds = (getattr(entry, "lowest", None), getattr(entry, "highest", None))
-    stored = list(value) if isinstance(value, tuple) else value
     unit = getattr(entry, "unit", "") if unit is None else unit
-    return Parameter(name, stored, kind, unit, entry.description, *bounds, entry.allowed)
+    return Parameter(name, _stored(value), kind, unit, entry.description, *bounds, entry.allowed)
+
+
+def _stored(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

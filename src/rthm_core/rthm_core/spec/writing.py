@@ -10,7 +10,7 @@ from typing import Any
 
 from rthm_core.spec.building import nested
 from rthm_core.spec.catalogue import sections
-from rthm_core.spec.parameters import parameters
+from rthm_core.spec.parameters import values
 from rthm_core.spec.schema import Spec
 
 KEYS = {name for _, section in sections() for name in section.model_fields}
@@ -18,7 +18,7 @@ KEYS = {name for _, section in sections() for name in section.model_fields}
 
 def write_spec(spec: Spec) -> str:
     """Return the spec as YAML text with every default written out; `read_spec` of it gives the same spec."""
-    tree = nested({one.name: one.value for one in parameters(spec)})
+    tree = nested(values(spec))
     return "\n".join(["/**:", "  ros__parameters:", *_lines(tree, "    ")]) + "\n"
 
 

@@ -106,6 +106,11 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
         unexplained=unexplained,
         notes=tuple(note for part in parts for note in part.notes),
         patched=write_spec(_patched(parts, spec)),
+        faults=tuple(one for part in parts for one in part.faults),
+        described=tuple(one for part in parts for one in part.described),
+        traces=tuple(one for part in parts for one in part.traces),
+        refused=tuple(one for part in parts for one in part.refused),
+        free_run={dof: one for part in parts for dof, one in part.free_run.items()},
     )
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-Verdict = Literal["match", "retuned", "explained", "unexplained"]
+Verdict = Literal["match", "retuned", "explained", "improved", "unexplained"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,111 @@ class Physics:
     words: str
     energy: float
     share: float
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong with the recording, or with the spec it is compared with, rather than with the rig.
+
+    Attributes
+    ----------
+    block : str
+        Where it shows: that of the sensor or link; ``plant`` for a load and for a spec of another rig.
+    kind : str
+        ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
+        ``clock_drift``, ``wrong_parameter`` (of timing or compensator), ``wrong_spec``.
+    channel : str
+        ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
+    words : str
+        What, where and when, for a test engineer, with the way out.
+    interval : (float, float) or None
+        Seconds since the start of the test from its beginning to its end; None: throughout.
+    value : float or None
+        Its size: the factor of a unit, seconds of a delay, the value that a parameter really had.
+    """
+
+    block: str
+    kind: str
+    channel: str
+    words: str
+    interval: tuple[float, float] | None = None
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Described:
+    """A force that no kind fits but the data show.
+
+    Attributes
+    ----------
+    block, place
+        Where it acts.
+    relative_to : str or None
+        The other dof of a force between two.
+    depends_on : tuple of str
+        Of ``x v a t u command load``.
+    symmetry : str
+        ``odd``, ``even`` or ``neither``.
+    dissipative, memory : bool
+        Whether it takes energy out, and whether it depends on the past.
+    interval : (float, float) or None
+        When it acts, s since the start of the test; None: throughout.
+    formula : str or None
+        In N, where one was earned.
+    domain : dict
+        Range of each variable in which it was seen.
+    share, held_out_gain : float
+        Part of the squared error that it removes, on all data and on data that chose nothing.
+    at, force, std : (n,) arrays
+        The curve over the first variable, N.
+    words : str
+    """
+
+    block: str
+    place: str
+    relative_to: str | None
+    depends_on: tuple[str, ...]
+    symmetry: str
+    dissipative: bool
+    memory: bool
+    interval: tuple[float, float] | None
+    formula: str | None
+    domain: dict[str, tuple[float, float]]
+    share: float
+    held_out_gain: float
+    at: Floats
+    force: Floats
+    std: Floats
+    words: str
+
+
+@dataclass(frozen=True)
+class Trace:
+    """An effect that the data show but that does not matter: `share` of the squared error below 1 %."""
+
+    block: str
+    kind: str
+    share: float
+    words: str
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A hypothesis that was tried and not taken, and why, in words."""
+
+    block: str
+    kind: str
+    words: str
+
+
+@dataclass(frozen=True)
+class FreeRun:
+    """Error of one free run over the unseen part, over the standard deviation of the dof's position there."""
+
+    seconds: float
+    nominal: float
+    retuned: float
+    explained: float
 
 
 @dataclass(frozen=True)
@@ -165,6 +270,11 @@ class Part:
     effects: tuple[dict[str, Any], ...] = ()
     unexplained: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    faults: tuple[Fault, ...] = ()
+    described: tuple[Described, ...] = ()
+    traces: tuple[Trace, ...] = ()
+    refused: tuple[Refused, ...] = ()
+    free_run: dict[str, FreeRun] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -185,6 +295,11 @@ class Diagnosis:
     unexplained: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     patched: str = ""
+    faults: tuple[Fault, ...] = ()
+    described: tuple[Described, ...] = ()
+    traces: tuple[Trace, ...] = ()
+    refused: tuple[Refused, ...] = ()
+    free_run: dict[str, FreeRun] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of contract section 7, and `words`, `unexplained`, `curves`, `notes`."""
@@ -202,6 +317,11 @@ class Diagnosis:
             "unexplained": list(self.unexplained),
             "curves": [_curve(one) for one in self.curves],
             "notes": list(self.notes),
+            "faults": [asdict(one) for one in self.faults],
+            "described": [_described(one) for one in self.described],
+            "traces": [asdict(one) for one in self.traces],
+            "refused": [asdict(one) for one in self.refused],
+            "free_run": {dof: asdict(one) for dof, one in self.free_run.items()},
         }
 
 
@@ -230,6 +350,13 @@ def _fit(one: Fit) -> dict[str, Any]:
         "held_out": list(one.held_out),
         "nrmse": one.nrmse,
     }
+
+
+def _described(one: Described) -> dict[str, Any]:
+    values = {f.name: getattr(one, f.name) for f in fields(one)}
+    curve = {name: values.pop(name).tolist() for name in ("at", "force", "std")}
+    place = {place_key(one.block): values.pop("place")}
+    return {**place, **values, "depends_on": list(one.depends_on), "curve": curve}
 
 
 def _curve(one: Curve) -> dict[str, Any]:

@@ -84,10 +84,12 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
     unexplained = tuple(said for part in parts for said in part.unexplained)
     retuned = {name: one for part in parts for name, one in part.retuned.items()}
     blocks = tuple(one for part in parts for one in part.blocks)
-    named = [one.block for one in physics]
-    located = tuple(dict.fromkeys([*named, *(b.block for b in blocks if b.significant)]))
+    located = tuple(dict.fromkeys([*(one.block for one in physics), *(b.block for b in blocks if b.significant)]))
+    named = bool(physics) or any(part.described for part in parts)
     verdict: Verdict = (
-        "unexplained" if unexplained else "explained" if physics else "retuned" if retuned else "match"
+        ("improved" if named else "unexplained")
+        if unexplained
+        else "explained" if physics else "retuned" if retuned else "match"
     )
     alternatives = tuple(one for part in parts for one in part.alternatives)
     unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]

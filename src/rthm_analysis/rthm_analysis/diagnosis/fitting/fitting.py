@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.steps import moved
 from rthm_analysis.diagnosis.fitting.sums import Sums
@@ -75,9 +76,11 @@ class Fitting:
     experiment : Experiment
     windows : Windows
     sigma : (k,) array
-        Noise of the channels; inf leaves a channel out.
+        Noise of the channels, where it has a colour that of its innovations; inf leaves a channel out.
     base : Model
         Where the sensitivities to the initial states are taken at first.
+    colours : tuple of k Colour
+        Of the noise of the channels; empty: all is white.
     doubt : float
         Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
         model is wrong, data count less against what the spec states.
@@ -94,6 +97,7 @@ class Fitting:
     base: Model
     progress: Callable[[str], None] = lambda said: None
     doubt: float = 1.0
+    colours: tuple[Colour, ...] = ()
     cores: Cores = field(default_factory=Cores)
     _bases: Bases = field(default_factory=list)
 
@@ -113,9 +117,13 @@ class Fitting:
         return WiresAlone(self.experiment, self.base.spec, self.sigma)
 
     def residual(self, model: Model, windows: Windows | None = None) -> Floats:
-        """Measured minus predicted, over the noise: (s k,)."""
-        predicted = self.experiment.predicted(model.spec, windows or self.windows)
-        return np.asarray(((self.measured - predicted) * self.weight).ravel())
+        """Measured minus predicted, over the noise and whitened: (s k,)."""
+        return self.errors(self.experiment.predicted(model.spec, windows or self.windows))
+
+    def errors(self, predicted: Floats) -> Floats:
+        """Errors (s k,) of what was predicted (s, k), over the noise and whitened."""
+        errors = (self.measured - predicted) * self.weight
+        return whitened_from(errors, self.colours, self.windows.start).ravel()
 
     def squares(self, model: Model) -> float:
         """Squared error of a model as it stands, in units of the noise; inf where it diverges."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.colour import Colour, white
 from rthm_core.compiled import Floats
 
 RESOLUTION = 2e-5
@@ -11,6 +14,43 @@ RESOLUTION = 2e-5
 
 UNBLURRED = 2.5
 """Step, over the noise, from which readings show the steps of their rounding."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of all channels.
+
+    Attributes
+    ----------
+    colours : tuple of k Colour
+    """
+
+    colours: tuple[Colour, ...]
+
+    @property
+    def sigma(self) -> Floats:
+        """Standard deviations (k,) of the innovations: what cannot be foretold from the samples before."""
+        return np.array([colour.innovation for colour in self.colours])
+
+    @property
+    def level(self) -> Floats:
+        """Standard deviations (k,) of the noise as a whole."""
+        return np.array([colour.level for colour in self.colours])
+
+    @property
+    def is_white(self) -> bool:
+        """Whether no channel's noise has a colour."""
+        return all(colour.is_white for colour in self.colours)
+
+    def smaller(self, other: Noise) -> Noise:
+        """Of each channel the smaller noise."""
+        pairs = zip(self.colours, other.colours, strict=True)
+        return Noise(tuple(a if a.level <= b.level else b for a, b in pairs))
+
+
+def white_noise(levels: Floats) -> Noise:
+    """White noise of some standard deviations (k,)."""
+    return Noise(tuple(white(float(level)) for level in levels))
 
 
 def noise_levels(residual: Floats, measured: Floats) -> Floats:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.fitting.noise import noise_levels
+from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
+from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.replay.between import ways
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -34,7 +35,7 @@ class Begun(NamedTuple):
     """
 
     runs: Windows
-    sigma: Floats
+    noise: Noise
     fitting: Fitting
     nominal: Fitted
     retuned: Fitted
@@ -53,28 +54,50 @@ def begin(
     settled : Model
         With what was found in the motors.
     first : (m,) array
-        Command that had been there for ever before the test, m.
+        Command in steady state before the test, m.
     train : int
         Samples that fits may see.
     progress : callable
         Told what is being done, in words.
     """
     parts = [Experiment(seen.first(train), first, between=way) for way in ways(seen)]
-    runs, sigma = _runs(seen, settled, train, parts[0])
+    runs, noise = _runs(seen, settled, train, parts[0])
     for part in parts[1:]:
         part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = np.minimum(sigma, noise_left(part, settled.spec, runs.first(train)))
+        noise = noise.smaller(noise_left(part, settled.spec, runs.first(train)))
     begun: list[Begun] = []
     for part in parts:
-        fitting = Fitting(part, runs.first(train), sigma, settled, progress)
+        fitting = fitting_of(part, runs.first(train), noise, settled, progress)
         nominal = fitting.fit(settled)
         near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
-        begun.append(Begun(runs, sigma, fitting, nominal, near))
+        begun.append(Begun(runs, noise, fitting, nominal, near))
     best = min(begun, key=lambda one: one.retuned.squares)
     if _explains_most(best.fitting, best.retuned, begun[0].retuned):
         others = [one for one in begun if one is not best]
-        return [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
-    return begun
+        begun = [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
+    return [_whitened(begun[0]), *begun[1:]]
+
+
+def fitting_of(
+    part: Experiment, runs: Windows, noise: Noise, base: Model, progress: Callable[[str], None]
+) -> Fitting:
+    """Fits of the training part that weigh its channels by their noise."""
+    return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours)
+
+
+def _whitened(begun: Begun) -> Begun:
+    """The same with errors weighed by the colour of the noise, where it has one."""
+    fitting = begun.fitting
+    noise = coloured(fitting, begun.retuned, begun.noise)
+    return begun if noise.is_white else with_noise(begun, noise)
+
+
+def with_noise(begun: Begun, noise: Noise) -> Begun:
+    """The same, judged by another noise."""
+    before = begun.fitting
+    fitting = fitting_of(before.experiment, before.windows, noise, before.base, before.progress)
+    nominal = fitting.fit(begun.nominal.model)
+    return Begun(begun.runs, noise, fitting, nominal, retuned_from(fitting, nominal))
 
 
 def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
@@ -110,14 +133,16 @@ def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
     fitting.progress("retuning what is uncertain")
     fitting.doubt = doubt(fitting, nominal)
     model = nominal.model
-    retuned = _retuned(fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal))))
+    retuned = best_of_starts(
+        fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal)))
+    )
     if fitting.doubt > 1.5:
         fitting.doubt = doubt(fitting, retuned)
         retuned = fitting.fit(retuned.model)
     return retuned
 
 
-def _retuned(fitting: Fitting, model: Model) -> Fitted:
+def best_of_starts(fitting: Fitting, model: Model) -> Fitted:
     """Best of two fits: a start that is a little off can imitate wrong parameters, and a fit gets stuck."""
     fits = [fitting.fit(model)]
     if model.parameters and fitting.windows.length is None:
@@ -125,22 +150,22 @@ def _retuned(fitting: Fitting, model: Model) -> Fitted:
     return min(fits, key=lambda fitted: fitted.squares)
 
 
-def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple[Windows, Floats]:
+def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple[Windows, Noise]:
     """Free runs as long as the nominal model stays near the recording, and the noise that they show."""
     longer = 1.0
     while True:
         runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
-        sigma = noise_left(part, settled.spec, runs.first(train))
+        noise = noise_left(part, settled.spec, runs.first(train))
         if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
-            return runs, sigma
-        fitting = Fitting(part, runs.first(train), sigma, settled)
+            return runs, noise
+        fitting = Fitting(part, runs.first(train), noise.sigma, settled)
         if doubt(fitting, fitting.fit(settled)) > NEAR:
-            return runs, sigma
+            return runs, noise
         longer *= 2.0
 
 
-def noise_left(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
-    """Noise (k,) of the channels; more than that where a spec leaves out what is as fast as noise."""
+def noise_left(experiment: Experiment, spec: Spec, runs: Windows) -> Noise:
+    """White noise of the channels; more than that where a spec leaves out what is as fast as noise."""
     measured = experiment.evidence.measured
-    return noise_levels(measured - experiment.predicted(spec, runs), measured)
+    return white_noise(noise_levels(measured - experiment.predicted(spec, runs), measured))

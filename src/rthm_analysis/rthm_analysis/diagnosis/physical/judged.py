@@ -6,9 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_core.compiled import Floats
+
+STILL = 3.0
+"""Standard deviation of a signal, over its noise, below which it stands still."""
 
 
 @dataclass(frozen=True)
@@ -28,31 +33,32 @@ def simulate_all(physical: Physical, fitted: Fitted) -> Simulated:
     return Simulated(fitted, physical.experiment.predicted(fitted.model.spec, runs))
 
 
+def spread(physical: Physical, channel: int) -> float:
+    """Standard deviation of a signal on the unseen part; of the whole of it where it hardly moves there."""
+    measured = physical.evidence.measured[:, channel]
+    held = float(np.nanstd(measured[physical.train :]))
+    return held if held > STILL * physical.noise.level[channel] else max(float(np.nanstd(measured)), 1e-300)
+
+
 def nrmse(physical: Physical, predicted: Floats, channel: int) -> float:
-    """Error on the held-out part over the signal's standard deviation there."""
+    """Error on the held-out part over the `spread` of the signal."""
     held = slice(physical.train, None)
-    measured = physical.evidence.measured[held, channel]
-    error = measured - predicted[held, channel]
-    return float(np.sqrt(np.nanmean(np.square(error))) / max(float(np.nanstd(measured)), 1e-300))
+    error = physical.evidence.measured[held, channel] - predicted[held, channel]
+    return float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel)
+
+
+def errors_of(physical: Physical, predicted: Floats) -> Floats:
+    """Errors (s, k) over the noise and whitened; NaN where nothing was measured."""
+    error = (physical.evidence.measured - predicted) / physical.noise.sigma
+    white = whitened_from(np.nan_to_num(error), physical.noise.colours, physical.windows.start)
+    return np.where(np.isfinite(error), white, np.nan)
 
 
 def held_out_squares(physical: Physical, predicted: Floats) -> float:
     """Squared error of all channels on the held-out part, in units of the noise."""
-    held = slice(physical.train, None)
-    error = (physical.evidence.measured - predicted)[held] / physical.sigma
-    return float(np.nansum(np.square(error)))
+    return float(np.nansum(np.square(errors_of(physical, predicted)[physical.train :])))
 
 
-def coloured(residual: Floats, samples: int = 16) -> float:
-    """Power of slow residuals over that of white noise with the same standard deviation 1; 1: white.
-
-    Parameters
-    ----------
-    residual : (s,) array
-        In units of the noise.
-    samples : int
-        Length of the averages in which noise drowns and physics does not.
-    """
-    count = residual.size // samples * samples
-    averages = np.nanmean(residual[:count].reshape(-1, samples), axis=1)
-    return float(np.nanmean(np.square(averages)) * samples)
+def remainders(physical: Physical, predicted: Floats) -> tuple[Remainder, ...]:
+    """What is left of each channel."""
+    return tuple(remainder_of(column, physical.train) for column in errors_of(physical, predicted).T)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +12,7 @@ from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
-from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on
+from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import (
@@ -115,6 +115,20 @@ class Experiment:
         self.sharp = True
         self._forget()
         return True
+
+    def under(self, force: Floats) -> Experiment:
+        """The same test with further known forces (s, n), N, on the dofs, straight between the samples."""
+        evidence = replace(self.evidence, load=self.evidence.load + force)
+
+        def with_force(inputs: Inputs) -> Inputs:
+            return inputs._replace(load=inputs.load + straight(inputs.points, evidence.time, force))
+
+        with self._lock:
+            motors = {key: with_force(inputs) for key, inputs in self._motors.items()}
+            grids = dict(self._grids)
+        return replace(
+            self, evidence=evidence, _motors=motors, _motions={}, _grids=grids, _lock=Lock()
+        )
 
     def _forget(self) -> None:
         self._motors.clear()

@@ -26,10 +26,16 @@ def load_on(grid: Grid, evidence: Evidence, between: Between) -> Floats:
         return np.repeat(load[row][:, None, :], 3, axis=1)
     points = np.minimum(grid.points, time[-1])
     if between is Between.LINEAR:
-        return np.stack([np.interp(points, time, column) for column in load.T], axis=2)
+        return straight(grid, time, load)
     from scipy.interpolate import CubicSpline
 
     return np.asarray(CubicSpline(time, load)(points))
+
+
+def straight(grid: Grid, time: Floats, load: Floats) -> Floats:
+    """Loads (s, n), known at some times (s,), along straight lines at the points of a grid: (g, 3, n)."""
+    points = np.minimum(grid.points, time[-1])
+    return np.stack([np.interp(points, time, column) for column in load.T], axis=2)
 
 
 def hidden_loads(spec: Spec, points: Grid) -> Floats | None:

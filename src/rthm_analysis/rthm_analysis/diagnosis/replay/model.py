@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rthm_analysis.diagnosis.replay.entries import entry_of, with_entry
 from rthm_core.effects import effect
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
@@ -166,6 +167,8 @@ class Model:
         for p in self.parameters:
             if p.key in PROPERTIES and p.value != 1.0:
                 spec = _scaled(spec, p.key, p.value)
+            elif entry_of(p.key) is not None:
+                spec = with_entry(spec, p.key, p.value)
             elif p.key.partition(".")[0] in already:
                 spec = _valued(spec, p)
         return spec

@@ -81,12 +81,12 @@ def windows(
     duration = float(evidence.time[-1])
     length = None
     if short:
-        length = _period(evidence)
+        length = period(evidence)
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)
     start = np.searchsorted(evidence.time, instants)
-    state = np.array([_state(evidence, spec, int(s)) for s in start])
+    state = np.array([state_at(evidence, spec, int(s)) for s in start])
     if known_start:
         state[0] = [*spec.plant.initial_position, *spec.plant.initial_velocity]
     return Windows(start.astype(np.int64), state, length)
@@ -107,17 +107,17 @@ def _drifts(spec: Spec, duration: float) -> bool:
 
 def _shortest(evidence: Evidence, duration: float) -> float:
     shortest = FEWEST_SAMPLES * duration / evidence.time.size
-    return float(min(max(PERIODS * _period(evidence), shortest), duration))
+    return float(min(max(PERIODS * period(evidence), shortest), duration))
 
 
-def _period(evidence: Evidence) -> float:
+def period(evidence: Evidence) -> float:
     """Mean period of the recorded motion, s."""
     position = np.nan_to_num(evidence.measured[:, 0])
     rate = np.gradient(position, evidence.time)
     return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
 
 
-def _state(evidence: Evidence, spec: Spec, sample: int) -> Floats:
+def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
     """Position and velocity at a sample, from parabolas through its neighbours."""
     assert spec.plant is not None
     dofs = spec.plant.dofs

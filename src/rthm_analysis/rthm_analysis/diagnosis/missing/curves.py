@@ -1,0 +1,200 @@
+"""Which free curve predicts data that chose nothing, and how much of what a model leaves it explains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.noise import Noise
+from rthm_analysis.diagnosis.missing.features import Feature, features
+from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.compiled import Floats
+
+SMALL = 1e-3
+"""Force of a shape in its trial replay, over the force that the model lacks, about: laws that bend stay straight."""
+
+RIDGE = 1e-7
+"""Weight of a size of zero, over that of the data, where shapes cannot be told apart."""
+
+
+@dataclass(frozen=True)
+class CurveFit:
+    """A free curve fitted to what a model leaves.
+
+    Attributes
+    ----------
+    dof : str
+    feature : Feature
+    sizes, stds : (p,) arrays
+        Of its shapes, N.
+    gain : float
+        Squared error that it removes where the fit did not see it (cross-validated), in units of the noise.
+    excess : float
+        Squared error of the model above the noise, in the same data.
+    held_out_gain, held_out_excess : float
+        The same in the part that chose nothing.
+    at : Along
+    """
+
+    dof: str
+    feature: Feature
+    sizes: Floats
+    stds: Floats
+    gain: float
+    excess: float
+    held_out_gain: float
+    held_out_excess: float
+    at: Along
+
+    @property
+    def share(self) -> float:
+        """Part of the mismatch that it explains in data left out of its fit."""
+        return self.gain / max(self.excess, 1e-300)
+
+    @property
+    def held_out_share(self) -> float:
+        """The same in the part that chose nothing."""
+        return self.held_out_gain / max(self.held_out_excess, 1e-300)
+
+    @property
+    def force(self) -> Floats:
+        """Force (s,) along the recording, N."""
+        return self.feature.shapes @ self.sizes
+
+
+class Regression:
+    """What a model leaves of the whole recording, and the response of its channels to any force.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        Over the whole recording.
+    windows : Windows
+    noise : Noise
+    model : Model
+    train : int
+        Samples that choose; the others confirm.
+    """
+
+    def __init__(
+        self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
+    ) -> None:
+        self.experiment, self.model = experiment, model
+        self.fitting = Fitting(experiment, windows, noise.sigma, model, colours=noise.colours)
+        self.here = self.fitting.residual(model)
+        self.left = self.fitting.projected(self.here)
+        last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
+        self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
+        known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
+        self.known = known
+
+    def response(self, shapes: Floats, dof: int) -> Floats:
+        """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
+        n = self.experiment.evidence.load.shape[1]
+        size = SMALL * self._force_scale()
+
+        def one(shape: Floats) -> Floats:
+            force = np.zeros((shape.size, n))
+            force[:, dof] = size * shape
+            predicted = self.experiment.under(force).predicted(self.model.spec, self.fitting.windows)
+            return (self.here - self.fitting.errors(predicted)) / size
+
+        return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(shapes.T))))
+
+    def _force_scale(self) -> float:
+        evidence = self.experiment.evidence
+        assert self.model.nominal.plant is not None
+        stiffness = max(map(abs, self.model.nominal.plant.stiffness), default=1.0)
+        return float(np.nanstd(evidence.measured[:, 0])) * max(stiffness, 1e-9) + 1e-12
+
+    def fit(self, feature: Feature, dof: int, name: str, at: Along) -> CurveFit | None:
+        """Fit a free curve; None where the model diverges under it."""
+        columns = np.vstack([self.known, self.response(feature.shapes, dof)])
+        if not np.isfinite(columns).all():
+            return None
+        first = self.known.shape[0]
+        whole = _normal(columns, self.left, self.train)
+        base = _normal(columns[:first], self.left, self.train)
+        sizes, inverse = _solved(*whole.total)
+        plain, _ = _solved(*base.total)
+        held = self.held
+        before = sum(_squares(self.left[b] - plain @ columns[:first, b]) for b in held)
+        after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
+        scatter = max(float(np.median(whole.squares / whole.count)), 1.0)
+        return CurveFit(
+            name,
+            feature,
+            sizes[first:],
+            np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
+            float(base.left_out().sum() - whole.left_out().sum()),
+            float(base.left_out().sum() - whole.count.sum()),
+            float(before - after),
+            float(before - sum(self.left[b].size for b in held)),
+            at,
+        )
+
+
+@dataclass(frozen=True)
+class _Normal:
+    """Normal equations by block."""
+
+    hessian: Floats
+    gradient: Floats
+    squares: Floats
+    count: Floats
+
+    @property
+    def total(self) -> tuple[Floats, Floats]:
+        return self.hessian.sum(0), self.gradient.sum(0)
+
+    def left_out(self) -> Floats:
+        """Squared error (b,) of each block under the fit to all others."""
+        hessian, gradient = self.total
+        errors = []
+        for h, g, s in zip(self.hessian, self.gradient, self.squares, strict=True):
+            size, _ = _solved(hessian - h, gradient - g)
+            errors.append(s - 2.0 * size @ g + size @ h @ size)
+        return np.array(errors)
+
+
+def _normal(columns: Floats, left: Floats, blocks: list[slice]) -> _Normal:
+    return _Normal(
+        np.stack([columns[:, b] @ columns[:, b].T for b in blocks]),
+        np.stack([columns[:, b] @ left[b] for b in blocks]),
+        np.array([_squares(left[b]) for b in blocks]),
+        np.array([float(np.count_nonzero(left[b])) for b in blocks]),
+    )
+
+
+def _solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
+    scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    scaled = hessian / np.outer(scale, scale) + RIDGE * np.eye(scale.size)
+    inverse = np.linalg.inv(scaled) / np.outer(scale, scale) if scale.size else np.zeros((0, 0))
+    return inverse @ gradient, inverse
+
+
+def _squares(values: Floats) -> float:
+    return float(values @ values)
+
+
+def free_curves(
+    experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
+) -> list[CurveFit]:
+    """Every free curve on every dof, the one that explains most of data left out first."""
+    regression = Regression(experiment, windows, noise, model, train)
+    spec, evidence = model.spec, experiment.evidence
+    assert spec.plant is not None
+    motion = experiment.motion(spec, windows)
+    found = []
+    for dof, name in enumerate(spec.plant.dofs):
+        at = along(evidence, motion, dof, name)
+        for feature in features(at, evidence.time, evidence.load[:, dof]):
+            one = regression.fit(feature, dof, name, at)
+            if one is not None:
+                found.append(one)
+    return sorted(found, key=lambda one: -one.gain)

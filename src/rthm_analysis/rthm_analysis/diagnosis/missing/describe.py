@@ -1,0 +1,114 @@
+"""What a free curve says of the missing force, in words: on what, which way, where it was seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.physical.binned import binned
+from rthm_analysis.diagnosis.result import Described
+from rthm_core.compiled import Floats
+
+CONFIRMED = 0.1
+"""Part of the mismatch on unseen data that a curve must explain to be told."""
+
+CLEAR = 25.0
+"""Squared error, in units of the noise, that it must remove on unseen data, too."""
+
+AS_GOOD = 0.85
+"""Part of the best curve's gain with which one over fewer variables is taken instead."""
+
+ONE_SIDED = 0.85
+"""Part of a curve's square that its odd or even part must hold to be called so."""
+
+TAKES = 0.5
+"""Part of the work without regard to sign that must go one way."""
+
+UNITS = {"x": "m", "v": "m/s", "a": "m/s^2", "t": "s", "u": "m", "command": "m", "load": "N"}
+
+NAMES = {
+    "x": "the position of {dof}",
+    "v": "the velocity of {dof}",
+    "t": "time",
+    "load": "the known load",
+}
+
+
+def told(curves: list[CurveFit]) -> CurveFit | None:
+    """Curve that is told: over the fewest variables that explain about as much as any; None if none is confirmed."""
+    confirmed = [
+        one for one in curves if one.held_out_share > CONFIRMED and min(one.gain, one.held_out_gain) > CLEAR
+    ]
+    if not confirmed:
+        return None
+    best = max(one.gain for one in confirmed)
+    good = [one for one in confirmed if one.gain >= AS_GOOD * best]
+    return min(good, key=lambda one: (len(one.feature.depends_on), -one.gain))
+
+
+def described(
+    one: CurveFit, interval: tuple[float, float] | None, block: str = "plant", share: float | None = None
+) -> Described:
+    """A free curve as a finding."""
+    variable = one.feature.depends_on[0]
+    values = {"x": one.at.x, "v": one.at.v}
+    over = values.get(variable)
+    at, force, std = _drawn(one, over)
+    takes = _takes(one)
+    domain = {name: _range(values[name]) for name in one.feature.depends_on if name in values}
+    symmetry = _symmetry(at, force) if over is not None else "neither"
+    words = _words(one, symmetry, takes, interval, domain, force)
+    return Described(
+        block, one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
+        one.share if share is None else share, one.held_out_share, at, force, std, words,
+    )  # fmt: skip
+
+
+def _drawn(one: CurveFit, over: Floats | None) -> tuple[Floats, Floats, Floats]:
+    """Mean of the force over its first variable; over the sample's number where that is not the motion."""
+    values = np.arange(one.force.size, dtype=float) if over is None else over
+    at, force, spread, _ = binned(values, one.force)
+    typical = float(np.sqrt(np.mean(np.square(one.stds)))) if one.stds.size else 0.0
+    return at, force, np.hypot(spread, typical)
+
+
+def _range(values: Floats) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def _symmetry(at: Floats, force: Floats) -> str:
+    reach = min(-float(at.min()), float(at.max()))
+    if reach <= 0.0:
+        return "neither"
+    grid = np.linspace(0.02, 1.0, 40) * reach
+    right, left = np.interp(grid, at, force), np.interp(-grid, at, force)
+    odd, even = float(np.sum((right - left) ** 2)), float(np.sum((right + left) ** 2))
+    share = odd / max(odd + even, 1e-300)
+    return "odd" if share > ONE_SIDED else "even" if share < 1.0 - ONE_SIDED else "neither"
+
+
+def _takes(one: CurveFit) -> bool:
+    """Whether the force takes energy out."""
+    power = one.force * one.at.v
+    return bool(-power.sum() > TAKES * np.abs(power).sum())
+
+
+def _words(
+    one: CurveFit,
+    symmetry: str,
+    takes: bool,
+    interval: tuple[float, float] | None,
+    domain: dict[str, tuple[float, float]],
+    force: Floats,
+) -> str:
+    names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
+    kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
+    when = f" from {interval[0]:.3g} s to {interval[1]:.3g} s" if interval else ""
+    ranges = ", ".join(f"{low:.3g} to {high:.3g} {UNITS[v]}" for v, (low, high) in domain.items())
+    seen = f" (seen from {ranges})" if ranges else ""
+    energy = " It takes energy out." if takes else ""
+    return (
+        f"A force of up to {float(np.abs(force).max()):.2g} N is missing at {one.dof}{when} that depends on "
+        f"{names}{seen}{kind}.{energy} As a fitted curve it explains {100.0 * min(one.held_out_share, 1.0):.3g} % "
+        f"of the mismatch on unseen data; no kind of the library does."
+    )

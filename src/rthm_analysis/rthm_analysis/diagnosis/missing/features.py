@@ -1,0 +1,69 @@
+"""Free curves over motion, time and load, as sums of simple shapes with sizes to be found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_analysis.diagnosis.missing.motion import Along
+from rthm_core.compiled import Floats
+
+KNOTS = 14
+"""Knots of a curve over one variable, each between as many samples."""
+
+SURFACE = 6
+"""Knots of a surface in each of its variables."""
+
+STRETCHES = 16
+"""Knots of a curve over time, and of a coefficient that changes with it."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A free curve.
+
+    Attributes
+    ----------
+    depends_on : tuple of str
+        Variables, in the words of the contract.
+    shapes : (s, p) array
+        The force of each shape of size 1, N, along the recording.
+    """
+
+    depends_on: tuple[str, ...]
+    shapes: Floats
+
+
+def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
+    """Curves over one variable, surfaces over motion, coefficients that change with time."""
+    x, v = hats(at.x, knots(at.x, KNOTS)), hats(at.v, knots(at.v, KNOTS))
+    slow = hats(time, np.linspace(time[0], time[-1], STRETCHES))
+    sign = np.sign(at.v)[:, None]
+    yield Feature(("x",), x)
+    yield Feature(("v",), np.hstack([v, sign]))
+    yield Feature(("t",), slow)
+    coarse = hats(at.x, knots(at.x, SURFACE)), hats(at.v, knots(at.v, SURFACE))
+    yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
+    yield Feature(("x", "t"), slow * at.x[:, None])
+    yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
+    if np.any(load):
+        yield Feature(("load",), hats(load, knots(load, KNOTS)))
+
+
+def knots(values: Floats, count: int) -> Floats:
+    """Ends and quantiles of some values: (count,) at most, strictly ascending."""
+    between = np.quantile(values, np.linspace(0.02, 0.98, count - 2))
+    return np.unique([values.min(), *between, values.max()])
+
+
+def hats(values: Floats, at: Floats) -> Floats:
+    """Shapes (s, p) that are 1 at one knot, 0 at all others and straight between: any polygon is their sum."""
+    if at.size < 2:
+        return np.ones((values.size, 1))
+    return np.stack([np.interp(values, at, row) for row in np.eye(at.size)], axis=1)
+
+
+def _products(first: Floats, second: Floats) -> Floats:
+    return (first[:, :, None] * second[:, None, :]).reshape(first.shape[0], -1)

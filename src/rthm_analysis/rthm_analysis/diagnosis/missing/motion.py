@@ -1,0 +1,45 @@
+"""Motion along the recording: that of a model, and what the recording has beyond it without its noise."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Motion
+from rthm_analysis.diagnosis.replay.windows import period
+from rthm_core.compiled import Floats
+
+SMOOTHED = 0.04
+"""Length of the parabolas that smooth what a model leaves, in periods of the motion."""
+
+LEAST = 7
+"""Samples that they have at least."""
+
+
+class Along(NamedTuple):
+    """Motion of one dof along the recording: (s,) arrays, m and m/s."""
+
+    x: Floats
+    v: Floats
+
+
+def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
+    """Motion of a dof as recorded, with the rates of the model where the recording has none."""
+    from scipy.signal import savgol_filter
+
+    step = float(np.median(np.diff(evidence.time)))
+    width = max(int(SMOOTHED * period(evidence) / step) // 2 * 2 + 1, LEAST)
+    found = {"position": motion.position[:, dof].copy(), "velocity": motion.velocity[:, dof].copy()}
+    left = {}
+    for k, channel in enumerate(evidence.channels):
+        if channel.place == name and channel.family in found:
+            left[channel.family] = np.nan_to_num(evidence.measured[:, k] - found[channel.family])
+    if "position" in left:
+        found["position"] += savgol_filter(left["position"], width, 2)
+    if "velocity" in left:
+        found["velocity"] += savgol_filter(left["velocity"], width, 2)
+    elif "position" in left:
+        found["velocity"] += savgol_filter(left["position"], 2 * width + 1, 2, deriv=1, delta=step)
+    return Along(found["position"], found["velocity"])

@@ -1,0 +1,142 @@
+"""From a retuned model to an explanation: plainer hypotheses first, then physics, in short runs if need be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
+from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
+from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
+from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, doubt, merit
+from rthm_analysis.diagnosis.search.refining import FINISHING
+
+LOST = 5.0
+"""Squared error per sample, in units of the noise, of the best single effect in a run over everything, from
+which effects are looked for in short runs."""
+
+
+def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Begun, Choice]:
+    """Explain what the retuned model leaves by other values, or by effects, whichever predicts better.
+
+    Other values of what the spec calls exact are tried before effects where the model is off, and after
+    effects were found, which they may make needless.
+    """
+    fitting = begun.fitting
+    plain = near = None
+    if not at_noise(fitting, begun.retuned):
+        near = _short(begun, seen, settled, train) if fitting.doubt > _lost(begun) else None
+        if near is not None:
+            begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
+        plain = plain_fit(fitting, begun, _freed_near(near))
+        if doubt(fitting, plain) < CLOSE:
+            found = _beyond_plain(fitting, plain)
+            if at_noise(fitting, found.best):
+                return begun, found
+    fitting.doubt = doubt(fitting, begun.retuned)
+    explained, choice = _by_effects(begun, near)
+    if explained.fitting is not fitting or not (choice.rounds or plain):
+        return explained, choice
+    return explained, _plainer(fitting, begun, choice, plain)
+
+
+def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
+    """Whether a model leaves nothing but noise of the training part."""
+    if doubt(fitting, fitted) > UNFINISHED:
+        return False
+    errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
+    return all(slow_power(column)[0] < SLOW for column in errors.T)
+
+
+def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | None) -> Choice:
+    """The choice, or the plainer hypothesis, with effects beside it where it alone is not enough."""
+    reached = at_noise(fitting, choice.best)
+    if plain is None:
+        plain = plain_fit(fitting, begun)
+    if reached and merit(choice.best) < merit(plain) - CLEAR:
+        fitting.doubt = doubt(fitting, choice.best)
+        return choice
+    found = _beyond_plain(fitting, plain)
+    if merit(found.best) < merit(choice.best) + CLEAR:
+        return found
+    fitting.doubt = doubt(fitting, choice.best)
+    return choice
+
+
+def _beyond_plain(fitting: Fitting, plain: Fitted) -> Choice:
+    """Effects beside other values of mass, damping, stiffness and wire, as few of both as it takes."""
+    fitting.doubt = doubt(fitting, plain)
+    return needed_only(fitting, choose(fitting, plain))
+
+
+def _lost(begun: Begun) -> float:
+    return LOST if begun.runs.length is None else np.inf
+
+
+def _by_effects(begun: Begun, short: Begun | None) -> tuple[Begun, Choice]:
+    """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
+    fitting, lost = begun.fitting, _lost(begun)
+    choice = choose(fitting, begun.retuned, lambda left: left > lost)
+    if short is None or fitting.doubt <= lost:
+        return begun, choice
+    return _led_by(short, begun, choice)
+
+
+def _short(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
+    """The same in short runs, in which a model that is wrong does not get far from the recording."""
+    longer = begun.fitting
+    longer.progress("looking in short runs, where a wrong model stays near")
+    runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
+    fitting = fitting_of(longer.experiment, runs.first(train), begun.noise, settled, longer.progress)
+    nominal = fitting.fit(settled)
+    return Begun(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
+
+
+def _freed_near(short: Begun | None) -> Fitted | None:
+    """Fit of all entries in short runs."""
+    if short is None:
+        return None
+    try:
+        return short.fitting.fit(freed(short.fitting, short.nominal.model))
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
+    """Retuned model of the whole recording, or what a fit reaches from that of short runs if it is better.
+
+    Over many periods a wrong frequency is out of step, and a fit ends where it is in step by chance.
+    """
+    again = _over_the_whole(fitting, near.model)
+    if again is None:
+        return retuned
+    best = min(retuned, again, key=lambda fitted: doubt(fitting, fitted))
+    fitting.doubt = doubt(fitting, best)
+    return best
+
+
+def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
+    """Fit over the whole recording of what was found in short runs; None where it diverges."""
+    try:
+        return fitting.fit(model, most=FINISHING, least=FINE)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
+    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell."""
+    fitting, closer, near = begun.fitting, short.fitting, short.retuned
+    closer.doubt = doubt(closer, near)
+    again = choose(closer, near, lambda left: left < WRONG)
+    if closer.doubt >= WRONG:
+        return begun, choose(fitting, begun.retuned, begun=choice)
+    whole = _over_the_whole(fitting, again.best.model)
+    if whole is not None and doubt(fitting, whole) < WRONG:
+        fitting.doubt = doubt(fitting, whole)
+        led = Choice(begun.retuned, whole, again.rounds, choice.limits)
+        return begun, choose(fitting, begun.retuned, begun=led)
+    return short, choose(closer, near, begun=again)

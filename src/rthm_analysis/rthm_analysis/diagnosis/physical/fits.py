@@ -1,0 +1,94 @@
+"""How well every recorded signal is simulated on unseen data, over the runs and in one free run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, spread
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.windows import Windows, state_at
+from rthm_analysis.diagnosis.result import Fit, FreeRun
+
+SIGNAL_OF = {
+    "plant": "position",
+    "wire": "force",
+    "motor": "motor",
+    "sensor.position": "position",
+    "sensor.velocity": "velocity",
+    "sensor.force": "force",
+}
+
+BLOCK_OF = {"position": "plant", "velocity": "plant", "force": "wire"}
+
+DIVERGED = 1e6
+"""Error over the standard deviation of the signal beyond which a free run says only that it diverges."""
+
+
+def channel_of(physical: Physical, block: str) -> int | None:
+    """First channel that shows a block's output."""
+    family = SIGNAL_OF[block]
+    found = [i for i, c in enumerate(physical.evidence.channels) if c.family == family]
+    return found[0] if found else None
+
+
+def fits_of(physical: Physical, runs: dict[str, Simulated], blocks: set[str]) -> tuple[Fit, ...]:
+    """One fit for each located block's output, then one for every other recorded signal."""
+    told = {block: k for block in sorted(blocks) if (k := channel_of(physical, block)) is not None}
+    rows = list(told.items())
+    rows += [
+        (BLOCK_OF[c.family], k)
+        for k, c in enumerate(physical.evidence.channels)
+        if k not in told.values()
+    ]
+    return tuple(_fit(physical, runs, block, k) for block, k in rows)
+
+
+def _fit(physical: Physical, runs: dict[str, Simulated], block: str, k: int) -> Fit:
+    time, train = physical.evidence.time, physical.train
+    held = slice(train, None)
+    errors = {name: nrmse(physical, run.predicted, k) for name, run in runs.items()}
+    errors["noise_floor"] = float(physical.noise.level[k]) / spread(physical, k)
+    return Fit(
+        block,
+        physical.evidence.channels[k].signal,
+        physical.windows.length,
+        (0.0, float(time[train])),
+        (float(time[train]), float(time[-1])),
+        errors,
+        time[held],
+        physical.evidence.measured[held, k],
+        runs["nominal"].predicted[held, k],
+        runs["retuned"].predicted[held, k],
+        runs["explained"].predicted[held, k],
+    )
+
+
+def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeRun]:
+    """One free run over the unseen part from the state at its start, for every dof whose position is recorded."""
+    evidence, train = physical.evidence, physical.train
+    found = {}
+    errors = {name: _free_errors(physical, run) for name, run in runs.items()}
+    for k, channel in enumerate(evidence.channels):
+        if channel.family == "position":
+            values = {name: min(error[k], DIVERGED) for name, error in errors.items()}
+            seconds = float(evidence.time[-1] - evidence.time[train])
+            found[channel.place] = FreeRun(
+                seconds, values["nominal"], values["retuned"], values["explained"]
+            )
+    return found
+
+
+def _free_errors(physical: Physical, run: Simulated) -> list[float]:
+    """Error of each channel over its spread; that of the run over everything where there is just one."""
+    if physical.windows.length is None:
+        predicted = run.predicted
+    else:
+        spec, evidence = run.fitted.model.spec, physical.evidence
+        state = state_at(evidence, spec, physical.train)
+        start = np.array([0, physical.train])
+        once = Windows(start, np.stack([physical.windows.state[0], state]), 0.0)
+        physical.experiment.begin_at(evidence.stamps_ns[np.union1d(physical.windows.start, start)])
+        predicted = physical.experiment.predicted(spec, once)
+    channels = range(len(physical.evidence.channels))
+    found = [nrmse(physical, predicted, k) for k in channels]
+    return [error if np.isfinite(error) else DIVERGED for error in found]

@@ -1,0 +1,45 @@
+"""Where and when something is missing, where nothing was named."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.verdict import Judgement
+
+THROUGHOUT = 0.8
+"""Part of a recording over which a mismatch that starts or stops may reach and still have an interval."""
+
+WIRE = 3.0
+"""Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire is
+where something is missing: what the smoothing of that motion leaves is less.
+"""
+
+
+def located_without_names(physical: Physical, judged: Judgement) -> set[str]:
+    """Blocks in which something is missing: the wires whose own force says so, else the plant."""
+    fitting = physical.fitting
+    alone = fitting.wires_alone
+    if not alone.forces:
+        return {"plant"}
+    model = physical.choice.base.model
+    columns = alone.residual(model).reshape(-1, len(alone.forces))
+    if any(slow_power(column)[0] > max(WIRE, SLOW) for column in columns.T):
+        return {"wire"}
+    return {"plant"}
+
+
+def when(judged: Judgement) -> tuple[float, float] | None:
+    """Interval in s in which the recording differs; None: throughout, or where nobody can tell."""
+    physical = judged.physical
+    name = "explained" if judged.earned else "retuned"
+    parts = [one.parts for one in judged.left[name] if one.parts.size]
+    if not parts:
+        return None
+    rows = np.concatenate(parts)
+    begin, end = int(rows[:, 0].min()), int(rows[:, 1].max())
+    if end - begin > THROUGHOUT * physical.evidence.time.size:
+        return None
+    time = physical.evidence.time
+    return float(time[begin]), float(time[min(end, time.size - 1)])

@@ -1,0 +1,84 @@
+"""A plainer hypothesis than missing physics: other values of mass, damping, stiffness or wire, entry by entry.
+
+What a spec does not call uncertain it calls exact, and it may be wrong all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.physical.beginning import Begun, best_of_starts
+from rthm_analysis.diagnosis.replay.entries import entry_of, free_entries
+from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
+from rthm_analysis.diagnosis.replay.windows import period
+from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, PER_PARAMETER, Choice, clear_gain, doubt
+from rthm_analysis.diagnosis.search.refining import FINISHED, FINISHING
+
+PRUNING = 6
+"""Steps of a fit with a value returned to that of the spec."""
+
+
+def freed(fitting: Fitting, model: Model) -> Model:
+    """Model with every entry of mass, damping, stiffness and wire free, whatever the spec says of it."""
+    evidence, spec = fitting.experiment.evidence, model.nominal
+    commanded = evidence.driven_by == "command"
+    loaded = bool(np.any(evidence.load))
+    entries = free_entries(spec, 2.0 * np.pi / period(evidence), commanded=commanded, loaded=loaded)
+    others = tuple(p for p in model.parameters if p.key not in PROPERTIES)
+    return replace(model, parameters=(*others, *entries))
+
+
+def plain_fit(fitting: Fitting, begun: Begun, near: Fitted | None = None) -> Fitted:
+    """Fit of all entries, begun from `near` where short runs have shown about where they are."""
+    fitting.progress("trying other values of mass, damping and stiffness")
+    before = fitting.doubt
+    fitting.doubt = doubt(fitting, begun.retuned)
+    start = near.model if near is not None else freed(fitting, begun.nominal.model)
+    try:
+        found = best_of_starts(fitting, start)
+        if fitting.doubt > 1.5:
+            fitting.doubt = doubt(fitting, found)
+            found = fitting.fit(found.model)
+        if doubt(fitting, found) < CLOSE:
+            fitting.doubt = doubt(fitting, found)
+            fitting.rebase(found.model)
+            found = fitting.fit(found.model, most=FINISHING, least=FINISHED)
+    except np.linalg.LinAlgError:
+        fitting.doubt = before
+        return begun.retuned
+    fitting.doubt = doubt(fitting, found)
+    return found
+
+
+def needed_only(fitting: Fitting, choice: Choice) -> Choice:
+    """Return values to those of the spec where unseen data are predicted as well with them."""
+    best, base = choice.best, choice.base
+    for key in [p.key for p in best.model.parameters if entry_of(p.key) is not None]:
+        try:
+            without = fitting.fit(_without(best.model, key), most=PRUNING)
+        except np.linalg.LinAlgError:
+            continue
+        if not clear_gain(without, best, ENOUGH + PER_PARAMETER):
+            best = without
+            base = replace(base, model=_without(base.model, key))
+    if best is choice.best:
+        return choice
+    rounds = choice.rounds
+    base = best if not rounds else fitting.fit(base.model, most=PRUNING)
+    fitting.doubt = doubt(fitting, best)
+    return Choice(base, best, rounds, choice.limits)
+
+
+def _without(model: Model, key: str) -> Model:
+    """Model in which an entry has the value of the spec; what moves along with others keeps its partner."""
+    place = [p.key for p in model.parameters].index(key)
+    kept = tuple(_moved_up(p, place) for i, p in enumerate(model.parameters) if i != place)
+    return replace(model, parameters=kept)
+
+
+def _moved_up(parameter: Parameter, gone: int) -> Parameter:
+    along = parameter.along
+    return parameter if along is None or along < gone else replace(parameter, along=along - 1)

@@ -1,0 +1,111 @@
+"""What a model leaves of a recording beyond the noise: where, when, and whether data that chose nothing show it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rthm_core.compiled import Flags, Floats
+
+SLOW = 1.35
+"""Power of the slow residual, over that of noise, above which something is left: 0.15 of the noise, which the
+arithmetic of a replay may leave."""
+
+SAMPLES = 16
+"""Samples in an average in which noise drowns and physics does not."""
+
+PARTS = 30
+"""Parts of a recording that are looked at one by one for when something happens."""
+
+CHANCE = 8.0
+"""Standard deviations of a part's power that no clean recording reaches in any of its parts."""
+
+CLIPPED = 6.0
+"""Typical sizes beyond which a difference is a jump, not noise."""
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """What is left of one channel.
+
+    Attributes
+    ----------
+    train, held_out : float
+        Power of the slow residual over that of the noise, in the training part and in the unseen one; 1: noise.
+    rms : float
+        Of the unseen residual over the noise.
+    loudness : float
+        Of the noise of the unseen part over that of the training part, as its fastest part shows it; at least 1.
+    parts : (p, 2) array
+        Start and end (samples) of the parts in which something is left.
+    """
+
+    train: float
+    held_out: float
+    rms: float
+    loudness: float
+    parts: Floats
+
+    @property
+    def in_train(self) -> bool:
+        """Whether something is left in the training part."""
+        return self.train > SLOW
+
+    @property
+    def in_held_out(self) -> bool:
+        """Whether something is left in the unseen part."""
+        return self.held_out > SLOW
+
+
+def remainder_of(errors: Floats, train: int) -> Remainder:
+    """Judge the errors of one channel.
+
+    Parameters
+    ----------
+    errors : (s,) array
+        Over the noise and whitened; NaN where nothing was measured.
+    train : int
+        Samples of the training part.
+    """
+    edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
+    power = [slow_power(errors[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    left = [
+        (int(a), int(b))
+        for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
+        if count and ratio > 1.0 + max(SLOW - 1.0, CHANCE * np.sqrt(2.0 / count))
+    ]
+    held = errors[train:]
+    return Remainder(
+        slow_power(errors[:train])[0],
+        slow_power(held)[0],
+        float(np.sqrt(np.nanmean(np.square(held)))) if np.isfinite(held).any() else 0.0,
+        float(np.sqrt(max(1.0, _fast_power(held)))),
+        np.array(left, dtype=float).reshape(-1, 2),
+    )
+
+
+def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
+    """Power of the slow part of some errors over that of noise, and the number of averages that tell it.
+
+    Noise counts as 1, and for more where the errors' own fastest part is louder: noise that grows is no physics.
+    """
+    count = errors.size // samples * samples
+    rows = errors[:count].reshape(-1, samples)
+    known: Flags = np.isfinite(rows)
+    enough = known.sum(1) >= samples // 2
+    if not enough.any():
+        return 1.0, 0
+    sums = np.where(known, rows, 0.0)[enough].sum(1)
+    power = float(np.mean(np.square(sums) / known[enough].sum(1)))
+    return power / max(1.0, _fast_power(errors)), int(enough.sum())
+
+
+def _fast_power(errors: Floats) -> float:
+    """Typical power of the fastest part of some errors, from their third differences."""
+    third = np.diff(errors, 3)
+    third = third[np.isfinite(third)]
+    if third.size < SAMPLES:
+        return 1.0
+    limit = CLIPPED * 1.4826 * float(np.median(np.abs(third)))
+    return float(np.mean(np.square(np.clip(third, -limit, limit)))) / 20.0

@@ -1,0 +1,72 @@
+"""Values and standard deviations of what was found, as the result says them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
+from rthm_analysis.diagnosis.replay.model import PROPERTIES, Added, nominal_values
+from rthm_analysis.diagnosis.result import Retuned, Value
+from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
+from rthm_core.effects import effect
+
+
+def stds_of(fitted: Fitted) -> dict[str, float]:
+    """Standard deviation of each parameter of a model."""
+    covariance = fitted.sums.covariance()
+    return {
+        p.key: float(np.sqrt(max(v, 0.0)))
+        for p, v in zip(fitted.model.parameters, np.diag(covariance), strict=True)
+    }
+
+
+def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
+    """Parameters of an added effect with their standard deviations."""
+    stds, model = stds_of(fitted), fitted.model
+    one = model.added[index]
+    declared = effect(one.kind, one.block)
+    values: dict[str, Value | str] = {}
+    for key, value in model.effect_values(index).items():
+        if isinstance(value, str):
+            values[key] = value
+        else:
+            std = stds.get(f"{model.name(index)}.{key}", 0.0)
+            values[key] = Value(float(value), std, declared.unit(key, one.block))
+    return values
+
+
+def settled_by_plant(physical: Physical, name: str, one: Added) -> dict[str, Value | str]:
+    """What the motion of the plant tells of an effect of a motor."""
+    best = physical.choice.best
+    stds, declared = stds_of(best), effect(one.kind, one.block)
+    found = (p for p in best.model.parameters if p.key.startswith(f"{name}."))
+    keys = ((p.key.partition(".")[2], p) for p in found)
+    return {key: Value(p.value, stds[p.key], declared.unit(key, one.block)) for key, p in keys}
+
+
+def retuned_values(physical: Physical) -> dict[str, Retuned]:
+    """New values of properties that the recording asks for, in the unit of the spec."""
+    best, found = physical.choice.best, {}
+    stds = stds_of(best)
+    scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
+    gain = physical.nominal.squares - physical.choice.base.squares
+    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.doubt:
+        scaled = []
+    for p in scaled:
+        values = nominal_values(physical.spec, p.key)
+        for i, nominal in enumerate(values):
+            if nominal:
+                name = p.key if len(values) == 1 else f"{p.key}[{i}]"
+                found[name] = Retuned(nominal, nominal * p.value, abs(nominal) * stds[p.key])
+    for p in best.model.parameters:
+        entry = entry_of(p.key)
+        if entry is not None:
+            name = entry[0] if _is_single(physical, entry[0]) else p.key
+            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
+    return found
+
+
+def _is_single(physical: Physical, key: str) -> bool:
+    return len(nominal_values(physical.spec, key)) == 1

@@ -1,0 +1,169 @@
+"""Whether names were earned: what unseen data say of a model, and which of its effects may be told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.physical.judged import (
+    Simulated,
+    held_out_squares,
+    remainders,
+    simulate_all,
+)
+from rthm_analysis.diagnosis.physical.remainder import Remainder
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.result import Refused
+from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
+
+FLOOR = 1.3
+"""Error on unseen data over the noise, up to which a model is at the noise (contract)."""
+
+EXPLAINS = 0.85
+"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
+
+SHARE = 0.03
+"""Part of the mismatch that each of them must remove."""
+
+YARDSTICK = 0.6
+"""Part of what named kinds leave that a free curve may still explain: with more of it, they are not the law."""
+
+
+TRAINED = 4.0
+"""Power of the slow residual of a fitted model, over that of the noise, that its values may leave in training."""
+
+REMAINS = 0.15
+"""Part of the nominal model's slow residual that may remain for the difference to count as explained."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the recording as a whole says of the nominal, the retuned and the explaining model.
+
+    Attributes
+    ----------
+    physical : Physical
+    runs : dict
+        Simulated: ``nominal``, ``retuned``, ``explained``.
+    """
+
+    physical: Physical
+    runs: dict[str, Simulated]
+
+    @cached_property
+    def left(self) -> dict[str, tuple[Remainder, ...]]:
+        """By model and channel: what is left."""
+        return {name: remainders(self.physical, run.predicted) for name, run in self.runs.items()}
+
+    @cached_property
+    def squares(self) -> dict[str, float]:
+        """By model: squared error on unseen data, in units of the noise."""
+        return {name: held_out_squares(self.physical, run.predicted) for name, run in self.runs.items()}
+
+    @cached_property
+    def expected(self) -> float:
+        """Squared error on unseen data that noise alone would leave."""
+        physical = self.physical
+        return float(np.isfinite(physical.evidence.measured[physical.train :]).sum())
+
+    @property
+    def names(self) -> bool:
+        """Whether effects were added."""
+        return bool(self.physical.choice.rounds)
+
+    @property
+    def tuned(self) -> bool:
+        """Whether values were changed."""
+        return self.physical.choice.base.model.parameters != self.physical.nominal.model.parameters
+
+    @cached_property
+    def at_noise(self) -> bool:
+        """Whether the best model is at the noise over the whole recording, unseen part included.
+
+        A model without anything fitted owes all of it; one with fitted values is as good as they are sure.
+        """
+        left = self.left["explained"]
+        if any(not np.isfinite(one.rms) or one.rms > FLOOR * one.loudness for one in left):
+            return False
+        if self.names or self.tuned:
+            return all(one.train < TRAINED or self._mostly_gone(k) for k, one in enumerate(left))
+        return not any(one.in_train or one.in_held_out or one.parts.size for one in left)
+
+    def _mostly_gone(self, channel: int) -> bool:
+        """Whether what is left of a channel in the training part is little of what was."""
+        before, after = self.left["nominal"][channel], self.left["explained"][channel]
+        return after.train - 1.0 < REMAINS * (before.train - 1.0)
+
+    @cached_property
+    def shares(self) -> list[float]:
+        """Part of the retuned model's squared error on unseen data that each effect removes, in their order."""
+        choice, found = self.physical.choice, []
+        before = whole = max(self.squares["retuned"], 1e-300)
+        for i, tried in enumerate(choice.rounds):
+            last = i + 1 == len(choice.rounds)
+            after_fit = choice.best if last else tried[0].fitted
+            after = (
+                self.squares["explained"]
+                if last
+                else held_out_squares(self.physical, simulate_all(self.physical, after_fit).predicted)
+            )
+            found.append((before - after) / whole)
+            before = min(before, after)
+        return found
+
+    @cached_property
+    def gone(self) -> float:
+        """Part of the retuned model's mismatch above the noise that the best model removes on unseen data."""
+        before, after = self.squares["retuned"] - self.expected, self.squares["explained"] - self.expected
+        return 1.0 - max(after, 0.0) / max(before, 1e-300)
+
+    @cached_property
+    def curves(self) -> list[CurveFit]:
+        """Free curves of what the best of the named models leaves, or of what is left without names."""
+        return self._curves(self.physical.choice.best.model)
+
+    @cached_property
+    def curves_without(self) -> list[CurveFit]:
+        """Free curves of what is left without any name."""
+        return self._curves(self.physical.choice.base.model) if self.names else self.curves
+
+    def _curves(self, model: Model) -> list[CurveFit]:
+        physical = self.physical
+        physical.fitting.progress("asking on what the missing force depends")
+        return free_curves(
+            physical.experiment, physical.windows, physical.noise, model, physical.train
+        )
+
+    @cached_property
+    def earned(self) -> bool:
+        """Whether the effects that were added may be named.
+
+        At the noise they may. Above it, only plain kinds may: together they must remove most of the mismatch,
+        each of them some of it, and what they leave must not be a curve that they should have been.
+        """
+        if self.at_noise or not self.names:
+            return self.names
+        kinds = [tried[0].label[1] for tried in self.physical.choice.rounds]
+        if any(kind in FLEXIBLE for kind in kinds) or self.gone < EXPLAINS:
+            return False
+        whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
+        if any(share < SHARE * whole for share in self.shares):
+            return False
+        return not self.curves or self.curves[0].held_out_share < YARDSTICK
+
+    @cached_property
+    def refused(self) -> tuple[Refused, ...]:
+        """What was found in the training part and is not told, and why."""
+        if not self.names or self.earned:
+            return ()
+        worst = max(one.rms / one.loudness for one in self.left["explained"])
+        said = (
+            f"fitted to the first two thirds, it removed {100.0 * self.gone:.3g} % of the mismatch in the last, "
+            f"which left {worst:.3g} times the noise: not enough for a name"
+        )
+        rounds = self.physical.choice.rounds
+        return tuple(Refused(tried[0].label[0], tried[0].label[1], said) for tried in rounds)

@@ -1,0 +1,92 @@
+"""Mass, damping, stiffness and wire entry by entry: what a plainer hypothesis than missing physics may change."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.replay.model import Parameter
+    from rthm_core.spec import Spec
+
+MATRICES = ("plant.mass", "plant.damping", "plant.stiffness")
+WIRE = "actuator.stiffness"
+
+ENTRY = re.compile(r"(.+)\[(\d+)\]")
+
+SMALL = 0.02
+"""Damping ratio, and part of the stiffness that the motion's inertia stands for, that an entry of zero may have
+as its scale.
+"""
+
+
+def entry_of(key: str) -> tuple[str, int] | None:
+    """Property and place of a key such as ``plant.mass[0]``; None for other keys."""
+    found = ENTRY.fullmatch(key)
+    return (found[1], int(found[2])) if found else None
+
+
+def entry_value(spec: Spec, key: str) -> float:
+    """Value of an entry in a spec, in its unit."""
+    name, place = entry_of(key) or (key, 0)
+    return float(_values(spec, name)[place])
+
+
+def with_entry(spec: Spec, key: str, value: float) -> Spec:
+    """Spec with another value of an entry; matrices stay symmetric."""
+    found = entry_of(key)
+    assert found is not None
+    name, place = found
+    section, _, field = name.partition(".")
+    values = list(_values(spec, name))
+    values[place] = value
+    if name in MATRICES:
+        n = len(spec.plant.dofs)  # type: ignore[union-attr]
+        values[place % n * n + place // n] = value
+    changed: dict[str, Any] = {field: tuple(values)}
+    if section == "actuator":
+        changed["transmission"] = None
+    return spec.model_copy(update={section: getattr(spec, section).model_copy(update=changed)})
+
+
+def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool) -> Iterator[Parameter]:
+    """Every entry of mass, damping and stiffness, and every wire, free of what the spec says of its uncertainty.
+
+    Parameters
+    ----------
+    spec : Spec
+    frequency : float
+        Where most of the recorded motion is, rad/s: gives entries of zero their scale.
+    commanded : bool
+        Whether recorded commands drive the plant, so that the wires show.
+    loaded : bool
+        Whether a known force acts; without one nobody can tell all matrices from their multiples, and the
+        first mass is taken as it is.
+    """
+    from rthm_analysis.diagnosis.replay.model import Parameter
+
+    assert spec.plant is not None
+    n = len(spec.plant.dofs)
+    mass = float(np.mean(np.diag(np.reshape(spec.plant.mass, (n, n)))))
+    scales = {"mass": mass, "damping": 2.0 * SMALL * mass * frequency, "stiffness": SMALL * mass * frequency**2}
+    for name in MATRICES:
+        for i in range(n):
+            for j in range(i, n):
+                key, value = f"{name}[{i * n + j}]", float(_values(spec, name)[i * n + j])
+                known = name == "plant.mass" and (i != j or (i == 0 and not (loaded or commanded)))
+                if known or (i != j and not value):
+                    continue
+                low = -np.inf if i != j or name == "plant.stiffness" else 0.0 if value == 0.0 else 1e-3 * value
+                scale = max(abs(value), scales[name.partition(".")[2]])
+                yield Parameter(key, value, scale, low)
+    if commanded and spec.actuator is not None and spec.actuator.transmission is None:
+        for i, value in enumerate(spec.k_tot):
+            yield Parameter(f"{WIRE}[{i}]", float(value), float(value), 1e-3 * float(value))
+
+
+def _values(spec: Spec, name: str) -> tuple[float, ...]:
+    section, _, field = name.partition(".")
+    return tuple(spec.k_tot) if name == WIRE else tuple(getattr(getattr(spec, section), field))

@@ -13,6 +13,9 @@ from rthm_core.compiled import Floats
 KNOTS = 14
 """Knots of a curve over one variable, each between as many samples."""
 
+FINE = 64
+"""Knots of a curve over the position that comes back again and again, as a force between teeth or magnets."""
+
 SURFACE = 6
 """Knots of a surface in each of its variables."""
 
@@ -42,10 +45,12 @@ def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
     slow = hats(time, np.linspace(time[0], time[-1], STRETCHES))
     sign = np.sign(at.v)[:, None]
     yield Feature(("x",), x)
+    yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), FINE)))
     yield Feature(("v",), np.hstack([v, sign]))
     yield Feature(("t",), slow)
     coarse = hats(at.x, knots(at.x, SURFACE)), hats(at.v, knots(at.v, SURFACE))
     yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
+    yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * KNOTS)) * sign)
     yield Feature(("x", "t"), slow * at.x[:, None])
     yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
     if np.any(load):

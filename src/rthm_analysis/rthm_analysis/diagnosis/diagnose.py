@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import gather
+from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import verdict_words
 from rthm_analysis.recording import Recording
@@ -54,7 +55,7 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         say("checking the computing blocks")
         parts.append(diagnose_computed(recording, spec))
     parts.append(
-        physical_part(diagnose_physical(gather(recording, spec), spec, command_before(parts, spec), say))
+        physical_part(diagnose_physical(readings_only(gather(recording, spec)), spec, command_before(parts, spec), say))
     )
     say("putting it into words")
     return _joined(parts, spec)

@@ -28,7 +28,7 @@ FEWEST_LINES = 4
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
 
-LOUDEST = 0.3
+LOUDEST = 0.05
 """Standard deviation of the coloured part over that of the recording, above which it is no noise of a sensor."""
 
 CORNERS = np.geomspace(3e-4, 1.0, 28)

@@ -68,8 +68,7 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     measured : (s,) array
         NaN where not known.
     """
-    third = np.diff(residual, 3) / np.sqrt(20.0)
-    third = third[np.isfinite(third)]
+    third = np.diff(residual[np.isfinite(residual)], 3) / np.sqrt(20.0)
     if not third.size:
         return float("nan")
     typical = 1.4826 * float(np.median(np.abs(third)))

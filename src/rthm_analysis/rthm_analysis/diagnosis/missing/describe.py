@@ -108,7 +108,7 @@ def _words(
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
     return (
-        f"A force of up to {float(np.abs(force).max()):.2g} N is missing at {one.dof}{when} that depends on "
+        f"A force of up to {float(np.quantile(np.abs(one.force), 0.995)):.2g} N is missing at {one.dof}{when} that depends on "
         f"{names}{seen}{kind}.{energy} As a fitted curve it explains {100.0 * min(one.held_out_share, 1.0):.3g} % "
         f"of the mismatch on unseen data; no kind of the library does."
     )

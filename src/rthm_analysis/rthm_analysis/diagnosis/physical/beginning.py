@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -75,7 +77,7 @@ def begin(
     if _explains_most(best.fitting, best.retuned, begun[0].retuned):
         others = [one for one in begun if one is not best]
         begun = [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
-    return [_whitened(begun[0]), *begun[1:]]
+    return _whitened(begun)
 
 
 def fitting_of(
@@ -85,11 +87,10 @@ def fitting_of(
     return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours)
 
 
-def _whitened(begun: Begun) -> Begun:
-    """The same with errors weighed by the colour of the noise, where it has one."""
-    fitting = begun.fitting
-    noise = coloured(fitting, begun.retuned, begun.noise)
-    return begun if noise.is_white else with_noise(begun, noise)
+def _whitened(begun: list[Begun]) -> list[Begun]:
+    """The same with errors weighed by the colour of the noise, where no way of the loads leaves white noise."""
+    noise = reduce(Noise.smaller, [coloured(one.fitting, one.retuned, one.noise) for one in begun])
+    return begun if noise.is_white else [with_noise(one, noise) for one in begun]
 
 
 def with_noise(begun: Begun, noise: Noise) -> Begun:
@@ -117,15 +118,24 @@ def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Beg
     for other in others:
         if other.runs.length != begun.runs.length:
             break
-        try:
-            there = other.fitting.fit(choice.best.model, most=AGAIN)
-        except np.linalg.LinAlgError:
-            continue
-        if _explains_most(fitting, there, choice.best):
+        there = _best_there(other.fitting, choice)
+        if there is not None and _explains_most(fitting, there, choice.best):
             again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
             if again.best.squares < choice.best.squares:
                 return other, again
     return begun, choice
+
+
+def _best_there(fitting: Fitting, choice: Choice) -> Fitted | None:
+    """Fit of what was chosen, all of it or the first effect alone; None where both diverge.
+
+    What came after the first effect may have made up for the wrong way.
+    """
+    found = []
+    for model in [choice.best.model, *(tried[0].fitted.model for tried in choice.rounds[:1])]:
+        with suppress(np.linalg.LinAlgError):
+            found.append(fitting.fit(model, most=AGAIN))
+    return min(found, key=lambda fitted: fitted.squares, default=None)
 
 
 def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:

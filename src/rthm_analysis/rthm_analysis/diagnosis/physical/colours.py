@@ -14,6 +14,9 @@ from rthm_core.compiled import Floats
 SHIFTS = (-2, -1, 0, 1, 2)
 """Samples by which a predicted force is shifted: with all of them goes what a wrong wire or motor leaves."""
 
+MEASURED = 0.9
+"""Part of the samples that must be readings, for their neighbours to tell a colour."""
+
 
 def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
     """Noise with its colour, from the residual of a model whose initial states are fitted.
@@ -32,6 +35,9 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
         error = left[:, k]
         if channel.family == "force":
             error = _without(error, evidence.measured[:, k])
+        if np.isfinite(error).mean() < MEASURED:
+            colours.append(noise.colours[k])
+            continue
         colours.append(colour_of(error, evidence.measured[:, k], noise.colours[k].level))
     return Noise(tuple(colours))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_core.compiled import Flags, Floats
+from rthm_core.compiled import Floats
 
 SLOW = 1.35
 """Power of the slow residual, over that of noise, above which something is left: 0.15 of the noise, which the
@@ -90,21 +90,18 @@ def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
 
     Noise counts as 1, and for more where the errors' own fastest part is louder: noise that grows is no physics.
     """
-    count = errors.size // samples * samples
-    rows = errors[:count].reshape(-1, samples)
-    known: Flags = np.isfinite(rows)
-    enough = known.sum(1) >= samples // 2
-    if not enough.any():
+    known = errors[np.isfinite(errors)]
+    count = known.size // samples
+    if not count:
         return 1.0, 0
-    sums = np.where(known, rows, 0.0)[enough].sum(1)
-    power = float(np.mean(np.square(sums) / known[enough].sum(1)))
-    return power / max(1.0, _fast_power(errors)), int(enough.sum())
+    sums = known[: count * samples].reshape(-1, samples).sum(1)
+    power = float(np.mean(np.square(sums))) / samples
+    return power / max(1.0, _fast_power(known)), count
 
 
 def _fast_power(errors: Floats) -> float:
     """Typical power of the fastest part of some errors, from their third differences."""
-    third = np.diff(errors, 3)
-    third = third[np.isfinite(third)]
+    third = np.diff(errors[np.isfinite(errors)], 3)
     if third.size < SAMPLES:
         return 1.0
     limit = CLIPPED * 1.4826 * float(np.median(np.abs(third)))

@@ -1,0 +1,94 @@
+"""Samples that repeat or interpolate others say nothing of their own: a logger faster than its sensor makes them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_core.compiled import Flags, Floats
+
+SLOWEST = 50
+"""Samples from one reading of a sensor to the next, at most."""
+
+REGULAR = 0.95
+"""Part of the changes that must come at multiples of one interval to be readings of a slower sensor."""
+
+STRAIGHT = 0.3
+"""Part of the samples on straight lines between others from which a recording was interpolated."""
+
+BENT = 0.02
+"""Second difference, over the larger ones of the recording, below which three samples lie on a straight line."""
+
+SPREAD = 3.0
+"""Longest interval between two knots of an interpolated recording over the shortest."""
+
+PARTS = 10
+"""Parts of a recording that must all show it: a rig at rest is straight for a while only."""
+
+ROUNDED = 4.0
+"""Second difference in steps of the readings below which rounding makes the straight lines."""
+
+FEWEST = 200
+"""Samples from which this can be told."""
+
+
+def readings_only(evidence: Evidence) -> Evidence:
+    """Evidence in which samples that the sensor did not take itself count as not measured, and notes of it."""
+    measured, notes = evidence.measured.copy(), list(evidence.notes)
+    for k, channel in enumerate(evidence.channels):
+        if channel.family == "motor":
+            continue
+        kept, way = _readings(measured[:, k])
+        if kept is not None:
+            notes.append(
+                f"The {channel.family} of {channel.place} was read {kept.mean():.3g} times per sample; what was "
+                f"{way} between its readings is left out."
+            )
+            measured[~kept, k] = np.nan
+    return evidence if len(notes) == len(evidence.notes) else replace(evidence, measured=measured, notes=tuple(notes))
+
+
+def _readings(values: Floats) -> tuple[Flags | None, str]:
+    """Which samples are readings of their own; None: all of them."""
+    if values.size < FEWEST or not np.isfinite(values).all() or values.min() == values.max():
+        return None, ""
+    held = _held(values)
+    if held is not None:
+        return held, "repeated"
+    return _knots(values), "interpolated"
+
+
+def _held(values: Floats) -> Flags | None:
+    """First sample of each hold, where changes come at multiples of one interval."""
+    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    if changes.size < FEWEST // SLOWEST or changes.size > 0.6 * values.size:
+        return None
+    gaps, counts = np.unique(np.diff(changes), return_counts=True)
+    interval = int(gaps[np.argmax(counts)])
+    regular = counts[gaps % interval == 0].sum() / counts.sum()
+    if not 2 <= interval <= SLOWEST or regular < REGULAR:
+        return None
+    kept = np.zeros(values.size, dtype=bool)
+    kept[changes[0] % interval :: interval] = True
+    return kept
+
+
+def _knots(values: Floats) -> Flags | None:
+    """Samples at which an interpolated recording bends."""
+    bend = np.abs(np.diff(values, 2))
+    large = float(np.quantile(bend, 0.95))
+    smallest = float(np.diff(np.unique(values)).min())
+    bent = bend > BENT * large
+    straight = [1.0 - part.mean() for part in np.array_split(bent, PARTS)]
+    if large < ROUNDED * smallest or min(straight) < STRAIGHT or max(straight) > 1.0 - 1.0 / SLOWEST:
+        return None
+    at = np.flatnonzero(bent) + 1
+    gaps = np.diff(at)
+    gaps = gaps[gaps > 1]
+    if gaps.size < FEWEST // SLOWEST or np.quantile(gaps, 0.95) > SPREAD * np.quantile(gaps, 0.05):
+        return None
+    kept = np.zeros(values.size, dtype=bool)
+    kept[at] = True
+    return kept

@@ -55,7 +55,9 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         say("checking the computing blocks")
         parts.append(diagnose_computed(recording, spec))
     parts.append(
-        physical_part(diagnose_physical(readings_only(gather(recording, spec)), spec, command_before(parts, spec), say))
+        physical_part(
+            diagnose_physical(readings_only(gather(recording, spec)), spec, command_before(parts, spec), say)
+        )
     )
     say("putting it into words")
     return _joined(parts, spec)
@@ -85,12 +87,18 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
     unexplained = tuple(said for part in parts for said in part.unexplained)
     retuned = {name: one for part in parts for name, one in part.retuned.items()}
     blocks = tuple(one for part in parts for one in part.blocks)
-    located = tuple(dict.fromkeys([*(one.block for one in physics), *(b.block for b in blocks if b.significant)]))
+    located = tuple(
+        dict.fromkeys([*(one.block for one in physics), *(b.block for b in blocks if b.significant)])
+    )
     named = bool(physics) or any(part.described for part in parts)
     verdict: Verdict = (
         ("improved" if named else "unexplained")
         if unexplained
-        else "explained" if physics else "retuned" if retuned else "match"
+        else "explained"
+        if physics
+        else "retuned"
+        if retuned
+        else "match"
     )
     alternatives = tuple(one for part in parts for one in part.alternatives)
     unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numba
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Flags, Floats, Integers
 
 FEWEST = 400
 """Samples from which a spectrum says anything."""
@@ -22,8 +22,8 @@ FEWEST = 400
 BANDS = 40
 """Bands of the spectrum, evenly spaced in the logarithm of the frequency."""
 
-FEWEST_LINES = 4
-"""Lines of the spectrum in the narrowest band: its power is then known to a half."""
+REWEIGHTED = 4
+"""Fits of a spectrum, each weighed by the one before, until it is the likeliest."""
 
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
@@ -37,11 +37,14 @@ CORNERS = np.geomspace(3e-4, 1.0, 28)
 UNSURE = 0.03
 """Relative error of a band's power that is not chance, as from a slightly wrong shape."""
 
-CLEARER = 25.0
-"""Squared misfit that a coloured part must explain to be taken: far beyond chance for two parameters."""
+CLEARER = 20.0
+"""Gain of twice the logarithm of the likelihood by a coloured part that is beyond chance for two parameters."""
 
-AS_GOOD = 4.0
-"""Squared misfit within which the longest memory is taken: what may be noise is no physics."""
+FITS = 2.5
+"""Misfit per band, twice the logarithm of the likelihood, that noise of two parts may have: a line has more."""
+
+AS_GOOD = 6.0
+"""Loss of it with which a longer memory is taken: what may be noise is no physics."""
 
 LEAST = 0.05
 """Part of the white noise that the coloured part must add in some band, to matter."""
@@ -103,8 +106,8 @@ def colour_of(residual: Floats, measured: Floats, level: float) -> Colour:
     if residual.size < FEWEST:
         return white(level)
     at, power, lines = _banded(*spectrum(residual))
-    moving = np.flatnonzero(_banded(*spectrum(measured))[1] > MOVES * power)
-    found = _parts(at, power, lines, np.arange(at.size) <= moving.max(initial=-1))
+    moving = _banded(*spectrum(measured))[1] > MOVES * power
+    found = _parts(at, power, lines, moving)
     if found is None:
         return white(level)
     colour = _innovations(*found)
@@ -127,48 +130,54 @@ def _banded(omega: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
     edges = np.geomspace(omega[0] * 0.99, omega[-1] * 1.001, BANDS + 1)
     number = np.searchsorted(edges, omega, side="right") - 1
     count = np.bincount(number, minlength=BANDS).astype(float)
-    used = count >= FEWEST_LINES
+    used = count > 0
     mean = np.bincount(number, power, BANDS)[used] / count[used]
     return np.bincount(number, omega, BANDS)[used] / count[used], mean, 0.5 * count[used]
 
 
-def _parts(at: Floats, power: Floats, lines: Floats, moving: np.ndarray) -> tuple[float, float, float] | None:
+def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[float, float, float] | None:
     """White power, drive of the coloured part per sample, and its corner; None: all is white.
 
     What the model leaves in the bands in which the rig moves may be anything on top of the noise.
     """
-    from scipy.optimize import nnls
-
-    weight = 1.0 / (power * (UNSURE + np.sqrt(1.0 / lines)))
     free = np.flatnonzero(moving)
     own = np.zeros((at.size, free.size))
     own[free, np.arange(free.size)] = 1.0
-    tail = np.where(moving, 0.0, (at / at[-1]) ** -6.0)
-    base = np.column_stack([np.ones_like(at), *([tail] if tail.any() else []), own])
-    columns = base * weight[:, None]
-    plain = float(nnls(columns / columns.max(0), power * weight)[1])
-    fits = [_with_corner(at, base, weight, power, corner) for corner in CORNERS.tolist()]
-    best = min(misfit for misfit, _, _ in fits)
-    if plain**2 - best**2 < CLEARER:
+    highest = at[moving].max(initial=0.0)
+    tail = np.where(at > highest, (at / at[-1]) ** -6.0, 0.0)
+    base = np.column_stack([np.ones_like(at), *([tail] if highest else []), own])
+    plain, _ = _likeliest(base, power, lines)
+    shapes = [1.0 / (2.0 - 2.0 * np.cos(at) + corner**2) for corner in CORNERS.tolist()]
+    fits = [_likeliest(np.column_stack([base, shape]), power, lines) for shape in shapes]
+    best = min(unlikely for unlikely, _ in fits)
+    perfect = float(2.0 * np.sum(_worth(lines) * (np.log(power) + 1.0)))
+    if not plain - best > CLEARER or best - perfect > FITS * np.count_nonzero(~moving):
         return None
-    as_good = next(i for i, (misfit, _, _) in enumerate(fits) if misfit**2 < best**2 + AS_GOOD)
-    _, first, drive = fits[as_good]
-    corner = float(CORNERS[as_good])
-    seen = drive / (2.0 - 2.0 * np.cos(at[~moving]) + corner**2)
-    return (first, drive, corner) if seen.max(initial=0.0) > LEAST * first else None
+    i = next(i for i, (unlikely, _) in enumerate(fits) if unlikely <= best + AS_GOOD)
+    sizes = fits[i][1]
+    first, drive = float(sizes[0]), float(sizes[-1])
+    seen = float((drive * shapes[i][~moving]).max(initial=0.0))
+    return (first, drive, float(CORNERS[i])) if seen > LEAST * first else None
 
 
-def _with_corner(
-    at: Floats, base: Floats, weight: Floats, power: Floats, corner: float
-) -> tuple[float, float, float]:
-    """Misfit of the bands with a coloured part of some corner, white power, and drive of the coloured part."""
+def _likeliest(columns: Floats, power: Floats, lines: Floats) -> tuple[float, Floats]:
+    """Twice the negative logarithm of the likelihood (Whittle's) of a spectrum, and the sizes (p,) of its parts."""
     from scipy.optimize import nnls
 
-    shape = 1.0 / (2.0 - 2.0 * np.cos(at) + corner**2)
-    columns = np.column_stack([base, shape]) * weight[:, None]
-    scale = columns.max(0)
-    sizes, misfit = nnls(columns / scale, power * weight)
-    return float(misfit), float(sizes[0] / scale[0]), float(sizes[-1] / scale[-1])
+    fitted = power
+    for _ in range(REWEIGHTED):
+        weight = 1.0 / (np.maximum(fitted, 1e-300) * (UNSURE + np.sqrt(1.0 / lines)))
+        weighted = columns * weight[:, None]
+        scale = weighted.max(0)
+        sizes = nnls(weighted / scale, power * weight)[0] / scale
+        fitted = columns @ sizes
+    fitted = np.maximum(fitted, 1e-300)
+    return float(2.0 * np.sum(_worth(lines) * (np.log(fitted) + power / fitted))), sizes
+
+
+def _worth(lines: Floats) -> Floats:
+    """Lines (b,) that each band is worth, given that shapes are never quite right."""
+    return np.asarray(lines / (1.0 + UNSURE**2 * lines))
 
 
 def _innovations(white_power: float, drive: float, corner: float) -> Colour:
@@ -190,7 +199,9 @@ def whitened_from(errors: Floats, colours: Sequence[Colour], starts: Integers) -
     for k, colour in enumerate(colours):
         if not colour.is_white:
             for begin, end in pairwise([*starts.tolist(), errors.shape[0]]):
-                out[begin:end, k] = whitened(np.ascontiguousarray(errors[begin:end, k]), colour.pole, colour.zero)
+                out[begin:end, k] = whitened(
+                    np.ascontiguousarray(errors[begin:end, k]), colour.pole, colour.zero
+                )
     return out
 
 

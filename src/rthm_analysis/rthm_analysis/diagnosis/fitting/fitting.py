@@ -111,6 +111,11 @@ class Fitting:
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self.rebase(self.base)
 
+    @property
+    def whites(self) -> list[bool]:
+        """Of each channel whether its noise is white."""
+        return [colour.is_white for colour in self.colours] or [True] * self.channels
+
     @cached_property
     def wires_alone(self) -> WiresAlone:
         """Check of the wires by their own forces."""

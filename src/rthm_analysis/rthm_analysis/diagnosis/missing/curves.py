@@ -21,6 +21,9 @@ SMALL = 1e-3
 RIDGE = 1e-7
 """Weight of a size of zero, over that of the data, where shapes cannot be told apart."""
 
+UNREACHED = 1e-14
+"""Squared response to a shape over the largest of all, below which the data do not reach it."""
+
 
 @dataclass(frozen=True)
 class CurveFit:
@@ -172,9 +175,16 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice]) -> _Normal:
 
 
 def _solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-    scale = np.sqrt(np.maximum(np.diag(hessian), 1e-300))
-    scaled = hessian / np.outer(scale, scale) + RIDGE * np.eye(scale.size)
-    inverse = np.linalg.inv(scaled) / np.outer(scale, scale) if scale.size else np.zeros((0, 0))
+    """Sizes and their covariance for noise of power 1; a shape that the data do not reach has size and variance 0."""
+    diagonal = np.diag(hessian)
+    reached = diagonal > UNREACHED * diagonal.max(initial=0.0)
+    scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)
+    inverse = (
+        np.linalg.inv(hessian * np.outer(scale, scale) + RIDGE * np.eye(scale.size))
+        if scale.size
+        else hessian
+    )
+    inverse = inverse * np.outer(scale, scale)
     return inverse @ gradient, inverse
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
-from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, slow_power
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
@@ -49,7 +49,8 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     if doubt(fitting, fitted) > UNFINISHED:
         return False
     errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
-    return all(slow_power(column)[0] < SLOW for column in errors.T)
+    allowed = [SLOW if white else COLOURED for white in fitting.whites]
+    return all(slow_power(column)[0] < most for column, most in zip(errors.T, allowed, strict=True))
 
 
 def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | None) -> Choice:

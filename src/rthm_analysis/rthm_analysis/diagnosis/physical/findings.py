@@ -16,14 +16,22 @@ from rthm_analysis.diagnosis.physical.locating import located_without_names, whe
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, stds_of, values_of
+from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.result import Alternative, Described, Mismatch, Part, Physics, Retuned, Trace, Value
+from rthm_analysis.diagnosis.result import (
+    Alternative,
+    Described,
+    Mismatch,
+    Part,
+    Physics,
+    Trace,
+    Value,
+)
 from rthm_analysis.diagnosis.search.judging import Tried, distinguishable
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
@@ -97,7 +105,11 @@ def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
     said = []
     for channel, one in zip(physical.evidence.channels, judged.left[name], strict=True):
         if one.rms > 1.0 and (one.in_train or one.in_held_out or one.parts.size):
-            only = " It shows only in the last third, which chose nothing: unconfirmed." if _late(one, physical) else ""
+            only = (
+                " It shows only in the last third, which chose nothing: unconfirmed."
+                if _late(one, physical)
+                else ""
+            )
             said.append(
                 f"{channel.signal}: on unseen data the error is {one.rms:.3g} times the noise, and not random."
                 f"{only}"

@@ -36,9 +36,7 @@ def fits_of(physical: Physical, runs: dict[str, Simulated], blocks: set[str]) ->
     told = {block: k for block in sorted(blocks) if (k := channel_of(physical, block)) is not None}
     rows = list(told.items())
     rows += [
-        (BLOCK_OF[c.family], k)
-        for k, c in enumerate(physical.evidence.channels)
-        if k not in told.values()
+        (BLOCK_OF[c.family], k) for k, c in enumerate(physical.evidence.channels) if k not in told.values()
     ]
     return tuple(_fit(physical, runs, block, k) for block, k in rows)
 
@@ -72,9 +70,7 @@ def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeR
         if channel.family == "position":
             values = {name: min(error[k], DIVERGED) for name, error in errors.items()}
             seconds = float(evidence.time[-1] - evidence.time[train])
-            found[channel.place] = FreeRun(
-                seconds, values["nominal"], values["retuned"], values["explained"]
-            )
+            found[channel.place] = FreeRun(seconds, values["nominal"], values["retuned"], values["explained"])
     return found
 
 

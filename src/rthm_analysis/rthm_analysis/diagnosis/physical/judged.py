@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
+from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_core.compiled import Floats
 
@@ -61,4 +61,8 @@ def held_out_squares(physical: Physical, predicted: Floats) -> float:
 
 def remainders(physical: Physical, predicted: Floats) -> tuple[Remainder, ...]:
     """What is left of each channel."""
-    return tuple(remainder_of(column, physical.train) for column in errors_of(physical, predicted).T)
+    pairs = zip(errors_of(physical, predicted).T, physical.noise.colours, strict=True)
+    return tuple(
+        remainder_of(column, physical.train, SLOW if colour.is_white else COLOURED)
+        for column, colour in pairs
+    )

@@ -66,6 +66,7 @@ def needed_only(fitting: Fitting, choice: Choice) -> Choice:
             base = replace(base, model=_without(base.model, key))
     if best is choice.best:
         return choice
+    best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
     rounds = choice.rounds
     base = best if not rounds else fitting.fit(base.model, most=PRUNING)
     fitting.doubt = doubt(fitting, best)

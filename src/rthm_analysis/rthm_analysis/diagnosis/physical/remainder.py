@@ -12,6 +12,9 @@ SLOW = 1.35
 """Power of the slow residual, over that of noise, above which something is left: 0.15 of the noise, which the
 arithmetic of a replay may leave."""
 
+COLOURED = 3.0
+"""The same where the noise has a colour, which a recording tells only about."""
+
 SAMPLES = 16
 """Samples in an average in which noise drowns and physics does not."""
 
@@ -39,6 +42,8 @@ class Remainder:
         Of the noise of the unseen part over that of the training part, as its fastest part shows it; at least 1.
     parts : (p, 2) array
         Start and end (samples) of the parts in which something is left.
+    tolerance : float
+        Power of the slow residual from which something is left.
     """
 
     train: float
@@ -46,19 +51,20 @@ class Remainder:
     rms: float
     loudness: float
     parts: Floats
+    tolerance: float = SLOW
 
     @property
     def in_train(self) -> bool:
         """Whether something is left in the training part."""
-        return self.train > SLOW
+        return self.train > self.tolerance
 
     @property
     def in_held_out(self) -> bool:
         """Whether something is left in the unseen part."""
-        return self.held_out > SLOW
+        return self.held_out > self.tolerance
 
 
-def remainder_of(errors: Floats, train: int) -> Remainder:
+def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remainder:
     """Judge the errors of one channel.
 
     Parameters
@@ -67,13 +73,15 @@ def remainder_of(errors: Floats, train: int) -> Remainder:
         Over the noise and whitened; NaN where nothing was measured.
     train : int
         Samples of the training part.
+    tolerance : float
+        Power of the slow residual from which something is left.
     """
     edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
     power = [slow_power(errors[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
     left = [
         (int(a), int(b))
         for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
-        if count and ratio > 1.0 + max(SLOW - 1.0, CHANCE * np.sqrt(2.0 / count))
+        if count and ratio > 1.0 + max(tolerance - 1.0, CHANCE * np.sqrt(2.0 / count))
     ]
     held = errors[train:]
     return Remainder(
@@ -82,6 +90,7 @@ def remainder_of(errors: Floats, train: int) -> Remainder:
         float(np.sqrt(np.nanmean(np.square(held)))) if np.isfinite(held).any() else 0.0,
         float(np.sqrt(max(1.0, _fast_power(held)))),
         np.array(left, dtype=float).reshape(-1, 2),
+        tolerance,
     )
 
 

@@ -134,9 +134,7 @@ class Judgement:
     def _curves(self, model: Model) -> list[CurveFit]:
         physical = self.physical
         physical.fitting.progress("asking on what the missing force depends")
-        return free_curves(
-            physical.experiment, physical.windows, physical.noise, model, physical.train
-        )
+        return free_curves(physical.experiment, physical.windows, physical.noise, model, physical.train)
 
     @cached_property
     def earned(self) -> bool:

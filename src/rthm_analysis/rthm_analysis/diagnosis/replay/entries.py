@@ -71,7 +71,11 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool)
     assert spec.plant is not None
     n = len(spec.plant.dofs)
     mass = float(np.mean(np.diag(np.reshape(spec.plant.mass, (n, n)))))
-    scales = {"mass": mass, "damping": 2.0 * SMALL * mass * frequency, "stiffness": SMALL * mass * frequency**2}
+    scales = {
+        "mass": mass,
+        "damping": 2.0 * SMALL * mass * frequency,
+        "stiffness": SMALL * mass * frequency**2,
+    }
     for name in MATRICES:
         for i in range(n):
             for j in range(i, n):
@@ -79,7 +83,9 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool)
                 known = name == "plant.mass" and (i != j or (i == 0 and not (loaded or commanded)))
                 if known or (i != j and not value):
                     continue
-                low = -np.inf if i != j or name == "plant.stiffness" else 0.0 if value == 0.0 else 1e-3 * value
+                low = (
+                    -np.inf if i != j or name == "plant.stiffness" else 0.0 if value == 0.0 else 1e-3 * value
+                )
                 scale = max(abs(value), scales[name.partition(".")[2]])
                 yield Parameter(key, value, scale, low)
     if commanded and spec.actuator is not None and spec.actuator.transmission is None:

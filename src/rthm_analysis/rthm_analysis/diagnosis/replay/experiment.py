@@ -126,9 +126,7 @@ class Experiment:
         with self._lock:
             motors = {key: with_force(inputs) for key, inputs in self._motors.items()}
             grids = dict(self._grids)
-        return replace(
-            self, evidence=evidence, _motors=motors, _motions={}, _grids=grids, _lock=Lock()
-        )
+        return replace(self, evidence=evidence, _motors=motors, _motions={}, _grids=grids, _lock=Lock())
 
     def _forget(self) -> None:
         self._motors.clear()

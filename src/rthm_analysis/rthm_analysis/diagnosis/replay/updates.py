@@ -47,7 +47,11 @@ def readings_only(evidence: Evidence) -> Evidence:
                 f"{way} between its readings is left out."
             )
             measured[~kept, k] = np.nan
-    return evidence if len(notes) == len(evidence.notes) else replace(evidence, measured=measured, notes=tuple(notes))
+    return (
+        evidence
+        if len(notes) == len(evidence.notes)
+        else replace(evidence, measured=measured, notes=tuple(notes))
+    )
 
 
 def _readings(values: Floats) -> tuple[Flags | None, str]:

@@ -1,0 +1,60 @@
+"""A verdict is a test: what unseen data do not confirm is not said, and a plainer hypothesis comes first."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.result import Part
+from rthm_core.spec import Spec
+
+from .plain import DAMPING, STIFFNESS, plant, recorded, wandering
+
+
+def part_of(evidence: Evidence, spec: Spec | None = None) -> Part:
+    return physical_part(diagnose_physical(evidence, spec or plant(), np.empty(0), lambda said: None))
+
+
+def test_noise_that_wanders_is_no_physics() -> None:
+    part = part_of(recorded(noise=wandering(0.3, 3.0)))
+    assert not part.physics and not part.unexplained and not part.retuned
+
+
+def test_other_damping_and_stiffness_than_the_exact_ones_of_the_spec_are_no_missing_physics() -> None:
+    part = part_of(recorded(damping=3.0 * DAMPING, stiffness=1.027 * STIFFNESS))
+    assert not part.physics and not part.unexplained
+    assert set(part.retuned) == {"plant.damping", "plant.stiffness"}
+    for name, true in (("plant.damping", 3.0 * DAMPING), ("plant.stiffness", 1.027 * STIFFNESS)):
+        assert abs(part.retuned[name].value - true) < 4.0 * part.retuned[name].std
+
+
+def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:
+    part = part_of(recorded(lambda t, x, v: -40.0 * max(x - 0.05, 0.0) if t > 19.0 else 0.0))
+    assert not part.physics and not part.described and not part.effects
+    assert any("unconfirmed" in said for said in part.unexplained)
+
+
+@pytest.mark.parametrize(
+    ("law", "depends_on"),
+    [
+        (lambda t, x, v: 2e-3 / (0.35 - x) ** 2, ("x",)),
+        (lambda t, x, v: -0.06 * np.tanh(v / 1e-3) if 0.03 < x < 0.09 else 0.0, ("x", "v")),
+    ],
+    ids=["magnet", "rubs in one place"],
+)
+def test_a_force_of_no_kind_is_described_and_not_named(law, depends_on: tuple[str, ...]) -> None:  # type: ignore[no-untyped-def]
+    part = part_of(recorded(law))
+    assert not part.physics and part.unexplained
+    assert part.described[0].depends_on == depends_on
+    assert part.described[0].held_out_gain > 0.9
+    assert {one.kind for one in part.refused}
+
+
+def test_a_kind_of_the_library_is_named_with_its_value() -> None:
+    part = part_of(recorded(lambda t, x, v: -20.0 * x**3))
+    assert [one.kind for one in part.physics] == ["cubic_stiffness"] and not part.unexplained
+    value = part.physics[0].parameters["coefficient"]
+    assert abs(value.value - 20.0) < 3.0 * value.std

@@ -107,18 +107,12 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
 
 
 def _meaningful(tried: Tried) -> bool:
-    """Whether the recording depends on the parameters, and they are those of the kind.
+    """Whether the recording depends on the parameters.
 
-    An effect that never acts may still move the last digits of a simulation. Friction that rises with speed
-    is not Stribeck's.
+    An effect that never acts may still move the last digits of a simulation.
     """
     own = np.diag(tried.fitted.sums.hessian.sum(0))[-len(tried.start.free) :] if tried.start.free else [1.0]
-    if not np.any(own):
-        return False
-    if tried.label[1] != STRIBECK:
-        return True
-    found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
-    return float(found["static_force"]) >= float(found["coulomb_force"])
+    return bool(np.any(own))
 
 
 def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:

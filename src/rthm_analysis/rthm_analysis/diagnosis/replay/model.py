@@ -64,8 +64,12 @@ class Parameter:
     @property
     def at_bound(self) -> bool:
         """Whether it would go further if that were possible."""
-        room = 1e-6 * abs(self.value)
-        return self.value <= self.low + room or self.value >= self.high - room
+        return abs(self.value - self.nearest) <= 1e-6 * abs(self.value)
+
+    @property
+    def nearest(self) -> float:
+        """The bound that it is nearest to."""
+        return self.low if self.value - self.low < self.high - self.value else self.high
 
     def at(self, value: float) -> Parameter:
         """The same parameter with another value, kept within its bounds."""
@@ -151,6 +155,12 @@ class Model:
                 found[i] = moved[i].within(*bounds)
                 values[key] = found[i].value
         return tuple(found)
+
+    def places(self, index: int) -> dict[str, int]:
+        """Places among the parameters of those of an added effect that may move."""
+        name = f"{self.name(index)}."
+        found = ((p.key, i) for i, p in enumerate(self.parameters))
+        return {key.removeprefix(name): i for key, i in found if key.startswith(name)}
 
     def _key(self, index: int, key: str) -> str:
         """Name of a parameter of an added effect."""

@@ -14,6 +14,9 @@
 ``pairing``       effects that are found together only
 ``simplifying``   whether every effect is needed, and whether fewer would do
 ``replacing``     other kinds in the place of one, beside all others that were found
+``pieces``        effects of which combinations are made
+``subsets``       what every combination would leave
+``combining``     combinations that do better than what was found one by one
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.steps import moved
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -106,6 +107,11 @@ class Fitting:
         edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self.rebase(self.base)
+
+    @property
+    def budget(self) -> Budget:
+        """The work that was done, and may be done."""
+        return self.experiment.budget
 
     @cached_property
     def wires_alone(self) -> WiresAlone:

@@ -5,6 +5,7 @@
 ``starts``        starting-value finders of plant, wires and sensors
 ``drive_starts``  those of motors
 ``tones``         those of harmonic loads
+``doubted_tones`` what these have to show beyond their gain
 ``candidates``    every effect that there could be, with its starting values
 ``screening``     the score of every candidate from one replay each
 ``promising``     those that are worth a fit

@@ -52,7 +52,7 @@ def choose(
     """
     choice = begun or Choice(base, base)
     scores: list[Screened] = []
-    while len(choice.rounds) < MOST_EFFECTS:
+    while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(choice.best)
         scores = _scores(fitting, choice, known, scores)
         tried, told = _tried(fitting, choice, known, promising(scores))

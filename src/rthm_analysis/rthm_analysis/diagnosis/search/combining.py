@@ -38,7 +38,9 @@ def _questionable(fitting: Fitting, choice: Choice) -> bool:
     """Whether another combination may do better: not where one plain effect leaves noise and no more."""
     starts = [tried[0].start for tried in choice.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
-    return bool(starts) and not (alone and doubt(fitting, choice.best) < UNFINISHED)
+    return (
+        bool(starts) and not fitting.budget.spent and not (alone and doubt(fitting, choice.best) < UNFINISHED)
+    )
 
 
 def _cost(fitting: Fitting, choice: Choice, fitted: Fitted) -> float:

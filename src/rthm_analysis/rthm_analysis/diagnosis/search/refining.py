@@ -10,6 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.doubted_tones import without_doubted_tones
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
     RELEVANT,
@@ -58,11 +59,12 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
     tried = [one for one in tried if np.isfinite(one.error)]
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
-        most = min(most, _within_reach(fitting, tried))
+        most = 1 if fitting.budget.spent else min(most, _within_reach(fitting, tried))
         further = partial(fit_further, fitting, known=known, steps=steps)
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     meaningful = [one for one in tried if _meaningful(one)]
-    return _simplest_first(fitting, best_of_labels(meaningful), fitted)
+    ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
+    return without_doubted_tones(fitting, ordered, fitted)
 
 
 def unfitted(start: Start, fitted: Fitted, model: Model) -> Tried:

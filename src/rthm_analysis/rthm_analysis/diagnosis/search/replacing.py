@@ -109,7 +109,7 @@ def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[Tried]:
     first, *others = choice.rounds[index]
     rivals = []
     for other in others[:RIVALS]:
-        if distinguishable(first.fitted, other.fitted):
+        if fitting.budget.spent or distinguishable(first.fitted, other.fitted):
             rivals.append(other)
             continue
         fitting.progress(f"comparing {first.label[1]} with {other.label[1]}")

@@ -23,6 +23,7 @@ from pathlib import Path
 from string import Formatter
 from typing import ClassVar, TypeVar
 
+from rthm_core.effects.possible import Plainer, Possible, Values, identified
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
 
@@ -75,6 +76,13 @@ class Effect:
         ``{block}`` the place.
     states
         Number of internal states.
+    possible
+        Parameters that have narrower bounds in a fit than in a spec: what is physically possible, and what a
+        recording can show. In this order; bounds may depend on the parameters before.
+    secondary
+        Parameters without which it is still this kind, whether they are identified or not.
+    plainer
+        Kinds that do as well where the others are not identified.
     """
 
     kind: ClassVar[str]
@@ -83,6 +91,14 @@ class Effect:
     equation: ClassVar[str] = ""
     words: ClassVar[str] = ""
     states: ClassVar[int] = 0
+    possible: ClassVar[Mapping[str, Possible]] = {}
+    secondary: ClassVar[tuple[str, ...]] = ()
+    plainer: ClassVar[tuple[Plainer, ...]] = ()
+
+    @classmethod
+    def identified(cls, values: Values, stds: Values) -> bool:
+        """Whether values with these standard deviations make it this kind and no plainer one."""
+        return identified(values, {name: std for name, std in stds.items() if name not in cls.secondary})
 
     @classmethod
     def unit(cls, parameter: str, block: str) -> str:

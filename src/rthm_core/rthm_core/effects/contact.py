@@ -4,6 +4,19 @@ from __future__ import annotations
 
 from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.possible import Seen, Values, between
+
+
+def _reached(p: Values, seen: Seen) -> tuple[float, float]:
+    """Positions of a stop on its side of rest, within the motion."""
+    if p["position"] >= 0.0:
+        return seen.margin, seen.highest - seen.margin
+    return seen.lowest + seen.margin, -seen.margin
+
+
+def _played(p: Values, seen: Seen) -> tuple[float, float]:
+    """Gaps that the motion leaves."""
+    return seen.margin, max(-seen.lowest, seen.highest) - seen.margin
 
 
 @register
@@ -21,6 +34,8 @@ class EndStop(PlantLaw):
     }
     equation = "F = -k (x - p) - c v where x is beyond p"
     words = "{dof} runs into a stop at {position} of stiffness {stiffness}"
+    possible = {"position": _reached}
+    secondary = ("damping",)
     split = "position"
 
     @staticmethod
@@ -45,6 +60,7 @@ class Clearance(PlantLaw):
     }
     equation = "F = -k (x - gap sign x) where |x| > gap"
     words = "a spring of {stiffness} with a play of +-{gap} acts on {dof}"
+    possible = {"gap": _played, "stiffness": between(0.0)}
     split = "position"
 
     @staticmethod

@@ -6,6 +6,7 @@ import math
 
 from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.possible import Plainer, in_band
 
 
 @register
@@ -21,6 +22,9 @@ class HarmonicLoad(PlantLaw):
     }
     equation = "F = A sin(w t + phase)"
     words = "a harmonic force of {amplitude} at {frequency} that nobody listed acts on {dof}"
+    possible = {"frequency": in_band}
+    secondary = ("phase",)
+    plainer = (Plainer("constant_load", lambda p: {"force": p["amplitude"] * math.sin(p["phase"])}),)
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

@@ -6,6 +6,27 @@ import math
 
 from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.possible import Plainer, Seen, Values
+
+STEEPEST = 4.0
+"""Largest friction at rest over that in motion: dry surfaces have 1.1 to 2, and what falls to nearly nothing
+is drag that was left out."""
+
+FALLING = (1e-3, 0.5)
+"""Parts of the highest speed over which friction may be seen to fall: over less nobody sees it, and over more
+it does not fall off within the motion."""
+
+
+def _at_rest(p: Values, seen: Seen) -> tuple[float, float]:
+    """Friction at rest: no less than in motion."""
+    return p["coulomb_force"], STEEPEST * p["coulomb_force"]
+
+
+def _fallen(p: Values, seen: Seen) -> tuple[float, float]:
+    """Speeds over which friction falls within what was reached."""
+    if not math.isfinite(seen.speed):
+        return 0.0, math.inf
+    return FALLING[0] * seen.speed, FALLING[1] * seen.speed
 
 
 @register
@@ -46,6 +67,14 @@ class StribeckFriction(PlantLaw):
     words = (
         "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} "
         "within {stribeck_velocity} (Stribeck effect)"
+    )
+    possible = {"static_force": _at_rest, "stribeck_velocity": _fallen}
+    plainer = (
+        Plainer(
+            "coulomb_friction",
+            lambda p: {"force": p["coulomb_force"]},
+            grows=("coulomb_force", "static_force"),
+        ),
     )
     split = "friction"
 

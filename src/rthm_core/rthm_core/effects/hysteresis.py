@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.possible import Plainer, Possible, Seen, Values, between
 
 BOUC_WEN_PARAMETERS = {
     "alpha": EffectParameter(
@@ -14,6 +15,33 @@ BOUC_WEN_PARAMETERS = {
     "gamma": EffectParameter("1/m^n", "shape of the loop"),
     "n": EffectParameter("1", "sharpness of the yield", minimum=1.0, maximum=20.0, default=1.0),
 }
+
+NARROWEST = 2.0
+"""Largest gamma over beta, either way: beyond, a loop is a bent spring."""
+
+SHARPEST = 5.0
+"""Largest exponent: from there on the yield is a corner."""
+
+
+def _shaped(p: Values, seen: Seen) -> tuple[float, float]:
+    """Shapes of a loop that is as wide as beta says."""
+    return -NARROWEST * abs(p["beta"]), NARROWEST * abs(p["beta"])
+
+
+def yield_force(p: Values) -> float:
+    """Largest force of a loop, N; of one that stiffens, where it would yield without gamma."""
+    total = p["beta"] + p["gamma"]
+    total = total if total > 0.0 else p["beta"]
+    return float(p["alpha"] * (p["A"] / max(total, 1e-300)) ** (1.0 / p["n"]))
+
+
+BOUC_WEN_POSSIBLE: dict[str, Possible] = {
+    "beta": between(1e-12),  # only then does every loop take energy out, whatever gamma is
+    "gamma": _shaped,
+    "n": between(1.0, SHARPEST),
+}
+
+BOUC_WEN_SECONDARY = ("A", "gamma")
 
 
 @register
@@ -28,6 +56,9 @@ class BoucWen(PlantLaw):
         "the spring at {dof} is hysteretic: its force, up to {alpha} per metre, depends on where "
         "the motion last turned (Bouc-Wen)"
     )
+    possible = BOUC_WEN_POSSIBLE
+    secondary = BOUC_WEN_SECONDARY
+    plainer = (Plainer("coulomb_friction", lambda p: {"force": yield_force(p)}),)
     states = 1
     split = "velocity"
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from rthm_core.effects.base import EffectParameter, register
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.possible import Plainer, between, in_band, less_than_the_dof, relaxing
+
+WIDEST = 2.0
+"""Largest damping ratio of a memory: beyond, it has no peak and relaxes."""
 
 
 @register
@@ -24,6 +28,7 @@ class MaxwellBranch(PlantLaw):
         "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside "
         "it (Maxwell)"
     )
+    possible = {"damping": relaxing}
     states = 1
     linear = True
 
@@ -53,6 +58,8 @@ class HiddenMode(PlantLaw):
     }
     equation = "F = m (w^2 (y - x) + 2 zeta w (dy - v)); m ddy = -F"
     words = "a hidden resonator of {mass} at {frequency} hangs on {dof}"
+    possible = {"mass": less_than_the_dof, "frequency": in_band, "damping_ratio": between(0.0, 1.0)}
+    secondary = ("damping_ratio",)
     states = 2
     linear = True
 
@@ -83,6 +90,17 @@ class FluidMemory(PlantLaw):
     }
     equation = "F = -gain dr; ddr + 2 zeta w dr + w^2 r = v"
     words = "the fluid remembers: a radiation force of gain {gain} around {frequency} acts on {dof}"
+    possible = {"frequency": in_band, "damping_ratio": between(0.0, WIDEST)}
+    secondary = ("damping_ratio",)
+    plainer = (
+        Plainer(
+            "maxwell_branch",
+            lambda p: {
+                "stiffness": p["gain"],
+                "damping": p["gain"] / max(2.0 * p["damping_ratio"] * p["frequency"], 1e-12),
+            },
+        ),
+    )
     states = 2
     linear = True
 

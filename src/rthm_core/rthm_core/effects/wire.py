@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from rthm_core.effects.base import EffectParameter, register
-from rthm_core.effects.hysteresis import BOUC_WEN_PARAMETERS
+from rthm_core.effects.hysteresis import (
+    BOUC_WEN_PARAMETERS,
+    BOUC_WEN_POSSIBLE,
+    BOUC_WEN_SECONDARY,
+    yield_force,
+)
 from rthm_core.effects.laws import WireLaw
+from rthm_core.effects.possible import Plainer, less_than_the_dof, relaxing
 
 
 @register
@@ -48,6 +54,8 @@ class PulleyInertia(WireLaw):
     }
     equation = "F = 2 k (y - x); m ddy = 2 k (u - y) - 2 k (y - x) - c dy"
     words = "the pulley of {actuator} is not massless: {mass} moves with the wire"
+    possible = {"mass": less_than_the_dof}
+    secondary = ("damping",)
     states = 2
     order = 1
     linear = True
@@ -126,6 +134,7 @@ class WireMaxwellBranch(WireLaw):
         "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts "
         "beside it (Maxwell)"
     )
+    possible = {"damping": relaxing}
     states = 1
     order = 4
     linear = True
@@ -159,6 +168,9 @@ class WireBoucWen(WireLaw):
         "the wire of {actuator} is hysteretic: its force depends on where its elongation last "
         "turned (Bouc-Wen, {alpha})"
     )
+    possible = BOUC_WEN_POSSIBLE
+    secondary = BOUC_WEN_SECONDARY
+    plainer = (Plainer("pulley_friction", lambda p: {"force": 2.0 * yield_force(p)}),)
     states = 2
     order = 5
 

@@ -18,6 +18,7 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.steps import moved
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -115,6 +116,11 @@ class Fitting:
     def whites(self) -> list[bool]:
         """Of each channel whether its noise is white."""
         return [colour.is_white for colour in self.colours] or [True] * self.channels
+
+    @property
+    def budget(self) -> Budget:
+        """The work that was done, and may be done."""
+        return self.experiment.budget
 
     @cached_property
     def wires_alone(self) -> WiresAlone:

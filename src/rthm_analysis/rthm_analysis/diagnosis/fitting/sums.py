@@ -5,8 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from rthm_core.compiled import Floats
+
+SINGULAR = 1e-12
+"""Eigenvalue of the correlations of the parameters below which rounding decides: nothing is known of it."""
+
+PART = 1e-6
+"""Part of a parameter in an undetermined combination from which it is undetermined too; less is rounding."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +37,17 @@ class Sums:
     pull: Floats
 
     def covariance(self) -> Floats:
-        """Covariance of the parameters, honest when the residual is not white: from the scatter of blocks."""
+        """Covariance of the parameters, honest when the residual is not white: from the scatter of blocks.
+
+        What the data leave open has an infinite variance.
+        """
         whole = self.hessian.sum(0) + np.diag(self.precision)
-        inverse = np.linalg.pinv(whole, hermitian=True)
+        inverse, open_ = _inverse(whole)
         scatter = self.gradient.T @ self.gradient
         seen = inverse @ (scatter + np.diag(self.precision)) @ inverse
-        return _larger(inverse, seen)
+        covariance = _larger(inverse, seen)
+        covariance[open_, open_] = np.inf
+        return covariance
 
     def left_out(self) -> Floats:
         """Squared error (b,) of each block under the fit to all others, by one Newton step.
@@ -54,6 +66,17 @@ class Sums:
             change = -2.0 * step @ self.gradient[b] + step @ self.hessian[b] @ step
             errors[b] = self.squares[b] + max(change, 0.0)
         return errors
+
+
+def _inverse(matrix: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """Inverse on what the data determine, and the parameters (p,) that take part in what they do not."""
+    size = np.sqrt(np.diag(matrix))
+    scale = np.where(size > 0.0, size, 1.0)
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    known = values > SINGULAR
+    inverse = (vectors[:, known] / values[known]) @ vectors[:, known].T / np.outer(scale, scale)
+    part = np.square(vectors[:, ~known]).sum(axis=1)
+    return inverse, part > PART
 
 
 def _larger(inverse: Floats, seen: Floats) -> Floats:

@@ -52,7 +52,9 @@ class WiresAlone:
             return
         self.weight = 1.0 / sigma[self.forces]
         self.windows = Windows(np.arange(evidence.stamps_ns.size), motion, None)
-        self.experiment = Experiment(evidence, experiment.first, between=experiment.between)
+        self.experiment = Experiment(
+            evidence, experiment.first, between=experiment.between, budget=experiment.budget
+        )
         self.experiment.begin_at(evidence.stamps_ns)
 
     def contradict(self, model: Model, added: Model) -> bool:

@@ -67,7 +67,7 @@ def _open_values(rounds: list[list[Tried]]) -> Iterator[Parameter]:
         fitted = rounds[-1][0].fitted
         stds = np.sqrt(np.maximum(np.diag(fitted.sums.covariance()), 0.0))
         for p, std in zip(fitted.model.parameters, stds.tolist(), strict=True):
-            if std > 0.0:
+            if 0.0 < std < np.inf:
                 yield replace(p, scale=std, prior=(p.value, std))
 
 

@@ -14,6 +14,7 @@
 ``switching``   compiled: where a law leaves its piece
 ``kernel``      compiled: the replay of plant and wires
 ``sensing``     what the sensors make of the motion
+``budget``      how much of this one diagnosis may do
 ``experiment``  all of it: what a model predicts for the samples of the recording
 ==============  ===============================================================================
 """

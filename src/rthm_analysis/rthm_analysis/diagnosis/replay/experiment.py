@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
@@ -91,6 +92,8 @@ class Experiment:
         How a load that is known by its samples goes between them.
     sharp : bool
         Whether the grid is as fine as wires that remember their path need it.
+    budget : Budget
+        Charged with every prediction, whether its motion was kept or not.
     """
 
     evidence: Evidence
@@ -98,8 +101,9 @@ class Experiment:
     starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     between: Between = Between.SMOOTH
     sharp: bool = False
+    budget: Budget = field(default_factory=Budget)
     _motors: dict[str, Inputs] = field(default_factory=dict)
-    _motions: dict[str, Motion] = field(default_factory=dict)
+    _motions: dict[str, tuple[Motion, int]] = field(default_factory=dict)
     _grids: dict[tuple[int, int, bool], Grid] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
 
@@ -137,10 +141,10 @@ class Experiment:
         """Motion (s, ...) of the physical side of `spec` under the recorded inputs, at the samples; kept for
         the last few models.
         """
-        return self._motion(spec, windows, between=False)
+        return self._motion(spec, windows, between=False)[0]
 
-    def _motion(self, spec: Spec, windows: Windows, *, between: bool) -> Motion:
-        """Motion at the samples (s, ...), or in each interval of the fine grid (f, 3, ...)."""
+    def _motion(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
+        """Motion at the samples (s, ...), or in each interval of the fine grid (f, 3, ...), and its steps."""
         bare = _without_sensors(spec)
         key = f"{bare!r} {hash(windows.state.tobytes())} {between}"
         with self._lock:
@@ -161,43 +165,46 @@ class Experiment:
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
         assert spec.plant is not None
-        columns = []
+        columns, steps = [], 0
         for channel in self.evidence.channels:
             places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
             effects = _effects_on(spec, channel)
             lag = time_constant(effects)
-            motion = self._motion(spec, windows, between=lag > 0.0)
+            motion, steps = self._motion(spec, windows, between=lag > 0.0)
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
             if lag:
                 inputs = self._inputs(spec)
                 reading = lagged(inputs.fine.time, reading, lag)[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, effects))
+        self.budget.charge(steps)
         return np.stack(columns, axis=1)
 
     @property
     def _motors_alone(self) -> bool:
         return all(channel.family == "motor" for channel in self.evidence.channels)
 
-    def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> Motion:
+    def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
+        """Motion, and the steps that it took."""
         points, motor, load, fine, course, samples = self._inputs(spec)
         n, m = load.shape[2], motor.shape[2]
         time = fine.points_before_jumps if between else self.evidence.time
         seen = course if between else np.ascontiguousarray(course[samples, 0])
         if self._motors_alone:
             nothing = np.empty((*time.shape, 0))
-            return Motion(nothing, nothing, nothing, seen)
+            return Motion(nothing, nothing, nothing, seen), time.size
         hidden = hidden_loads(spec, points)
         load = load if hidden is None else load + hidden
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
+        steps = substeps(spec, arrays, longest)
         replay_mechanics(
-            arrays, points.time, substeps(spec, arrays, longest), motor, load, starts, windows.state,
+            arrays, points.time, steps, motor, load, starts, windows.state,
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),
         )  # fmt: skip
         x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
-        return Motion(x, v, force, seen)
+        return Motion(x, v, force, seen), steps * points.time.size + time.size
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""

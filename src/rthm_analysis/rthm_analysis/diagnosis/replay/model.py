@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.entries import entry_of, with_entry
-from rthm_core.effects import effect
+from rthm_core.effects import Effect, effect
+from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
 
@@ -61,19 +62,52 @@ class Parameter:
         """Whether it is a size that cannot vanish: it then moves by factors."""
         return self.low >= 0.0 and self.value > 0.0 and self.prior is None
 
+    @property
+    def at_bound(self) -> bool:
+        """Whether it would go further if that were possible."""
+        return abs(self.value - self.nearest) <= 1e-6 * abs(self.value)
+
+    @property
+    def nearest(self) -> float:
+        """The bound that it is nearest to."""
+        return self.low if self.value - self.low < self.high - self.value else self.high
+
     def at(self, value: float) -> Parameter:
         """The same parameter with another value, kept within its bounds."""
         return replace(self, value=float(min(max(value, self.low), self.high)))
 
+    def within(self, low: float, high: float) -> Parameter:
+        """The same parameter kept within other bounds."""
+        return replace(self, low=low, high=high).at(self.value)
+
 
 @dataclass(frozen=True)
 class Added:
-    """An effect that the nominal spec does not have."""
+    """An effect that the nominal spec does not have, and what the recording shows of its place."""
 
     block: str
     kind: str
     place: str
     parameters: dict[str, float | str]
+    seen: Seen = ANYTHING
+
+    @property
+    def law(self) -> type[Effect]:
+        """Its kind."""
+        return effect(self.kind, self.block)
+
+    def bounds(self, key: str, values: dict[str, float | str]) -> tuple[float, float]:
+        """Values that a spec allows and that are possible, given those of the other parameters."""
+        quantity = self.law.parameters[key]
+        assert not isinstance(quantity, Text)
+        low = -np.inf if quantity.minimum is None else quantity.minimum
+        low = low if quantity.above is None else quantity.above + 1e-12
+        high = np.inf if quantity.maximum is None else quantity.maximum
+        if key in self.law.possible:
+            others = {name: value for name, value in values.items() if not isinstance(value, str)}
+            least, most = self.law.possible[key](others, self.seen)
+            low, high = max(low, least), min(high, most)
+        return low, max(low, high)
 
     @property
     def label(self) -> tuple[str, str]:
@@ -106,26 +140,45 @@ class Model:
 
     def at(self, values: Floats) -> Model:
         """The model with other values of its parameters."""
-        moved = tuple(p.at(float(v)) for p, v in zip(self.parameters, values, strict=True))
-        return replace(self, parameters=moved)
+        moved = [replace(p, value=float(v)) for p, v in zip(self.parameters, values, strict=True)]
+        return replace(self, parameters=self._possible(moved))
+
+    def _possible(self, moved: list[Parameter]) -> tuple[Parameter, ...]:
+        """Parameters kept to what is possible, each given the others, and itself as it was before."""
+        places = {p.key: i for i, p in enumerate(moved)}
+        found = [p.at(p.value) for p in moved]
+        for index, one in enumerate(self.added):
+            free = {key: places[name] for key in one.parameters if (name := self._key(index, key)) in places}
+            values = one.parameters | {key: found[i].value for key, i in free.items()}
+            for key in (key for key in one.law.possible if key in free):
+                i = free[key]
+                bounds = one.bounds(key, values | {key: self.parameters[i].value})
+                found[i] = moved[i].within(*bounds)
+                values[key] = found[i].value
+        return tuple(found)
+
+    def places(self, index: int) -> dict[str, int]:
+        """Places among the parameters of those of an added effect that may move."""
+        name = f"{self.name(index)}."
+        found = ((p.key, i) for i, p in enumerate(self.parameters))
+        return {key.removeprefix(name): i for key, i in found if key.startswith(name)}
+
+    def _key(self, index: int, key: str) -> str:
+        """Name of a parameter of an added effect."""
+        return f"{self.name(index)}.{key}"
 
     def plus(self, one: Added, free: tuple[str, ...], scales: dict[str, float]) -> Model:
         """The model with one more effect, of whose parameters those in `free` may move."""
-        name = self.name(len(self.added))
-        law = effect(one.kind, one.block)
         new = []
         for key in free:
-            quantity = law.parameters[key]
-            assert not isinstance(quantity, Text)
-            low = -np.inf if quantity.minimum is None else quantity.minimum
-            low = low if quantity.above is None else quantity.above + 1e-12
-            high = np.inf if quantity.maximum is None else quantity.maximum
+            low, high = one.bounds(key, one.parameters)
             value = float(one.parameters[key])
             along = ALONG.get((one.kind, key))
             place = len(self.parameters) + free.index(along) if along in free else None
             scale = scales.get(key, abs(value) or 1.0)
-            new.append(Parameter(f"{name}.{key}", value, scale, low, high, along=place))
-        return replace(self, parameters=(*self.parameters, *new), added=(*self.added, one), checked=[])
+            new.append(Parameter(self._key(len(self.added), key), value, scale, low, high, along=place))
+        more = replace(self, parameters=(*self.parameters, *new), added=(*self.added, one), checked=[])
+        return more.at(more.values)
 
     def name(self, index: int) -> str:
         """Name of the section of an added effect."""

@@ -5,6 +5,7 @@
 ``starts``        starting-value finders of plant, wires and sensors
 ``drive_starts``  those of motors
 ``tones``         those of harmonic loads
+``doubted_tones`` what these have to show beyond their gain
 ``candidates``    every effect that there could be, with its starting values
 ``screening``     the score of every candidate from one replay each
 ``promising``     those that are worth a fit
@@ -14,6 +15,9 @@
 ``pairing``       effects that are found together only
 ``simplifying``   whether every effect is needed, and whether fewer would do
 ``replacing``     other kinds in the place of one, beside all others that were found
+``pieces``        effects of which combinations are made
+``subsets``       what every combination would leave
+``combining``     combinations that do better than what was found one by one
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

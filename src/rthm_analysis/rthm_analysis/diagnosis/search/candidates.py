@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.model import Added
-from rthm_analysis.diagnosis.search.scene import dof_scene, rms, wire_scene
+from rthm_analysis.diagnosis.search.scene import dof_scene, rms, seen_in, wire_scene
 from rthm_analysis.diagnosis.search.starts import PLANT, WIRE, Start
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[Start]:
     if len(evidence.channels) < 2 or evidence.driven_by != "command":
         return
     duration = float(evidence.time[-1]) or 1.0
+    seen = seen_in(evidence.time)
     for channel, noise, column in zip(evidence.channels, sigma, evidence.measured.T, strict=True):
         if channel.family == "motor":
             continue
@@ -69,5 +70,5 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[Start]:
             ("drift", "rate", small / duration, 0.0, True),
             ("lag", "time_constant", min(small / max(rate, 1e-300), 1e-3), 0.0, False),
         ):
-            added = Added(block, kind, channel.place, {key: value})
+            added = Added(block, kind, channel.place, {key: value}, seen)
             yield Start(added, (key,), (key,), {key: abs(value - neutral)}, signed, neutral)

@@ -7,8 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
+    UNFINISHED,
     Choice,
     Tried,
     best_of_labels,
@@ -24,9 +26,6 @@ from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, scr
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_analysis.diagnosis.search.told_wires import told_wire
 from rthm_core.compiled import Floats
-
-UNFINISHED = 1.02
-"""Doubt above which something may be left: the fit of an effect goes on before more is looked for."""
 
 MOST_EFFECTS = 3
 
@@ -53,7 +52,7 @@ def choose(
     """
     choice = begun or Choice(base, base)
     scores: list[Screened] = []
-    while len(choice.rounds) < MOST_EFFECTS:
+    while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(choice.best)
         scores = _scores(fitting, choice, known, scores)
         tried, told = _tried(fitting, choice, known, promising(scores))
@@ -66,7 +65,7 @@ def choose(
         choice.best = choice.rounds[-1][0].fitted
         if stop(fitting.doubt):
             return choice
-    return compared(fitting, simplified(fitting, choice))
+    return compared(fitting, simplified(fitting, combined(fitting, choice)))
 
 
 def _scores(fitting: Fitting, choice: Choice, known: Floats, before: list[Screened]) -> list[Screened]:

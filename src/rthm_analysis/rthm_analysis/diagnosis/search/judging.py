@@ -22,6 +22,9 @@ CLEAR = 6.0
 CLOSE = 1.2
 """Doubt below which a model is near the noise, so that what is still missing is small."""
 
+UNFINISHED = 1.02
+"""Doubt above which something may be left: the fit of an effect goes on before more is looked for."""
+
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
@@ -98,6 +101,11 @@ def _numerics(fitting: Fitting) -> float:
     """Squared error, in units of the noise, that a recording which was itself computed may have."""
     spread = NUMERICS * np.nanstd(fitting.experiment.evidence.measured, axis=0)
     return float(np.sum((fitting.weight * spread) ** 2))
+
+
+def price(effects: int, parameters: int) -> float:
+    """What effects with so many parameters of their own have to bring together, in units of the noise."""
+    return ENOUGH * effects + PER_PARAMETER * (parameters - effects)
 
 
 def merit(fitted: Fitted) -> float:

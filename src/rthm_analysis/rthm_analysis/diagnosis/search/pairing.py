@@ -47,6 +47,8 @@ def paired(fitting: Fitting, base: Fitted, firsts: list[Tried], tried: list[Trie
         All that the first was chosen from.
     """
     for first in [one for one in firsts if one.label[1] not in FLEXIBLE][:PAIRED]:
+        if fitting.budget.spent:
+            break
         fitting.progress(f"looking for what goes with {first.label[1]}")
         found = companions(fitting, first.fitted)
         if found and doubt(fitting, found[0].fitted) < WRONG:

@@ -10,6 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.doubted_tones import without_doubted_tones
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
     RELEVANT,
@@ -58,11 +59,12 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
     tried = [one for one in tried if np.isfinite(one.error)]
     for steps, most in HEATS[1:]:
         tried.sort(key=lambda t: t.fitted.squares)
-        most = min(most, _within_reach(fitting, tried))
+        most = 1 if fitting.budget.spent else min(most, _within_reach(fitting, tried))
         further = partial(fit_further, fitting, known=known, steps=steps)
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     meaningful = [one for one in tried if _meaningful(one)]
-    return _simplest_first(fitting, best_of_labels(meaningful), fitted)
+    ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
+    return without_doubted_tones(fitting, ordered, fitted)
 
 
 def unfitted(start: Start, fitted: Fitted, model: Model) -> Tried:
@@ -107,18 +109,12 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
 
 
 def _meaningful(tried: Tried) -> bool:
-    """Whether the recording depends on the parameters, and they are those of the kind.
+    """Whether the recording depends on the parameters.
 
-    An effect that never acts may still move the last digits of a simulation. Friction that rises with speed
-    is not Stribeck's.
+    An effect that never acts may still move the last digits of a simulation.
     """
     own = np.diag(tried.fitted.sums.hessian.sum(0))[-len(tried.start.free) :] if tried.start.free else [1.0]
-    if not np.any(own):
-        return False
-    if tried.label[1] != STRIBECK:
-        return True
-    found = tried.fitted.model.effect_values(len(tried.fitted.model.added) - 1)
-    return float(found["static_force"]) >= float(found["coulomb_force"])
+    return bool(np.any(own))
 
 
 def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:

@@ -6,12 +6,13 @@ wrong for all of them.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.model import Added, Model, Parameter
 from rthm_analysis.diagnosis.search.judging import (
     CLEAR,
     Choice,
@@ -23,15 +24,13 @@ from rthm_analysis.diagnosis.search.judging import (
 )
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_core.errors import InputError
+from rthm_core.quantity import Quantity
 
 STEPS = 8
 """Steps of a fit with another kind in the place of one."""
 
 RIVALS = 4
 """Kinds of each round that are looked at again."""
-
-PLAINER = {"stribeck_friction": ("coulomb_friction", {"force": "coulomb_force"})}
-"""Plainer kinds that others hold, and which of their parameters is which."""
 
 
 def model_of(choice: Choice, starts: list[tuple[int, Start]]) -> Model:
@@ -49,26 +48,45 @@ def model_of(choice: Choice, starts: list[tuple[int, Start]]) -> Model:
 
 
 def plainer(fitting: Fitting, choice: Choice) -> Choice:
-    """Put plainer kinds in the place of those that hold them, where that predicts unseen data as well."""
+    """Put plainer kinds in the place of others, where they predict unseen data as well."""
     for index, tried in enumerate(choice.rounds):
-        start = _plainer_start(tried[0].start, choice.best.model.effect_values(index))
-        if start is None:
-            continue
-        whole = fitting.fit(_with_another(choice, index, start), most=STEPS)
-        if not better(Tried(tried[0].start, choice.best, tried[0].error), whole):
-            choice = _replaced(fitting, choice, index, start, whole)
+        for start in _plainer_starts(tried[0].start, choice.best, index):
+            whole = _fitted_with(fitting, choice, index, start)
+            if whole is not None and not better(Tried(tried[0].start, choice.best, tried[0].error), whole):
+                choice = _replaced(fitting, choice, index, start, whole)
+                break
     return choice
 
 
-def _plainer_start(start: Start, values: dict[str, float | str]) -> Start | None:
-    """Start of the plainer kind that an effect holds, with its values; None where it holds none."""
-    if start.added.kind not in PLAINER:
-        return None
-    kind, names = PLAINER[start.added.kind]
-    parameters = {name: values[of] for name, of in names.items()}
-    added = replace(start.added, kind=kind, parameters=parameters)
-    scales = {name: abs(float(value)) for name, value in parameters.items()}
-    return Start(added, tuple(names), tuple(names), scales)
+def is_identified(fitted: Fitted, index: int) -> bool:
+    """Whether the data tell the main parameters of an added effect, within what is possible."""
+    model, one = fitted.model, fitted.model.added[index]
+    places = {key: i for key, i in model.places(index).items() if key not in one.law.secondary}
+    variances = np.diag(fitted.sums.covariance())
+    stds = {key: float(np.sqrt(max(variances[i], 0.0))) for key, i in places.items()}
+    values = {key: model.parameters[i].value for key, i in places.items()}
+    ends = any(_ends(one, key, model.parameters[i]) for key, i in places.items())
+    return not ends and one.law.identified(values, stds)
+
+
+def _ends(one: Added, key: str, parameter: Parameter) -> bool:
+    """Whether a parameter is at an end of what is possible that is none of what a spec allows."""
+    quantity = one.law.parameters[key]
+    narrower = isinstance(quantity, Quantity) and parameter.nearest not in (quantity.lowest, quantity.highest)
+    return parameter.at_bound and narrower
+
+
+def _plainer_starts(start: Start, best: Fitted, index: int) -> Iterator[Start]:
+    """Starts of kinds that an effect holds, and of those that do as well where it is not identified."""
+    values = {k: v for k, v in best.model.effect_values(index).items() if not isinstance(v, str)}
+    identified = is_identified(best, index)
+    for one in start.added.law.plainer:
+        if one.grows or not identified:
+            parameters: dict[str, float | str] = dict(one.values(values))
+            added = replace(start.added, kind=one.kind, parameters=parameters)
+            scales = {name: abs(float(value)) for name, value in parameters.items()}
+            signed = any(isinstance(q, Quantity) and q.lowest is None for q in added.law.parameters.values())
+            yield Start(added, tuple(parameters), tuple(parameters), scales, signed)
 
 
 def compared(fitting: Fitting, choice: Choice) -> Choice:
@@ -91,7 +109,7 @@ def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[Tried]:
     first, *others = choice.rounds[index]
     rivals = []
     for other in others[:RIVALS]:
-        if distinguishable(first.fitted, other.fitted):
+        if fitting.budget.spent or distinguishable(first.fitted, other.fitted):
             rivals.append(other)
             continue
         fitting.progress(f"comparing {first.label[1]} with {other.label[1]}")
@@ -103,9 +121,15 @@ def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[Tried]:
 
 def _fitted_instead(fitting: Fitting, choice: Choice, index: int, other: Tried) -> Fitted | None:
     """Fit with another kind in the place of an effect; None where that cannot be."""
-    last = other.fitted.model
-    values = last.effect_values(len(last.added) - 1)
+    model = other.fitted.model
+    own = next(i for i, one in reversed(list(enumerate(model.added))) if one.label == other.label[:2])
+    values = model.effect_values(own)
     start = replace(other.start, added=replace(other.start.added, parameters=values))
+    return _fitted_with(fitting, choice, index, start)
+
+
+def _fitted_with(fitting: Fitting, choice: Choice, index: int, start: Start) -> Fitted | None:
+    """Fit with a start in the place of an effect; None where that cannot be."""
     try:
         return fitting.fit(_with_another(choice, index, start), most=STEPS)
     except (InputError, np.linalg.LinAlgError):  # two of a kind at one place, or it diverges

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_core.compiled import Floats
+from rthm_core.effects.possible import Seen
 from rthm_core.spec import Spec
 
 
@@ -55,9 +57,21 @@ class Scene:
         """Force scale, N."""
         return max(rms(self.force), self.mass * rms(self.a), 1e-300)
 
+    @cached_property
+    def seen(self) -> Seen:
+        """What it shows of effects that act here."""
+        shown = seen_in(self.time)
+        reached = {"lowest": float(self.x.min()), "highest": float(self.x.max())}
+        return replace(shown, mass=self.mass, speed=float(np.abs(self.v).max()), **reached)
+
     def level(self, signal: Floats, share: float) -> float:
         """Magnitude that a signal exceeds for this share of the time."""
         return float(np.quantile(np.abs(signal), 1.0 - share))
+
+
+def seen_in(time: Floats) -> Seen:
+    """What samples at some instants show of any effect."""
+    return Seen(float(np.median(np.diff(time))), float(time[-1] - time[0]))
 
 
 def rms(signal: Floats) -> float:

@@ -54,6 +54,8 @@ def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
         others = others[1:]
     best = choice
     for kept in reversed(others):
+        if fitting.budget.spent:
+            break
         fitting.progress("looking for a simpler explanation")
         model = kept.start.added_to(choice.base.model)
         try:

@@ -94,7 +94,7 @@ def _start(
     scales = {key: abs(value) for key, value in p.items() if value}
     free = tuple(key for key in p if key != "A")
     also = amplitude[1] if kind in PAIRED else None
-    return Start(Added(block, kind, s.place, dict(p)), free, amplitude, scales, signed, also=also)
+    return Start(Added(block, kind, s.place, dict(p), s.seen), free, amplitude, scales, signed, also=also)
 
 
 def coulomb_friction(s: Scene) -> Iterator[Start]:
@@ -163,9 +163,7 @@ def clearance(s: Scene) -> Iterator[Start]:
         gap = s.level(s.x, share)
         depth = rms(np.maximum(np.abs(s.x) - gap, 0.0))
         if depth > 0.0:
-            yield _start(
-                s, "plant", "clearance", ("stiffness",), True, gap=gap, stiffness=SMALL * s.size / depth
-            )
+            yield _start(s, "plant", "clearance", ("stiffness",), gap=gap, stiffness=SMALL * s.size / depth)
 
 
 def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[Start]:

@@ -10,6 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
 from rthm_analysis.diagnosis.replay.model import Added
+from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_analysis.diagnosis.search.starts import Start
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
                 "phase": phase,
             }
             scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
-            added = Added("plant", "harmonic_load", dof, values)
+            added = Added("plant", "harmonic_load", dof, values, seen_in(time))
             yield Start(added, tuple(values), ("amplitude",), scales, luck=luck)
             score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
 

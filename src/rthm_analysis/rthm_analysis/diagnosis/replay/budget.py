@@ -1,0 +1,42 @@
+"""The work that one diagnosis may do, counted in steps of replays: a busy host gives the same answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from threading import Lock
+
+LIMIT = 120e6
+"""Steps of replays after which a search winds down; on a slow host about 45 s of one core."""
+
+
+@dataclass
+class Budget:
+    """Work that was done, and how much of it may be done.
+
+    A search looks at it only between stages in which work is done side by side: the order of threads then
+    changes nothing.
+    """
+
+    limit: float = LIMIT
+    used: float = 0.0
+    _lock: Lock = field(default_factory=Lock, repr=False)
+
+    def charge(self, steps: float) -> None:
+        """Count some work."""
+        with self._lock:
+            self.used += steps
+
+    @property
+    def spent(self) -> bool:
+        """Whether no further question should be asked."""
+        return self.used > self.limit
+
+    @property
+    def note(self) -> str:
+        """What to say of an answer that was found within it; empty where nothing was left out."""
+        if not self.spent:
+            return ""
+        return (
+            "The search ended before everything was tried: it had simulated as much as one diagnosis may. "
+            "A shorter recording, or one that is sampled less often, lets it try more."
+        )

@@ -1,0 +1,103 @@
+"""Combinations of kinds that do better than what was found one by one.
+
+One kind can nearly do what two others do together: Stribeck's friction that falls with speed is dry friction
+with less drag. Effects that are added one at a time then stop on a ridge. So what was found is asked as a
+whole. Near the recording, forces that are the same along the motion stand for each other without any change
+of it, so that the sensitivities of the present model tell what every combination would leave.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
+from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
+from rthm_analysis.diagnosis.search.refining import finished, unfitted
+from rthm_analysis.diagnosis.search.replacing import model_of
+from rthm_analysis.diagnosis.search.subsets import promised
+
+AGAIN = 2
+"""How often a combination that did better is left for another."""
+
+
+def combined(fitting: Fitting, choice: Choice) -> Choice:
+    """Leave what was found for another combination that predicts unseen data clearly better."""
+    for _ in range(AGAIN):
+        other = _other(fitting, choice) if _questionable(fitting, choice) else None
+        if other is None:
+            break
+        choice = other
+    return choice
+
+
+def _questionable(fitting: Fitting, choice: Choice) -> bool:
+    """Whether another combination may do better: not where one plain effect leaves noise and no more."""
+    starts = [tried[0].start for tried in choice.rounds]
+    alone = len(starts) == 1 and is_plain(starts[0])
+    return (
+        bool(starts) and not fitting.budget.spent and not (alone and doubt(fitting, choice.best) < UNFINISHED)
+    )
+
+
+def _cost(fitting: Fitting, choice: Choice, fitted: Fitted) -> float:
+    """Squared error on data left out, with what effects and their parameters have to bring."""
+    parameters = len(fitted.model.parameters) - len(choice.base.model.parameters)
+    return float(fitted.left_out.sum()) + fitting.doubt * price(len(fitted.model.added), parameters)
+
+
+def _other(fitting: Fitting, choice: Choice) -> Choice | None:
+    """The best other combination; None where the present one is as good."""
+    fitting.progress("looking for a combination that does better")
+    found, least = None, _cost(fitting, choice, choice.best) - CLEAR * fitting.doubt
+    try:
+        asked = promised(fitting, choice)
+    except np.linalg.LinAlgError:
+        return None
+    for pieces in asked:
+        fitted = _fitted(fitting, choice, pieces)
+        if fitted is not None and _cost(fitting, choice, fitted) < least:
+            found, least = (pieces, fitted), _cost(fitting, choice, fitted)
+            if doubt(fitting, fitted) < CLOSE:
+                break
+    return _chosen(fitting, choice, *found) if found else None
+
+
+def _model(choice: Choice, pieces: list[Piece]) -> Model:
+    """A combination beside what is uncertain; what is there now has the values it has now."""
+    best, base = choice.best.model, choice.base.model
+    model = base.at(best.values[: len(base.parameters)])
+    for one in pieces:
+        added = one.start.added
+        if one.index is not None:
+            added = replace(added, parameters=best.effect_values(one.index))
+        model = model.plus(added, one.start.free, one.start.scales)
+    return model
+
+
+def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece]) -> Fitted | None:
+    """A combination, fitted to its end; None where it diverges."""
+    before = fitting.doubt
+    done = finished(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
+    fitting.doubt = before
+    return done.fitted if np.isfinite(done.error) else None
+
+
+def _chosen(fitting: Fitting, choice: Choice, pieces: list[Piece], fitted: Fitted) -> Choice:
+    """The choice of a combination: its effects one by one, beside the kinds that were compared with them."""
+    fitting.doubt = doubt(fitting, fitted)
+    others = {tried[0].label: tried[1:] for tried in choice.rounds}
+    last = choice.rounds[-1][0]
+    whole = Choice(choice.base, fitted, [[Tried(one.start, fitted, 0.0)] for one in pieces], choice.limits)
+    rounds = []
+    for i, one in enumerate(pieces):
+        upto = fitted
+        if i + 1 < len(pieces):
+            upto = fitting.fit(model_of(whole, [(j, p.start) for j, p in enumerate(pieces[: i + 1])]))
+        rounds.append([Tried(one.start, upto, float(upto.left_out.sum())), *others.get(one.start.label, [])])
+    if last.label not in {one.start.label for one in pieces}:
+        rounds[-1].append(Tried(last.start, choice.best, last.error))
+    return Choice(choice.base, fitted, rounds, choice.limits)

@@ -1,0 +1,106 @@
+"""What a tone has to show beyond its gain: with size, frequency and phase it imitates whatever is periodic.
+
+A force from outside keeps its size and phase from the first part of a recording to the last. What is wrong
+with the model of the rig itself does not: it follows the motion. That is largest at the frequencies of the
+known loads and of the rig, and there a tone says least.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_analysis.diagnosis.search.judging import Tried, doubt
+from rthm_analysis.diagnosis.search.scene import seen_in
+from rthm_core.compiled import Floats
+
+TONE = "harmonic_load"
+
+PARTS = 5
+"""Parts of the training data that have to agree on a tone; each has some periods of all but the slowest."""
+
+AGREE, AGREE_WELL = 0.5, 0.25
+"""Relative change of size, or of phase in rad, by which a part may differ beside three standard deviations;
+for a tone at a frequency of its own, and for one at a frequency of the rig or beside another tone."""
+
+INSTEAD, INSTEAD_WELL = 0.5, 0.25
+"""Part of a tone's gain from which another kind is named before it, in the same two cases: the tone, if there
+is one, is found beside that kind."""
+
+NEAR, LINE = 2.0, 0.3
+"""Distance of two frequencies that a recording hardly tells apart, in 2 pi over its duration; part of the
+largest line of a load from which another counts."""
+
+RINGS = 0.05
+"""Part of a natural frequency of the rig within which a tone may be its free motion."""
+
+
+def without_doubted_tones(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
+    """Leave out tones that do not last, and put other kinds before those that they do nearly as well as.
+
+    Parameters
+    ----------
+    fitting : Fitting
+    tried : list of Tried
+        Best first.
+    without : Fitted
+        Model to which they were added.
+    """
+    lasting = [one for one in tried if one.label[1] != TONE or _lasts(fitting, one)]
+    if not lasting or lasting[0].label[1] != TONE:
+        return lasting
+    before = float(without.left_out.sum())
+    share = INSTEAD_WELL if _says_little(fitting, lasting[0]) else INSTEAD
+    enough = share * (before - lasting[0].error)
+    instead = [one for one in lasting if one.label[1] != TONE and before - one.error > enough]
+    return [*instead[:1], *(one for one in lasting if one is not (instead or [None])[0])]
+
+
+def _lasts(fitting: Fitting, tried: Tried) -> bool:
+    """Whether all parts of the data agree on size and phase."""
+    allowed = AGREE_WELL if _says_little(fitting, tried) else AGREE
+    return bool(np.all(_differences(fitting, tried.fitted) < allowed))
+
+
+def _differences(fitting: Fitting, fitted: Fitted) -> Floats:
+    """By how much each part wants another size or phase of the tone, beyond three standard deviations."""
+    model, sums = fitted.model, fitted.sums
+    places = model.places(len(model.added) - 1)
+    own = [places["amplitude"], places["phase"]]
+    scale = np.array([model.parameters[own[0]].value, 1.0])
+    found = []
+    for part in np.array_split(np.arange(sums.squares.size), PARTS):
+        matrix = sums.hessian[part].sum(0)[np.ix_(own, own)] * np.outer(scale, scale)
+        inverse = np.linalg.pinv(matrix, hermitian=True)
+        wanted = inverse @ (scale * sums.gradient[part].sum(0)[own])
+        std = np.sqrt(doubt(fitting, fitted) * np.maximum(np.diag(inverse), 0.0))
+        found.append(float(np.max(np.abs(wanted) - 3.0 * std)))
+    return np.array(found)
+
+
+def _says_little(fitting: Fitting, tried: Tried) -> bool:
+    """Whether a tone is at a frequency of the known loads or of the rig itself, or beside another tone."""
+    model = tried.fitted.model
+    if sum(one.kind == TONE for one in model.added) > 1:
+        return True
+    frequency = float(model.effect_values(len(model.added) - 1)["frequency"])
+    evidence = fitting.experiment.evidence
+    width = NEAR * seen_in(evidence.time).frequencies[0]
+    rig = np.abs(np.linalg.eigvals(mechanics(fitting.base.spec).a))
+    driven = np.abs(load_lines(evidence) - frequency) < width
+    return bool(driven.any() or (np.abs(rig - frequency) < np.maximum(RINGS * rig, width)).any())
+
+
+def load_lines(evidence: Evidence) -> Floats:
+    """Frequencies at which the known loads act most, rad/s."""
+    time = evidence.time
+    step = float(np.median(np.diff(time)))
+    even = np.arange(time[0], time[-1], step)
+    omega = 2.0 * np.pi * np.fft.rfftfreq(even.size, step)
+    found = []
+    for load in evidence.load.T:
+        size = np.abs(np.fft.rfft(np.interp(even, time, load - load.mean())))
+        found.append(omega[size > LINE * size.max()] if size.max() > 0.0 else omega[:0])
+    return np.concatenate(found)

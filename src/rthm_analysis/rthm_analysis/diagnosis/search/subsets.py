@@ -1,0 +1,119 @@
+"""What every combination of effects would leave, from the sensitivities of the present model alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.search.judging import Choice, price
+from rthm_analysis.diagnosis.search.pieces import Piece, is_plain, pieces_of
+from rthm_core.compiled import Floats
+
+MOST = 3
+"""Most effects of a combination."""
+
+PLAIN, ANY = 2, 2
+"""Combinations of plain kinds that are worth a fit, which is soon done, and others."""
+
+REACH = 0.3
+"""Part of the squared error, beside what the present effects leave, up to which a combination may become the
+best: what it would leave is counted as if everything were linear, and is less once it is fitted."""
+
+
+class Left(NamedTuple):
+    """What a combination would leave, with the price of its parameters, and the factors on its sizes."""
+
+    error: float
+    some: tuple[int, ...]
+    sizes: list[float]
+
+
+def promised(fitting: Fitting, choice: Choice) -> list[list[Piece]]:
+    """Combinations other than the present one that would leave least, each with its largest effect first.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        Where the present model has no finite sensitivities.
+    """
+    base, best = len(choice.base.model.parameters), choice.best
+    columns = fitting.projected(fitting.columns(best.model, best.residual, range(len(best.model.parameters))))
+    pieces = pieces_of(fitting, choice, columns)
+    here = fitting.projected(best.residual)
+    tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
+    found = sorted(_worth_it(tables, fitting.doubt), key=lambda one: one.error)
+    plain = [one for one in found if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
+    others = [one for one in found if one not in plain][:ANY]
+    return [_largest_first(pieces, one) for one in (*plain, *others)]
+
+
+def _worth_it(tables: _Tables, doubt: float) -> Iterator[Left]:
+    """Combinations that would leave no more than the present one does, about."""
+    pieces = tables.pieces
+    present = tuple(i for i, one in enumerate(pieces) if one.index is not None)
+    now = tables.left(present)[0]
+    for count in range(1, MOST + 1):
+        for some in combinations(range(len(pieces)), count):
+            if some != present and _can_be(pieces, some):
+                left, sizes = tables.left(some)
+                parameters = sum(len(pieces[i].columns) for i in some)
+                if sizes is not None and left < (1.0 + REACH) * now:
+                    yield Left(left + doubt * price(count, parameters), some, sizes)
+
+
+def _can_be(pieces: list[Piece], some: tuple[int, ...]) -> bool:
+    """Whether effects can stand beside each other, without those that have to stay."""
+    rubbed = [place for i in some if (place := pieces[i].rubs_at) is not None]
+    return len(set(rubbed)) == len(rubbed) and all(i in some for i, one in enumerate(pieces) if one.stays)
+
+
+def _largest_first(pieces: list[Piece], left: Left) -> list[Piece]:
+    """Pieces of a combination with the sizes that they would have."""
+    found = [pieces[i].sized(size) for i, size in zip(left.some, left.sizes, strict=True)]
+    return sorted(found, key=lambda one: -float(one.whole @ one.whole))
+
+
+class _Tables:
+    """Products of all columns, from which every combination is solved.
+
+    Parameters
+    ----------
+    known : (q, s k) array
+        Columns of what is uncertain in the spec.
+    precision : (q,) array
+    here : (s k,) array
+        Residual.
+    pieces : list of Piece
+    """
+
+    def __init__(self, known: Floats, precision: Floats, here: Floats, pieces: list[Piece]) -> None:
+        columns = np.vstack([known, *(one.columns for one in pieces), *(one.whole for one in pieces), here])
+        self.products = columns @ columns.T
+        self.pieces, self.known, self.precision = pieces, known.shape[0], precision
+        ends = self.known + np.cumsum([0, *(len(one.columns) for one in pieces)])
+        self.places = [range(int(a), int(b)) for a, b in pairwise(ends)]
+        self.wholes = int(ends[-1])
+
+    def left(self, some: tuple[int, ...]) -> tuple[float, list[float] | None]:
+        """Squared error that a combination leaves, and factors on the sizes of its plain kinds.
+
+        None where one of them would have to be negative and cannot.
+        """
+        own = [*range(self.known), *(i for one in some for i in self.places[one])]
+        target = np.zeros(len(self.products))
+        target[-1] = 1.0
+        for i, one in enumerate(self.pieces):
+            target[self.wholes + i] = float(one.index is not None and i not in some)
+        seen = self.products @ target
+        matrix = self.products[np.ix_(own, own)]
+        matrix[range(self.known), range(self.known)] += self.precision
+        size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        found = np.linalg.lstsq(matrix / np.outer(size, size), seen[own] / size, rcond=1e-10)[0] / size
+        sizes = [float(found[own.index(self.places[i][0])]) for i in some]
+        new = [(size, self.pieces[i]) for size, i in zip(sizes, some, strict=True)]
+        possible = all(size > 0.0 or one.start.signed for size, one in new if one.index is None)
+        return float(target @ seen - found @ seen[own]), sizes if possible else None

@@ -1,0 +1,138 @@
+"""What was found one by one is asked as a whole; a search ends when its work is done."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.sums import Sums
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.search.choosing import choose
+from rthm_analysis.diagnosis.search.combining import combined
+from rthm_analysis.diagnosis.search.doubted_tones import without_doubted_tones
+from rthm_analysis.diagnosis.search.judging import Choice, Tried
+from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.spec import Spec, apply
+
+from .fittings import fitting_of
+from .side import PAPER, having
+
+CUBIC = Start(
+    Added("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
+)
+STRIBECK = Start(
+    Added(
+        "plant",
+        "stribeck_friction",
+        "x1",
+        {"coulomb_force": 0.2, "static_force": 0.3, "stribeck_velocity": 0.5},
+    ),
+    ("coulomb_force", "static_force", "stribeck_velocity"),
+    ("coulomb_force", "static_force"),
+)
+TONE = Start(
+    Added("plant", "harmonic_load", "x1", {"amplitude": 0.3, "frequency": 9.0, "phase": 0.5}),
+    ("amplitude", "frequency", "phase"),
+    ("amplitude",),
+)
+
+
+def three(friction: float, drag: float, cubic: float) -> Spec:
+    at = {"block": "plant", "dof": "x1"}
+    return apply(
+        having("plant", "coulomb_friction", force=friction),
+        {
+            "effects": ["one", "drag", "cubic"],
+            "drag": at | {"kind": "quadratic_drag", "coefficient": drag},
+            "cubic": at | {"kind": "cubic_stiffness", "coefficient": cubic},
+        },
+    )
+
+
+def choice_of(fitting: Fitting, *starts: Start) -> Choice:
+    choice = Choice(base := fitting.fit(Model(PAPER)), base)
+    for start in starts:
+        fitted = fitting.fit(start.added_to(choice.best.model), most=20)
+        choice.rounds.append([Tried(start, fitted, float(fitted.left_out.sum()))])
+        choice.best = fitted
+    return choice
+
+
+def test_a_ridge_is_left_for_the_better_side() -> None:
+    fitting = fitting_of(three(0.3, 2.0, 20.0), 1)
+    ridge = choice_of(fitting, CUBIC, STRIBECK)
+    found = combined(fitting, ridge)
+    assert {tried[0].label[1] for tried in found.rounds} == {
+        "coulomb_friction",
+        "quadratic_drag",
+        "cubic_stiffness",
+    }
+    assert [tried[0].label[1] for tried in found.rounds] == [one.kind for one in found.best.model.added]
+    force = next(
+        found.best.model.effect_values(i)["force"]
+        for i in range(3)
+        if found.best.model.added[i].kind == "coulomb_friction"
+    )
+    assert isinstance(force, float) and force == pytest.approx(0.3, rel=0.05)
+    assert found.best.squares < 1.1 * fitting.expected < ridge.best.squares
+
+
+def test_a_combination_that_is_as_good_changes_nothing() -> None:
+    fitting = fitting_of(having("plant", "cubic_stiffness", coefficient=20.0), 2)
+    choice = choice_of(fitting, CUBIC)
+    assert combined(fitting, choice) is choice
+
+
+def test_a_search_whose_work_is_done_asks_no_more() -> None:
+    fitting = fitting_of(three(0.3, 2.0, 20.0), 3)
+    base = fitting.fit(Model(PAPER))
+    assert fitting.budget.used > 0.0 and not fitting.budget.note
+    fitting.budget.limit = fitting.budget.used * 0.5
+    assert choose(fitting, base).rounds == []
+    assert "before everything was tried" in fitting.budget.note
+
+
+def test_the_same_fit_is_the_same_work() -> None:
+    used = set()
+    for _ in range(2):
+        fitting = fitting_of(three(0.3, 2.0, 20.0), 4)
+        choice_of(fitting, CUBIC)
+        used.add(fitting.budget.used)
+    assert len(used) == 1
+
+
+def toned(fitting: Fitting, share: float) -> Tried:
+    """A tone that lasts for a part of the recording only, fitted as if it lasted."""
+    model = TONE.added_to(Model(PAPER))
+    count, rng = 4000, np.random.default_rng(1)
+    phase = np.arange(count) * 0.05
+    lasts = np.where(np.arange(count) < share * count, 1.0, 0.0)
+    columns = np.stack([10.0 * np.sin(phase), np.zeros(count), 3.0 * np.cos(phase)])
+    residual = rng.normal(size=count) + (lasts - share) * 3.0 * np.sin(phase)
+    parts = np.array_split(np.arange(count), 20)
+    sums = Sums(
+        np.stack([columns[:, p] @ columns[:, p].T for p in parts]),
+        np.stack([columns[:, p] @ residual[p] for p in parts]),
+        np.array([residual[p] @ residual[p] for p in parts]),
+        np.zeros(3),
+        np.zeros(3),
+    )
+    fitting.expected = float(count)
+    return Tried(TONE, Fitted(model, 0.0, sums, residual), 0.0)
+
+
+@pytest.mark.parametrize(("share", "kept"), [(1.0, 1), (0.4, 0)])
+def test_a_tone_that_does_not_last_is_none(share: float, kept: int) -> None:
+    fitting = fitting_of(PAPER, 5)
+    base = fitting.fit(Model(PAPER))
+    assert len(without_doubted_tones(fitting, [toned(fitting, share)], base)) == kept
+
+
+def test_a_kind_that_does_nearly_as_well_is_named_before_a_tone() -> None:
+    fitting = fitting_of(PAPER, 6)
+    base = fitting.fit(Model(PAPER))
+    tone, before = toned(fitting, 1.0), float(base.left_out.sum())
+    near, far = (Tried(CUBIC, base, error) for error in (0.3 * before, 0.9 * before))
+    assert without_doubted_tones(fitting, [tone, near], base) == [near, tone]
+    assert without_doubted_tones(fitting, [tone, far], base) == [tone, far]

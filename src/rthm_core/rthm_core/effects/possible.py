@@ -1,0 +1,112 @@
+"""What is physically possible beyond the bounds of a spec, as the kinds of effects declare it.
+
+A spec may ask for a spring that pulls things apart, so that it can be simulated. A fit that ends at one has
+found that the kind is another.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+UNSURE = 0.5
+"""Part of its value from which the standard deviation of a parameter leaves even its size open: zero is then
+within two of them."""
+
+AWAY = 0.02
+"""Part of the range of motion by which a contact lies away from rest and from both ends of the range: nearer
+by, it is a spring that always acts, or one that is never touched."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a recording shows of the place where an effect acts; nothing in particular where it is not said.
+
+    Attributes
+    ----------
+    step, duration : float
+        Between two samples, and of all of them, s.
+    mass : float
+        Of the dof, kg.
+    lowest, highest : float
+        Positions that were reached, m.
+    speed : float
+        Highest that was reached, m/s.
+    """
+
+    step: float = 0.0
+    duration: float = math.inf
+    mass: float = math.inf
+    lowest: float = -math.inf
+    highest: float = math.inf
+    speed: float = math.inf
+
+    @property
+    def frequencies(self) -> tuple[float, float]:
+        """Those of which there is one period at least and four samples in each, rad/s."""
+        return 2.0 * math.pi / self.duration, 0.5 * math.pi / self.step if self.step else math.inf
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """Time constants that are neither at once nor never, s."""
+        return self.step, self.duration
+
+    @property
+    def margin(self) -> float:
+        """Distance of a contact from rest and from the ends of the motion, m."""
+        reached = self.highest - self.lowest
+        return AWAY * reached if math.isfinite(reached) else 0.0
+
+
+ANYTHING = Seen()
+"""Of a recording of which nothing is known."""
+
+Values = Mapping[str, float]
+Possible = Callable[[Values, Seen], tuple[float, float]]
+"""Lowest and highest value of a parameter, given the others and what a recording shows."""
+
+
+def between(low: float, high: float = math.inf) -> Possible:
+    """Bounds that depend on nothing."""
+    return lambda p, seen: (low, high)
+
+
+def in_band(p: Values, seen: Seen) -> tuple[float, float]:
+    """Frequencies that a recording can show."""
+    return seen.frequencies
+
+
+def less_than_the_dof(p: Values, seen: Seen) -> tuple[float, float]:
+    """A mass that is part of the one it hangs on."""
+    return 0.0, seen.mass
+
+
+def relaxing(p: Values, seen: Seen) -> tuple[float, float]:
+    """Damping of a branch with its spring's stiffness: it relaxes neither at once nor never."""
+    fastest, slowest = seen.times
+    return p["stiffness"] * fastest, p["stiffness"] * slowest if p["stiffness"] else math.inf
+
+
+@dataclass(frozen=True)
+class Plainer:
+    """A plainer kind of the same block, for where some parameters of another are not identified.
+
+    Attributes
+    ----------
+    kind : str
+    values : callable
+        Its parameters from those of the other.
+    grows : tuple of str
+        Parameters of the other that all grow by the same where the plainer kind grows: it is then a special
+        case of the other. Empty where it is only a limit of it.
+    """
+
+    kind: str
+    values: Callable[[Values], dict[str, float]]
+    grows: tuple[str, ...] = ()
+
+
+def identified(values: Values, stds: Values) -> bool:
+    """Whether the standard deviations leave every value at least its size."""
+    return all(std <= UNSURE * abs(values[name]) for name, std in stds.items())

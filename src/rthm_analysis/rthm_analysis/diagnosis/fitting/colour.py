@@ -29,7 +29,7 @@ MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
 
 LOUDEST = 0.05
-"""Standard deviation of the coloured part over that of the recording, above which it is no noise of a sensor."""
+"""Standard deviation of the coloured part, over that of the recording, above which it is no sensor's noise."""
 
 CORNERS = np.geomspace(3e-4, 1.0, 28)
 """Corner frequencies of the coloured part that are tried, in radians per sample."""
@@ -38,10 +38,10 @@ UNSURE = 0.03
 """Relative error of a band's power that is not chance, as from a slightly wrong shape."""
 
 CLEARER = 20.0
-"""Gain of twice the logarithm of the likelihood by a coloured part that is beyond chance for two parameters."""
+"""Gain of twice the log-likelihood by a coloured part that is beyond chance for two parameters."""
 
 FITS = 2.5
-"""Misfit per band, twice the logarithm of the likelihood, that noise of two parts may have: a line has more."""
+"""Misfit per band, twice the log-likelihood, that noise of two parts may have: a line has more."""
 
 AS_GOOD = 6.0
 """Loss of it with which a longer memory is taken: what may be noise is no physics."""
@@ -161,7 +161,7 @@ def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[flo
 
 
 def _likeliest(columns: Floats, power: Floats, lines: Floats) -> tuple[float, Floats]:
-    """Twice the negative logarithm of the likelihood (Whittle's) of a spectrum, and the sizes (p,) of its parts."""
+    """Twice the negative log-likelihood (Whittle's) of a spectrum, and the sizes (p,) of its parts."""
     from scipy.optimize import nnls
 
     fitted = power

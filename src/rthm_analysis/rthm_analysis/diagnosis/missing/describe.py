@@ -35,7 +35,7 @@ NAMES = {
 
 
 def told(curves: list[CurveFit]) -> CurveFit | None:
-    """Curve that is told: over the fewest variables that explain about as much as any; None if none is confirmed."""
+    """Curve that is told: over the fewest variables that explain as much as any; None if none is confirmed."""
     confirmed = [
         one for one in curves if one.held_out_share > CONFIRMED and min(one.gain, one.held_out_gain) > CLEAR
     ]
@@ -107,8 +107,10 @@ def _words(
     ranges = ", ".join(f"{low:.3g} to {high:.3g} {UNITS[v]}" for v, (low, high) in domain.items())
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
+    size = float(np.quantile(np.abs(one.force), 0.995))
+    share = 100.0 * min(one.held_out_share, 1.0)
     return (
-        f"A force of up to {float(np.quantile(np.abs(one.force), 0.995)):.2g} N is missing at {one.dof}{when} that depends on "
-        f"{names}{seen}{kind}.{energy} As a fitted curve it explains {100.0 * min(one.held_out_share, 1.0):.3g} % "
-        f"of the mismatch on unseen data; no kind of the library does."
+        f"A force of up to {size:.2g} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
+        f"{energy} As a fitted curve it explains {share:.3g} % of the mismatch on unseen data; no kind of the "
+        f"library does."
     )

@@ -64,7 +64,7 @@ def knots(values: Floats, count: int) -> Floats:
 
 
 def hats(values: Floats, at: Floats) -> Floats:
-    """Shapes (s, p) that are 1 at one knot, 0 at all others and straight between: any polygon is their sum."""
+    """Shapes (s, p) that are 1 at one knot, 0 at all others, straight between: any polygon is their sum."""
     if at.size < 2:
         return np.ones((values.size, 1))
     return np.stack([np.interp(values, at, row) for row in np.eye(at.size)], axis=1)

@@ -88,7 +88,7 @@ def fitting_of(
 
 
 def _whitened(begun: list[Begun]) -> list[Begun]:
-    """The same with errors weighed by the colour of the noise, where no way of the loads leaves white noise."""
+    """The same weighed by the colour of the noise, where no way of the loads leaves white noise."""
     noise = reduce(Noise.smaller, [coloured(one.fitting, one.retuned, one.noise) for one in begun])
     return begun if noise.is_white else [with_noise(one, noise) for one in begun]
 

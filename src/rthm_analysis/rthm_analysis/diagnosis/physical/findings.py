@@ -40,6 +40,8 @@ from rthm_core.spec import apply
 TRACE = 0.01
 """Part of the mismatch below which an effect does not matter."""
 
+UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
+
 
 def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""

@@ -12,8 +12,8 @@ THROUGHOUT = 0.8
 """Part of a recording over which a mismatch that starts or stops may reach and still have an interval."""
 
 WIRE = 3.0
-"""Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire is
-where something is missing: what the smoothing of that motion leaves is less.
+"""Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire
+is where something is missing: what the smoothing of that motion leaves is less.
 """
 
 

@@ -1,4 +1,4 @@
-"""A plainer hypothesis than missing physics: other values of mass, damping, stiffness or wire, entry by entry.
+"""A plainer hypothesis than missing physics: other values of mass, damping, stiffness, wire, by entries.
 
 What a spec does not call uncertain it calls exact, and it may be wrong all the same.
 """

@@ -1,8 +1,9 @@
-"""What a model leaves of a recording beyond the noise: where, when, and whether data that chose nothing show it."""
+"""What a model leaves of a recording beyond the noise: where, when, and whether unseen data show it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,11 +36,11 @@ class Remainder:
     Attributes
     ----------
     train, held_out : float
-        Power of the slow residual over that of the noise, in the training part and in the unseen one; 1: noise.
+        Power of the slow residual over that of the noise, in the training part and in the unseen one.
     rms : float
         Of the unseen residual over the noise.
     loudness : float
-        Of the noise of the unseen part over that of the training part, as its fastest part shows it; at least 1.
+        Of the noise of the unseen part over that of the training part, at least 1.
     parts : (p, 2) array
         Start and end (samples) of the parts in which something is left.
     tolerance : float
@@ -77,7 +78,7 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
         Power of the slow residual from which something is left.
     """
     edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
-    power = [slow_power(errors[a:b]) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    power = [slow_power(errors[a:b]) for a, b in pairwise(edges)]
     left = [
         (int(a), int(b))
         for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
@@ -97,7 +98,7 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
 def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
     """Power of the slow part of some errors over that of noise, and the number of averages that tell it.
 
-    Noise counts as 1, and for more where the errors' own fastest part is louder: noise that grows is no physics.
+    Noise counts as 1, or as what the fastest part of the errors shows: noise that grows is no physics.
     """
     known = errors[np.isfinite(errors)]
     count = known.size // samples

@@ -35,7 +35,7 @@ TRAIN = 2.0 / 3.0
 """Part of a recording from its start that fits and choices may see."""
 
 QUIETER = 0.7
-"""Noise of a channel once physics is known, over that before, below which physics had been taken for noise."""
+"""Noise of a channel once physics is known, over that before, below which physics was taken for noise."""
 
 
 @dataclass(frozen=True)

@@ -26,15 +26,18 @@ FLOOR = 1.3
 EXPLAINS = 0.85
 """Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
 
+NEARLY = 0.98
+"""Part of the mismatch with which they are named whatever shape the little has that they leave."""
+
 SHARE = 0.03
 """Part of the mismatch that each of them must remove."""
 
 YARDSTICK = 0.6
-"""Part of what named kinds leave that a free curve may still explain: with more of it, they are not the law."""
+"""Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
 
 
 TRAINED = 4.0
-"""Power of the slow residual of a fitted model, over that of the noise, that its values may leave in training."""
+"""Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
 REMAINS = 0.15
 """Part of the nominal model's slow residual that may remain for the difference to count as explained."""
@@ -100,7 +103,7 @@ class Judgement:
 
     @cached_property
     def shares(self) -> list[float]:
-        """Part of the retuned model's squared error on unseen data that each effect removes, in their order."""
+        """Part of the retuned model's squared error on unseen data that each effect removes, in order."""
         choice, found = self.physical.choice, []
         before = whole = max(self.squares["retuned"], 1e-300)
         for i, tried in enumerate(choice.rounds):
@@ -151,7 +154,7 @@ class Judgement:
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
         if any(share < SHARE * whole for share in self.shares):
             return False
-        return not self.curves or self.curves[0].held_out_share < YARDSTICK
+        return self.gone > NEARLY or not self.curves or self.curves[0].held_out_share < YARDSTICK
 
     @cached_property
     def refused(self) -> tuple[Refused, ...]:
@@ -160,8 +163,8 @@ class Judgement:
             return ()
         worst = max(one.rms / one.loudness for one in self.left["explained"])
         said = (
-            f"fitted to the first two thirds, it removed {100.0 * self.gone:.3g} % of the mismatch in the last, "
-            f"which left {worst:.3g} times the noise: not enough for a name"
+            f"fitted to the first two thirds, it removed {100.0 * self.gone:.3g} % of the mismatch in the "
+            f"last, which left {worst:.3g} times the noise: not enough for a name"
         )
         rounds = self.physical.choice.rounds
         return tuple(Refused(tried[0].label[0], tried[0].label[1], said) for tried in rounds)

@@ -1,4 +1,4 @@
-"""Mass, damping, stiffness and wire entry by entry: what a plainer hypothesis than missing physics may change."""
+"""Mass, damping, stiffness and wire by entries: what a plainer hypothesis than missing physics may change."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ WIRE = "actuator.stiffness"
 ENTRY = re.compile(r"(.+)\[(\d+)\]")
 
 SMALL = 0.02
-"""Damping ratio, and part of the stiffness that the motion's inertia stands for, that an entry of zero may have
-as its scale.
+"""Damping ratio, and part of the stiffness that the motion's inertia stands for, as the scale of an entry of zero.
 """
 
 
@@ -53,7 +52,7 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
 
 
 def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool) -> Iterator[Parameter]:
-    """Every entry of mass, damping and stiffness, and every wire, free of what the spec says of its uncertainty.
+    """Every entry of mass, damping and stiffness, and every wire, whatever the spec says of its uncertainty.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Samples that repeat or interpolate others say nothing of their own: a logger faster than its sensor makes them."""
+"""Samples that repeat or interpolate others say nothing of their own: a logger outpaced its sensor."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STRAIGHT = 0.3
 """Part of the samples on straight lines between others from which a recording was interpolated."""
 
 BENT = 0.02
-"""Second difference, over the larger ones of the recording, below which three samples lie on a straight line."""
+"""Second difference, over the larger ones of the recording, below which samples lie on a straight line."""
 
 SPREAD = 3.0
 """Longest interval between two knots of an interpolated recording over the shortest."""
@@ -35,7 +35,7 @@ FEWEST = 200
 
 
 def readings_only(evidence: Evidence) -> Evidence:
-    """Evidence in which samples that the sensor did not take itself count as not measured, and notes of it."""
+    """Evidence in which samples that are no readings of the sensor count as not measured, with notes of it."""
     measured, notes = evidence.measured.copy(), list(evidence.notes)
     for k, channel in enumerate(evidence.channels):
         if channel.family == "motor":
@@ -43,8 +43,8 @@ def readings_only(evidence: Evidence) -> Evidence:
         kept, way = _readings(measured[:, k])
         if kept is not None:
             notes.append(
-                f"The {channel.family} of {channel.place} was read {kept.mean():.3g} times per sample; what was "
-                f"{way} between its readings is left out."
+                f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; what was {way} "
+                f"between them is left out."
             )
             measured[~kept, k] = np.nan
     return (

@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.search.judging import (
     doubt,
     relevant,
 )
-from rthm_analysis.diagnosis.search.pairing import let_go, paired
+from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.replacing import compared
@@ -89,9 +89,21 @@ def _tried(
     if not worth:
         return [], []
     fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in worth))}")
-    tried = refined(fitting, choice.best, known, worth)
+    tried = _plain_first(fitting, choice, refined(fitting, choice.best, known, worth))
     told = _told(fitting, choice.best) if not choice.rounds and fitting.doubt > WRONG else []
     return best_of_labels([*told, *tried]) if told else tried, told
+
+
+def _plain_first(fitting: Fitting, choice: Choice, tried: list[Tried]) -> list[Tried]:
+    """The same, the best plain kind first where no kind comes near the noise.
+
+    A kind with the freedom to imitate others says something only where it explains everything.
+    """
+    if not tried or tried[0].label[1] not in FLEXIBLE or doubt(fitting, tried[0].fitted) < CLOSE:
+        return tried
+    plain = [one for one in tried if one.label[1] not in FLEXIBLE and better(one, choice.best)]
+    plain = [one for one in plain if relevant(fitting, one, choice)]
+    return [*plain[:1], *(one for one in tried if not plain or one is not plain[0])]
 
 
 def _told(fitting: Fitting, base: Fitted) -> list[Tried]:

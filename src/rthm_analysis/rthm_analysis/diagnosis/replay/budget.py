@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 120e6
-"""Steps of replays after which a search winds down; on a slow host about 45 s of one core."""
+LIMIT = 200e6
+"""Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
 
 
 @dataclass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -51,6 +52,8 @@ def choose(
         What was found before, to go on with.
     """
     choice = begun or Choice(base, base)
+    if len(choice.rounds) == 1 and fitting.doubt > WRONG:
+        choice = _paired(fitting, choice, choice.rounds[0])
     scores: list[Screened] = []
     while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(choice.best)
@@ -60,12 +63,22 @@ def choose(
             break
         tried[0] = _settled(fitting, choice, tried[0], known, told=any(tried[0] is one for one in told))
         choice.rounds.append(tried)
-        if len(choice.rounds) == 1 and fitting.doubt > WRONG:
-            choice.rounds = paired(fitting, choice.base, told or tried, tried) or choice.rounds
-        choice.best = choice.rounds[-1][0].fitted
+        choice.best = tried[0].fitted
         if stop(fitting.doubt):
             return choice
+        if len(choice.rounds) == 1 and fitting.doubt > WRONG:
+            choice = _paired(fitting, choice, told or tried)
     return compared(fitting, simplified(fitting, combined(fitting, choice)))
+
+
+def _paired(fitting: Fitting, choice: Choice, firsts: list[Tried]) -> Choice:
+    """The same, or several effects where a single one comes nowhere near the noise."""
+    together = combined(fitting, choice)
+    if fitting.doubt < WRONG:
+        return together
+    choice = together
+    rounds = paired(fitting, choice.base, firsts, choice.rounds[0])
+    return replace(choice, best=rounds[-1][0].fitted, rounds=rounds) if rounds else choice
 
 
 def _scores(fitting: Fitting, choice: Choice, known: Floats, before: list[Screened]) -> list[Screened]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.doubted_tones import TONE, lasts
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, unfitted
@@ -79,11 +80,13 @@ def _model(choice: Choice, pieces: list[Piece]) -> Model:
 
 
 def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece]) -> Fitted | None:
-    """A combination, fitted to its end; None where it diverges."""
+    """A combination, fitted to its end; None where it diverges, or has a tone that does not last."""
     before = fitting.doubt
     done = finished(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
     fitting.doubt = before
-    return done.fitted if np.isfinite(done.error) else None
+    tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
+    lasting = np.isfinite(done.error) and all(lasts(fitting, done.fitted, i) for i in tones)
+    return done.fitted if lasting else None
 
 
 def _chosen(fitting: Fitting, choice: Choice, pieces: list[Piece], fitted: Fitted) -> Choice:

@@ -12,6 +12,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import Tried, doubt
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_core.compiled import Floats
@@ -48,26 +49,27 @@ def without_doubted_tones(fitting: Fitting, tried: list[Tried], without: Fitted)
     without : Fitted
         Model to which they were added.
     """
-    lasting = [one for one in tried if one.label[1] != TONE or _lasts(fitting, one)]
+    lasting = [one for one in tried if one.label[1] != TONE or lasts(fitting, one.fitted, -1)]
     if not lasting or lasting[0].label[1] != TONE:
         return lasting
     before = float(without.left_out.sum())
-    share = INSTEAD_WELL if _says_little(fitting, lasting[0]) else INSTEAD
+    share = INSTEAD_WELL if _says_little(fitting, lasting[0].fitted.model, -1) else INSTEAD
     enough = share * (before - lasting[0].error)
     instead = [one for one in lasting if one.label[1] != TONE and before - one.error > enough]
     return [*instead[:1], *(one for one in lasting if one is not (instead or [None])[0])]
 
 
-def _lasts(fitting: Fitting, tried: Tried) -> bool:
-    """Whether all parts of the data agree on size and phase."""
-    allowed = AGREE_WELL if _says_little(fitting, tried) else AGREE
-    return bool(np.all(_differences(fitting, tried.fitted) < allowed))
+def lasts(fitting: Fitting, fitted: Fitted, index: int) -> bool:
+    """Whether all parts of the data agree on size and phase of an added tone; -1: of the last."""
+    index %= len(fitted.model.added)
+    allowed = AGREE_WELL if _says_little(fitting, fitted.model, index) else AGREE
+    return bool(np.all(_differences(fitting, fitted, index) < allowed))
 
 
-def _differences(fitting: Fitting, fitted: Fitted) -> Floats:
+def _differences(fitting: Fitting, fitted: Fitted, index: int) -> Floats:
     """By how much each part wants another size or phase of the tone, beyond three standard deviations."""
     model, sums = fitted.model, fitted.sums
-    places = model.places(len(model.added) - 1)
+    places = model.places(index)
     own = [places["amplitude"], places["phase"]]
     scale = np.array([model.parameters[own[0]].value, 1.0])
     found = []
@@ -80,12 +82,11 @@ def _differences(fitting: Fitting, fitted: Fitted) -> Floats:
     return np.array(found)
 
 
-def _says_little(fitting: Fitting, tried: Tried) -> bool:
+def _says_little(fitting: Fitting, model: Model, index: int) -> bool:
     """Whether a tone is at a frequency of the known loads or of the rig itself, or beside another tone."""
-    model = tried.fitted.model
     if sum(one.kind == TONE for one in model.added) > 1:
         return True
-    frequency = float(model.effect_values(len(model.added) - 1)["frequency"])
+    frequency = float(model.effect_values(index % len(model.added))["frequency"])
     evidence = fitting.experiment.evidence
     width = NEAR * seen_in(evidence.time).frequencies[0]
     rig = np.abs(np.linalg.eigvals(mechanics(fitting.base.spec).a))

@@ -1,9 +1,9 @@
-"""Effects of which combinations are made: those that were found, and every plain kind beside them."""
+"""Effects of which combinations are made: those that were found, every plain kind beside them, and tones."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,22 +12,24 @@ from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
 from rthm_analysis.diagnosis.search.judging import Choice
 from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
 
 @dataclass(frozen=True)
 class Piece:
-    """An effect that a combination may have: one that is there, or a plain kind that is not.
+    """An effect that a combination may have: one that is there, or a plain kind or a tone that is not.
 
     Attributes
     ----------
     start : Start
-        Of a plain kind that is not there, with the trial's size.
+        Of what is not there, with the trial's size.
     index : int or None
         Place among the effects that are there.
     columns : (c, s k) array
-        Change of the prediction with its parameters; of a plain kind, with its size over the trial's.
+        Change of the prediction with its parameters; of a plain kind that is not there, with its size over
+        the trial's; of a tone, with that in phase with the trial and with that a quarter of a period ahead.
     whole : (s k,) array
         What it does now.
     """
@@ -47,11 +49,18 @@ class Piece:
         """Whether no combination can do without it: it is linear in nothing."""
         return self.index is not None and not self.start.amplitude
 
-    def sized(self, factor: float) -> Piece:
-        """A plain kind that is not there, with a factor on its size."""
+    def may_have(self, sizes: Floats) -> bool:
+        """Whether it can be so large: what takes energy out cannot be negative."""
+        return self.index is not None or sizes.size > 1 or self.start.signed or float(sizes[0]) > 0.0
+
+    def sized(self, sizes: Floats) -> Piece:
+        """What is not there, with these factors on its columns."""
         if self.index is not None:
             return self
-        return Piece(self.start.sized(factor), None, self.columns, factor * self.columns[0])
+        start = self.start.sized(float(np.hypot.reduce(sizes)) if sizes.size > 1 else float(sizes[0]))
+        if sizes.size > 1:
+            start = _ahead(start, float(np.arctan2(sizes[1], sizes[0])))
+        return Piece(start, None, self.columns, sizes @ self.columns)
 
 
 def pieces_of(fitting: Fitting, choice: Choice, columns: Floats) -> list[Piece]:
@@ -64,7 +73,7 @@ def pieces_of(fitting: Fitting, choice: Choice, columns: Floats) -> list[Piece]:
     columns : (p, s k) array
         Projected, of all parameters of the best model.
     """
-    return [*_present(choice, columns), *_plain(fitting, choice)]
+    return [*_present(choice, columns), *_plain(fitting, choice), *_tones(fitting, choice)]
 
 
 def is_plain(start: Start) -> bool:
@@ -94,6 +103,37 @@ def _plain(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
     for start, change in zip(starts.values(), changes, strict=True):
         if change is not None and np.isfinite(change).all() and change.any():
             yield Piece(start, None, change[None], np.zeros_like(change))
+
+
+def _tones(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
+    """Tones in what is left now, and in what was left before any effect was there."""
+    starts: list[Start] = []
+    for fitted in (choice.best, choice.base) if choice.rounds else (choice.base,):
+        left = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+        for start in harmonic_starts(fitted.model.spec, fitting.experiment, left, fitting.sigma):
+            if all(abs(_frequency(start) - _frequency(one)) > start.scales["frequency"] for one in starts):
+                starts.append(start)
+    there = {tried[0].label for tried in choice.rounds}
+    both = [s for start in starts if start.label not in there for s in (start, _ahead(start, 0.5 * np.pi))]
+    changes = fitting.cores.each(lambda start: _change(fitting, choice, start), both)
+    for start, change, ahead in zip(both[::2], changes[::2], changes[1::2], strict=True):
+        if (
+            change is not None
+            and ahead is not None
+            and np.isfinite(change).all()
+            and np.isfinite(ahead).all()
+        ):
+            yield Piece(start, None, np.stack([change, ahead]), np.zeros_like(change))
+
+
+def _frequency(start: Start) -> float:
+    return float(start.added.parameters["frequency"])
+
+
+def _ahead(start: Start, phase: float) -> Start:
+    """The same tone, ahead by some phase in rad."""
+    values = start.added.parameters | {"phase": float(start.added.parameters["phase"]) + phase}
+    return replace(start, added=replace(start.added, parameters=values))
 
 
 def _change(fitting: Fitting, choice: Choice, start: Start) -> Floats | None:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
-from rthm_analysis.diagnosis.search.judging import Choice, price
+from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain, pieces_of
 from rthm_core.compiled import Floats
 
@@ -21,7 +21,8 @@ PLAIN, ANY = 2, 2
 
 REACH = 0.3
 """Part of the squared error, beside what the present effects leave, up to which a combination may become the
-best: what it would leave is counted as if everything were linear, and is less once it is fitted."""
+best, where that is far from the noise: what it would leave is counted as if everything were linear, and is
+less once it is fitted."""
 
 
 class Left(NamedTuple):
@@ -29,7 +30,7 @@ class Left(NamedTuple):
 
     error: float
     some: tuple[int, ...]
-    sizes: list[float]
+    sizes: list[Floats]
 
 
 def promised(fitting: Fitting, choice: Choice) -> list[list[Piece]]:
@@ -45,24 +46,26 @@ def promised(fitting: Fitting, choice: Choice) -> list[list[Piece]]:
     pieces = pieces_of(fitting, choice, columns)
     here = fitting.projected(best.residual)
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
-    found = sorted(_worth_it(tables, fitting.doubt), key=lambda one: one.error)
+    reach = REACH if fitting.doubt > CLOSE else 0.0
+    found = sorted(_worth_it(tables, fitting.doubt, reach), key=lambda one: one.error)
     plain = [one for one in found if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
     others = [one for one in found if one not in plain][:ANY]
     return [_largest_first(pieces, one) for one in (*plain, *others)]
 
 
-def _worth_it(tables: _Tables, doubt: float) -> Iterator[Left]:
+def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
     """Combinations that would leave no more than the present one does, about."""
     pieces = tables.pieces
     present = tuple(i for i, one in enumerate(pieces) if one.index is not None)
-    now = tables.left(present)[0]
+    count = sum(len(pieces[i].columns) for i in present)
+    now = (1.0 + reach) * (tables.left(present)[0] + doubt * price(len(present), count))
     for count in range(1, MOST + 1):
         for some in combinations(range(len(pieces)), count):
             if some != present and _can_be(pieces, some):
                 left, sizes = tables.left(some)
-                parameters = sum(len(pieces[i].columns) for i in some)
-                if sizes is not None and left < (1.0 + REACH) * now:
-                    yield Left(left + doubt * price(count, parameters), some, sizes)
+                left += doubt * price(count, sum(len(pieces[i].columns) for i in some))
+                if sizes is not None and left < now:
+                    yield Left(left, some, sizes)
 
 
 def _can_be(pieces: list[Piece], some: tuple[int, ...]) -> bool:
@@ -98,8 +101,8 @@ class _Tables:
         self.places = [range(int(a), int(b)) for a, b in pairwise(ends)]
         self.wholes = int(ends[-1])
 
-    def left(self, some: tuple[int, ...]) -> tuple[float, list[float] | None]:
-        """Squared error that a combination leaves, and factors on the sizes of its plain kinds.
+    def left(self, some: tuple[int, ...]) -> tuple[float, list[Floats] | None]:
+        """Squared error that a combination leaves, and the factors on the columns of each of its pieces.
 
         None where one of them would have to be negative and cannot.
         """
@@ -113,7 +116,7 @@ class _Tables:
         matrix[range(self.known), range(self.known)] += self.precision
         size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
         found = np.linalg.lstsq(matrix / np.outer(size, size), seen[own] / size, rcond=1e-10)[0] / size
-        sizes = [float(found[own.index(self.places[i][0])]) for i in some]
-        new = [(size, self.pieces[i]) for size, i in zip(sizes, some, strict=True)]
-        possible = all(size > 0.0 or one.start.signed for size, one in new if one.index is None)
+        ends = np.cumsum([self.known, *(len(self.places[i]) for i in some)])
+        sizes = [found[a:b] for a, b in pairwise(ends)]
+        possible = all(self.pieces[i].may_have(size) for i, size in zip(some, sizes, strict=True))
         return float(target @ seen - found @ seen[own]), sizes if possible else None

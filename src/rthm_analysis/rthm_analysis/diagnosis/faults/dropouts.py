@@ -11,6 +11,8 @@ from rthm_analysis.diagnosis.faults.commanded import told_to
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
     filled,
+    grain,
+    pieces,
     stretches,
     whole_interval,
     without,
@@ -26,6 +28,18 @@ SHORTEST = 4
 
 REGULAR = 0.2
 """Part of the samples; with more of them missing in short gaps, the channel is sampled less often, not cut."""
+
+LONGER = 2.0
+"""Length of a stretch, over that of all but two in a hundred others: coarse sensors repeat zeros, too."""
+
+MANY = 0.5
+"""Part of the stretches that begin and end with jumps, from which all are drop-outs: others fell on a zero."""
+
+STEPS = 4.0
+"""Size of a jump over the step of a coarse sensor."""
+
+JUMPS = 2.0
+"""Size of a jump over that of all but one in a hundred steps."""
 
 AWAY = 0.05
 """A sample before and after a stretch of zeros must be so far from zero, over the signal's rms."""
@@ -67,12 +81,16 @@ def _gaps(values: Floats) -> list[Stretch]:
 def _zeros(values: Floats) -> list[Stretch]:
     """Stretches of exact zeros into and out of which the signal jumps."""
     whole = filled(values)
-    found = [one for one in stretches(values == 0.0) if one[1] - one[0] >= SHORTEST]
+    _, length = pieces(values)
+    least = max(SHORTEST, LONGER * float(np.quantile(length, 0.98)))
+    found = [one for one in stretches(values == 0.0) if one[1] - one[0] >= least]
     if not found:
         return []
     size = float(np.sqrt(np.mean(np.square(whole))))
     usual = float(np.quantile(np.abs(np.diff(whole)), 0.99))
-    return [one for one in found if _jumps(whole, one, max(AWAY * size, 4.0 * usual))]
+    least = max(AWAY * size, JUMPS * usual, STEPS * grain(whole))
+    clear = [one for one in found if _jumps(whole, one, least)]
+    return found if len(clear) >= MANY * len(found) else clear
 
 
 def _jumps(values: Floats, one: Stretch, least: float) -> bool:

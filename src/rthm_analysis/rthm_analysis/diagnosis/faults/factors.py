@@ -34,6 +34,12 @@ if TYPE_CHECKING:
 TELLING = 0.02
 """Share of the force's variance that a wire's position must make for its own factor to be told."""
 
+LEAST_OPEN = 1e-6
+"""What a relation leaves open at the least, over the variance."""
+
+PLAINER = 1.0
+"""By so much a swap must leave less open, as a logarithm, than signs and units."""
+
 EXPLAINED = 0.95
 """Multiple correlation from which the parts of motor and position in a force are told apart."""
 
@@ -51,7 +57,7 @@ def find_factors(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]
     if smooth is None:
         return evidence, []
     before = relations(smooth, dofs, wires)
-    if all(one.holds or abs(one.correlation) < ASKED for one in before) and any(one.holds for one in before):
+    if all(one.holds for one in before):
         return evidence, []
     factors = _factors(smooth, dofs, wires)
     after = relations(corrected(smooth, factors), dofs, wires)
@@ -59,7 +65,7 @@ def find_factors(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]
     pair, as_swap = _swap(smooth, dofs, wires, before)
     if max(as_factors, as_swap) <= 0.0:
         return evidence, []
-    if pair is not None and as_swap > as_factors + 0.005:
+    if pair is not None and as_swap > as_factors + PLAINER:
         return _swapped(evidence, pair)
     measured = {name: factor for name, factor in factors.items() if name[0] != "command"}
     return scaled(evidence, measured), faults_of_factors(evidence, smooth, measured)
@@ -76,13 +82,13 @@ def scaled(evidence: Evidence, factors: dict[Name, float]) -> Evidence:
 
 
 def _quality(before: list[Relation], after: list[Relation]) -> float:
-    """Smallest correlation once corrected; 0 where that is no clear and complete improvement."""
+    """How little the relations leave open once corrected; 0 where that is no clear and complete improvement."""
     better = [b for a, b in zip(before, after, strict=True) if not a.holds and b.sound]
     worse = [b for a, b in zip(before, after, strict=True) if a.holds and not b.holds]
     left = [b for b in after if not b.holds and abs(b.correlation) > ASKED]
     if not better or worse or left:
         return 0.0
-    return min(one.correlation for one in better)
+    return -sum(float(np.log(max(1.0 - one.correlation**2, LEAST_OPEN))) for one in after)
 
 
 def _factors(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> dict[Name, float]:

@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
     filled,
+    grain,
     held_commands,
     stretches,
     whole_interval,
@@ -134,7 +135,7 @@ def _spikes(values: Floats) -> list[Stretch]:
         return []
     whole = filled(values)
     size, spread = _excursions(whole), float(np.std(whole))
-    steps = _grain(whole)
+    steps = grain(whole)
     second = np.abs(np.diff(whole, 2, prepend=whole[0], append=whole[-1]))
     least = np.maximum(CLEAR * _usual(size, 0.9), LOUD * _usual(second, 0.75))
     least = np.maximum(least, max(4.0 * steps, LARGE * spread, 1e-300))
@@ -144,13 +145,6 @@ def _spikes(values: Floats) -> list[Stretch]:
         if one[1] - one[0] <= LONGEST and _returns(whole, one, float(size[one[0] : one[1]].max()))
     ]
     return found if len(found) <= MOST * values.size else []
-
-
-def _grain(values: Floats) -> float:
-    """Smallest change that is common: the step of a coarse sensor."""
-    changes = np.abs(np.diff(values))
-    changes = changes[changes > 0.0]
-    return float(np.quantile(changes, 0.05)) if changes.size else 0.0
 
 
 def _returns(values: Floats, one: Stretch, size: float) -> bool:

@@ -76,6 +76,13 @@ def filled(values: Floats) -> Floats:
     return np.interp(at, at[known], values[known])
 
 
+def grain(values: Floats) -> float:
+    """Smallest change that is common: the step of a coarse sensor."""
+    changes = np.abs(np.diff(values))
+    changes = changes[changes > 0.0]
+    return float(np.quantile(changes, 0.05)) if changes.size else 0.0
+
+
 def held_commands(evidence: Evidence) -> Floats:
     """Commands (s, m) as they stand at the samples; nothing before the first."""
     row = np.searchsorted(evidence.due_ns, evidence.stamps_ns, side="right") - 1

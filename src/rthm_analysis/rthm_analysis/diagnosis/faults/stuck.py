@@ -48,6 +48,9 @@ LONE_LEAP = 6.0
 TRAVEL = 0.3
 """Change of another channel meanwhile, over the range of that channel, that a sensor at work would show."""
 
+ALIVE = 0.5
+"""Median change from sample to sample beside a stretch, over the usual one, of a signal that is alive."""
+
 NEIGHBOURS = 12
 """Samples on either side whose steps are compared."""
 
@@ -81,13 +84,13 @@ def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
     long = np.flatnonzero(length >= least)
     if not long.size or length[long].sum() > 0.5 * values.size:
         return []
-    noisy = _carries_noise(values, length, long)
+    noisy = carries_noise(values, length, long)
     others = _others(evidence, column)
     found = [(int(begin[i]), int(begin[i] + length[i])) for i in long]
     return [one for one in found if _is_stuck(evidence, column, one, noisy, others)]
 
 
-def _carries_noise(values: Floats, length: np.ndarray, long: np.ndarray) -> bool:
+def carries_noise(values: Floats, length: np.ndarray, long: np.ndarray) -> bool:
     """Whether hardly a value repeats by chance, and neighbours scatter."""
     single = np.count_nonzero(length == 1) >= SINGLE * (length.size - long.size)
     third = np.diff(values, 3)
@@ -103,7 +106,10 @@ def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others
     extreme = held in (float(np.nanmax(values)), float(np.nanmin(values)))
     moving = any(_travels(other, one) for other in others)
     if noisy:
-        return not extreme and (moving or _leaps(values, one, LEAP)) and not told_to(evidence, column, one)
+        if extreme or (family == "force" and held == 0.0):
+            return False
+        leaps = _leaps(values, one, LEAP) and not told_to(evidence, column, one)
+        return moving or leaps or _alive_around(values, one)
     if extreme or family not in ("position", "velocity"):
         return False
     return moving or (family == "position" and _leaps(values, one, LONE_LEAP))
@@ -120,6 +126,16 @@ def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
     usual = float(np.nanquantile(changes, 0.99))
     largest = max(float(around.max(initial=0.0)), usual)
     return bool(changes[b - 1] > clear * largest > 0.0)
+
+
+def _alive_around(values: Floats, one: Stretch) -> bool:
+    """Whether samples change as usual right before a stretch and right after it: no rig comes to rest so."""
+    a, b = one
+    changes = np.abs(np.diff(values))
+    usual = ALIVE * float(np.nanmedian(changes))
+    before, after = changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]
+    known = [side[np.isfinite(side)] for side in (before, after) if side.size]
+    return bool(known) and all(side.size and float(np.median(side)) > usual for side in known)
 
 
 def _others(evidence: Evidence, column: int) -> list[Floats]:
@@ -157,6 +173,11 @@ def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, s
     channel = evidence.channels[column]
     name, unit = in_words(channel), UNITS[channel.family]
     first, last = whole_interval(evidence, found)
+    if not evidence.measured[[a for a, _ in found], column].any():
+        return "dropout", (
+            f"{in_words(channel, first=True)} is exactly 0 from {first:.3f} s to {last:.3f} s, in {len(found)} "
+            f"stretches: the sensor or its link gave nothing there. Left out; record what is missing as NaN."
+        )
     if len(found) == 1:
         value = evidence.measured[found[0][0], column]
         return "stuck", (

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rthm_analysis.diagnosis.faults.delays import find_delays
+from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
+from rthm_analysis.diagnosis.faults.hum import find_hum
+from rthm_analysis.diagnosis.faults.known_loads import find_loads
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -57,7 +61,7 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find in (find_dropouts, find_stuck, find_spikes):
         evidence, found = find(evidence)
         faults += found
-    for find_with in (find_factors,):
+    for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum):
         evidence, found = find_with(evidence, spec)
         faults += found
     return Mended(evidence, tuple(faults))

@@ -51,6 +51,9 @@ TRAVEL = 0.3
 ALIVE = 0.5
 """Median change from sample to sample beside a stretch, over the usual one, of a signal that is alive."""
 
+AT_END = 100
+"""Samples; a shorter stretch at the end of a recording is how some tools pad it."""
+
 NEIGHBOURS = 12
 """Samples on either side whose steps are compared."""
 
@@ -131,6 +134,8 @@ def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
 def _alive_around(values: Floats, one: Stretch) -> bool:
     """Whether samples change as usual right before a stretch and right after it: no rig comes to rest so."""
     a, b = one
+    if b >= values.size and b - a < AT_END:
+        return False
     changes = np.abs(np.diff(values))
     usual = ALIVE * float(np.nanmedian(changes))
     before, after = changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]

@@ -35,7 +35,7 @@ def known_factor(gain: float, family: str, more: float = 0.0) -> float | None:
     family : str
         ``position``, ``velocity``, ``force``, ``motor`` or ``load``.
     more : float
-        Relative uncertainty of the gain itself.
+        Relative uncertainty of the gain itself; where it is large, ratios below a hundred are no evidence.
 
     Examples
     --------
@@ -50,7 +50,9 @@ def known_factor(gain: float, family: str, more: float = 0.0) -> float | None:
     ratios = RATIOS["force" if family == "load" else family].values()
     for ratio in (*ratios, *(1.0 / one for one in ratios)):
         large = ratio >= 99.0 or ratio <= 0.0101
-        if abs(np.log(size / ratio)) < (DECADE if large else EXACT) + more:
+        if not large and more > EXACT:
+            continue
+        if abs(np.log(size / ratio)) < (DECADE + more if large else EXACT):
             return sign * ratio
     return None
 

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-SAME = 0.25
-"""Two delays that differ by less than so much of themselves are one."""
-
 
 def find_delays(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     """Find channels that are late or early by a constant time, and move them back.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.faults.relations import related
 from rthm_analysis.diagnosis.faults.smooth import Smooth, smoothed
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
@@ -58,9 +59,9 @@ def _drift(evidence: Evidence, smooth: Smooth, actuator: str) -> float | None:
     if at.size < BLOCKS // 2:
         return None
     slope, start = np.polyfit(at, delay, 1)
-    steady = np.corrcoef(at, delay)[0, 1] if np.std(delay) > 0.0 else 0.0
+    steady = related(at, delay)[1]
     grows = abs(float(slope)) * float(evidence.time[-1]) > LEAST * smooth.step
-    return float(slope) if grows and abs(float(steady)) > STRAIGHT else None
+    return float(slope) if grows and abs(steady) > STRAIGHT else None
 
 
 def _delays(time: Floats, behind: Floats, rate: Floats) -> tuple[Floats, Floats]:

@@ -53,14 +53,18 @@ def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
         gaps = _gaps(values)
         if gaps:
             words = f"{in_words(channel, first=True)} is missing {_when(evidence, gaps)}. Nothing is concluded from there."
-            faults.append(fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence)))
+            faults.append(
+                fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence))
+            )
         zeros = [one for one in _zeros(values) if not told_to(evidence, column, one)]
         if zeros:
             words = (
                 f"{in_words(channel, first=True)} drops to exactly 0 {_when(evidence, zeros)}, and comes back with a "
                 f"jump: the sensor or its link gave nothing there. Left out; record what is missing as NaN."
             )
-            faults.append(fault_of(channel, "dropout", words, whole_interval(evidence, zeros), _lost(zeros, evidence)))
+            faults.append(
+                fault_of(channel, "dropout", words, whole_interval(evidence, zeros), _lost(zeros, evidence))
+            )
             evidence = without(evidence, column, zeros)
     return evidence, faults
 

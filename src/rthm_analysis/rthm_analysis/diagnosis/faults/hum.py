@@ -184,11 +184,15 @@ def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
     frequencies, power = _power(signal, time)
     inside = np.abs(frequencies - line.frequency) <= WANDERS
     beside = (np.abs(frequencies - line.frequency) <= AROUND) & ~inside
-    return bool(power[inside].max(initial=0.0) > 0.5 * STANDS_OUT * max(float(np.median(power[beside])), 1e-300))
+    return bool(
+        power[inside].max(initial=0.0) > 0.5 * STANDS_OUT * max(float(np.median(power[beside])), 1e-300)
+    )
 
 
 def _fault(channel: Channel, line: Line) -> Fault:
-    aliased = "" if abs(line.frequency - line.mains) < 1.0 else f" ({line.mains:.0f} Hz, as these samples show it)"
+    aliased = (
+        "" if abs(line.frequency - line.mains) < 1.0 else f" ({line.mains:.0f} Hz, as these samples show it)"
+    )
     words = (
         f"{in_words(channel, first=True)} carries a hum of {line.amplitude:.3g} {UNITS[channel.family]} at "
         f"{line.frequency:.2f} Hz{aliased} that no other channel shows. It was taken out for this diagnosis; check "

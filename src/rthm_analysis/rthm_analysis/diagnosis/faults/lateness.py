@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.faults.spectra import Spectra, spectra
+from rthm_analysis.diagnosis.faults.spectra import spectra
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -45,50 +45,107 @@ class Late:
     std: float
 
 
+@dataclass(frozen=True)
+class Response:
+    """How a signal follows another one, at the frequencies where it does.
+
+    Attributes
+    ----------
+    omega : (f,) array
+        rad/s.
+    value : (f,) array
+        Complex ratio of signal and reference.
+    weight : (f,) array
+        One over the squared error of `value`.
+    """
+
+    omega: Floats
+    value: np.ndarray
+    weight: Floats
+
+    def left(self, shapes: np.ndarray) -> Floats:
+        """Weighted squares that each shape (g, f) leaves at its best real gain."""
+        along = np.real(shapes.conj() * self.value) @ self.weight
+        size = np.square(np.abs(shapes)) @ self.weight
+        total = float(np.square(np.abs(self.value)) @ self.weight)
+        return np.asarray(total - np.square(along) / size)
+
+    def slight(self) -> tuple[float, float]:
+        """Weighted squares that a gain and a slight shift in time leave, and that shift, s."""
+        basis = np.concatenate([np.ones_like(self.omega), np.zeros_like(self.omega)])
+        turned = np.concatenate([np.zeros_like(self.omega), -self.omega])
+        root = np.sqrt(np.tile(self.weight, 2))
+        wanted = root * np.concatenate([self.value.real, self.value.imag])
+        columns = root[:, None] * np.column_stack([basis, turned])
+        found = np.linalg.lstsq(columns, wanted, rcond=None)[0]
+        return float(np.sum(np.square(wanted - columns @ found))), float(found[1] / found[0])
+
+
 def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) -> Late | None:
     """Delay of `signal` after `reference`, both (s,), of any gain; None where there is none, or it is a lag.
 
-    With `rate` the reference is a position, and the signal is compared with its rate. A delay turns phases in proportion to the frequency and leaves amplitudes; a first-order lag, of the one
-    or of the other, loses amplitude with the frequency.
+    With `rate` the reference is a position, and the signal is compared with its rate. A delay
+    turns phases in proportion to the frequency and leaves amplitudes; a first-order lag, of the one
+    or of the other, loses amplitude with the frequency. Both are tried in time, so that strong lines do not leak
+    into the comparison.
     """
     known = np.gradient(reference, step) if rate else reference
-    seen = spectra(np.column_stack([known, signal]), step)
+    first = _response(known, signal, step, rate)
+    if first is None:
+        return None
+    delays = np.arange(-LONGEST, LONGEST, 0.5 * step)
+    costs = first.left(np.exp(-1j * np.outer(delays, first.omega)))
+    best = int(np.argmin(costs))
+    about = float(delays[best])
+    none = float(first.left(np.ones((1, first.omega.size)))[0])
+    if not 0 < best < delays.size - 1 or abs(about) < step or none < CLEARER + costs[best]:
+        return None
+    at = np.arange(signal.size) * step
+    moved = _response(known, np.interp(at + about, at, signal), step, rate)
+    lagged = _as_lag(first, known, signal, step, rate)
+    if moved is None:
+        return None
+    (left, more), as_lag = moved.slight(), np.inf if lagged is None else lagged.slight()[0]
+    delay, std = (
+        about + more,
+        float(1.0 / np.sqrt(moved.weight @ np.square(moved.omega * np.abs(moved.value)))),
+    )
+    clear = left < min(REMAINS * none, GOOD * moved.omega.size) and left + CLEARER < as_lag
+    return Late(delay, std) if clear and abs(delay) > LEAST_SAMPLES * step else None
+
+
+def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
+    """How a signal follows another; None where they have too few frequencies in common."""
+    seen = spectra(np.column_stack([reference, signal]), step)
     kept = seen.coherence(0, 1) > COHERENT
     if np.count_nonzero(kept) < FEWEST:
         return None
-    return _late(_only(seen, kept), step, rate)
-
-
-def _only(seen: Spectra, kept: np.ndarray) -> Spectra:
-    return Spectra(seen.omega[kept], seen.cross[kept], seen.parts)
-
-
-def _late(seen: Spectra, step: float, rate: bool) -> Late | None:
-    omega, coherence = seen.omega, seen.coherence(0, 1)
-    response = seen.cross[:, 0, 1] / seen.cross[:, 0, 0].real
+    omega, coherence = seen.omega[kept], seen.coherence(0, 1)[kept]
+    value = seen.cross[kept, 0, 1] / seen.cross[kept, 0, 0].real
     if rate:  # what differences of samples lose
-        response = response * np.sin(omega * step) / (omega * step)
-    sampling = RELATIVE + np.square(omega * step) / 8.0  # the latter is what straight lines between samples lose
+        value = value * np.sin(omega * step) / (omega * step)
+    sampling = (
+        RELATIVE + np.square(omega * step) / 8.0
+    )  # the latter is what straight lines between samples lose
     share = 0.5 * (1.0 - coherence) / (coherence * seen.parts) + (1.0 - coherence) ** 2 + np.square(sampling)
-    weight = 1.0 / (share * np.abs(response) ** 2)
-    delays = np.arange(-LONGEST, LONGEST, 0.25 * step)
-    costs = _costs(response, weight, np.exp(-1j * np.outer(delays, omega)))
-    best = int(np.argmin(costs))
-    lags = np.geomspace(0.2 * step, 2.0 * LONGEST, 60)
-    shapes = 1.0 / (1.0 + 1j * np.outer(lags, omega))
-    as_lag = min(_costs(response, weight, shapes).min(), _costs(response, weight, 1.0 / shapes).min())
-    none = float(_costs(response, weight, np.ones((1, omega.size)))[0])
-    curvature = float(np.sum(weight * np.abs(response) ** 2 * np.square(omega)))
-    delay, std = float(delays[best]), float(np.sqrt(1.0 / max(curvature, 1e-300)))
-    fits = costs[best] < min(REMAINS * none, GOOD * omega.size)
-    clear = fits and costs[best] + CLEARER < as_lag
-    inside = 0 < best < delays.size - 1
-    return Late(delay, std) if clear and inside and abs(delay) > LEAST_SAMPLES * step else None
+    return Response(omega, value, 1.0 / (share * np.abs(value) ** 2))
 
 
-def _costs(response: np.ndarray, weight: Floats, shapes: np.ndarray) -> Floats:
-    """Weighted squares that each shape (g, f) leaves of a response (f,), at its best real gain."""
-    along = np.real(shapes.conj() * response) @ weight
-    size = np.square(np.abs(shapes)) @ weight
-    total = float(np.square(np.abs(response)) @ weight)
-    return np.asarray(total - np.square(along) / size)
+def _as_lag(first: Response, known: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
+    """What is left where the signal lags behind the reference, or this behind the signal."""
+    lags = np.geomspace(0.2 * step, 2.0 * LONGEST, 120)
+    shapes = 1.0 / (1.0 + 1j * np.outer(lags, first.omega))
+    behind, before = first.left(shapes), first.left(1.0 / shapes)
+    if behind.min() < before.min():
+        return _response(_lagging(known, float(lags[np.argmin(behind)]), step), signal, step, rate)
+    return _response(known, _lagging(signal, float(lags[np.argmin(before)]), step), step, rate)
+
+
+def _lagging(values: Floats, constant: float, step: float) -> Floats:
+    """A signal behind a first-order lag, s."""
+    more = int(10.0 * constant / step) + 10
+    ramp = np.linspace(float(values[-1]), float(values[0]), more)
+    size = values.size + more
+    omega = 2.0 * np.pi * np.fft.rfftfreq(size, step)
+    spectrum = np.fft.rfft(np.concatenate([values, ramp])) / (1.0 + 1j * omega * constant)
+    return np.asarray(np.fft.irfft(spectrum, size)[: values.size])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
 from rthm_analysis.diagnosis.faults.delays import find_delays
 from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
@@ -61,7 +62,7 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find in (find_dropouts, find_stuck, find_spikes):
         evidence, found = find(evidence)
         faults += found
-    for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum):
+    for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
     return Mended(evidence, tuple(faults))

@@ -157,6 +157,4 @@ def corrected(smooth: Smooth, factors: dict[Name, float]) -> Smooth:
     def over(known: dict[Name, Floats]) -> dict[Name, Floats]:
         return {name: column / factors.get(name, 1.0) for name, column in known.items()}
 
-    return replace(
-        smooth, values=over(smooth.values), rates=over(smooth.rates), seconds=over(smooth.seconds)
-    )
+    return replace(smooth, values=over(smooth.values), rates=over(smooth.rates), seconds=over(smooth.seconds))

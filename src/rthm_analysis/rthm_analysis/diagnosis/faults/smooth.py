@@ -104,9 +104,11 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
 def _signals(
     evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ...]
 ) -> dict[tuple[str, str], Floats]:
-    """Everything that was measured or is known to have acted, by family and place."""
+    """Everything that was measured or is known to have acted, by family and place; no channel that never changes."""
     signals = {
-        (one.family, one.place): evidence.measured[:, i] for i, one in enumerate(evidence.channels)
+        (one.family, one.place): evidence.measured[:, i]
+        for i, one in enumerate(evidence.channels)
+        if np.nanmax(evidence.measured[:, i]) > np.nanmin(evidence.measured[:, i])
     }
     signals |= {("load", dof): column for dof, column in zip(dofs, evidence.load.T, strict=True)}
     if evidence.driven_by == "command":
@@ -141,7 +143,9 @@ def _rows(evidence: Evidence, width: float, step: float) -> Integers:
     longest = max(int(0.3 * width / step), LEAST_GAP)
     unknown = np.zeros(size, dtype=bool)
     for column in evidence.measured.T:
-        unknown |= flagged([one for one in stretches(~np.isfinite(column)) if one[1] - one[0] > longest], size)
+        unknown |= flagged(
+            [one for one in stretches(~np.isfinite(column)) if one[1] - one[0] > longest], size
+        )
     late = np.abs(np.diff(evidence.time, append=evidence.time[-1] + step) - step) > 0.5 * step
     bad = np.concatenate([[0], np.cumsum(unknown | late)])
     many = bad[np.minimum(rows + reach, size)] - bad[np.maximum(rows - reach, 0)]

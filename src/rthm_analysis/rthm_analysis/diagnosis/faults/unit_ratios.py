@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-_LENGTHS = {"mm": 1e3, "cm": 1e2, "um": 1e6, "inch": 1.0 / 0.0254, "ft": 1.0 / 0.3048, "degrees": 180.0 / np.pi}
+_LENGTHS = {
+    "mm": 1e3,
+    "cm": 1e2,
+    "um": 1e6,
+    "inch": 1.0 / 0.0254,
+    "ft": 1.0 / 0.3048,
+    "degrees": 180.0 / np.pi,
+}
 
 RATIOS: dict[str, dict[str, float]] = {
     "position": _LENGTHS,
     "motor": _LENGTHS,
-    "velocity": {f"{unit}/s": ratio for unit, ratio in _LENGTHS.items()}
-    | {"km/h": 3.6, "rpm": 30.0 / np.pi},
+    "velocity": {f"{unit}/s": ratio for unit, ratio in _LENGTHS.items()} | {"km/h": 3.6, "rpm": 30.0 / np.pi},
     "force": {"mN": 1e3, "kN": 1e-3, "kgf": 1.0 / 9.80665, "lbf": 1.0 / 4.4482216152605},
 }
 """By family: numbers of a unit that make one SI unit."""

@@ -1,4 +1,5 @@
-"""Recordings of the paper's plant, with and without effects, as tests of the faults of recordings need them."""
+"""Recordings of the paper's plant, with and without effects, as tests of the faults of recordings need
+them."""
 
 from __future__ import annotations
 

@@ -58,8 +58,8 @@ def find_wrong_spec(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Faul
     if not known:
         return evidence, []
     words = (
-        f"The spec is not that of this recording: {'; '.join(text for _, text, _ in known)}. Other signs, units and "
-        f"swapped channels do not explain it. Give the spec of this test with --spec."
+        f"The spec is not that of this recording: {'; '.join(text for _, text, _ in known)}. Other signs, "
+        "units and swapped channels do not explain it. Give the spec of this test with --spec."
     )
     channel, _, value = known[0]
     return evidence, [Fault("plant", "wrong_spec", channel, words, None, value)]
@@ -87,7 +87,7 @@ def _start(evidence: Evidence, spec: Spec) -> Reason:
     """First sample of a loop, which begins where the spec says."""
     if evidence.driven_by != "command":
         return None
-    for dof, nominal in zip(spec.plant.dofs, spec.plant.initial_position, strict=True):  # type: ignore[union-attr]
+    for dof, nominal in zip(spec.plant.dofs, spec.plant.initial_position, strict=True):
         column = channel_at(evidence, "position", dof)
         if column is None:
             continue
@@ -149,7 +149,7 @@ def _plant(smooth: Smooth, spec: Spec) -> Reason:
     if seen.mass is not None:
         wide = PLANT * (1.0 + 2.0 * unsure.mass)
         if not 1.0 / wide < seen.mass < wide:
-            mass = seen.mass * spec.plant.mass[0]  # type: ignore[union-attr]
+            mass = seen.mass * spec.plant.mass[0]
             return "plant.mass", f"the motion needs a mass of {mass:.3g} kg", mass
     return None
 

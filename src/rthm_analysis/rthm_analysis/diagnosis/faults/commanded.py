@@ -1,4 +1,6 @@
-"""What commands ask motor and wire to do: a jump that was commanded is no fault of the sensor that shows it."""
+"""What commands ask motor and wire to do: a jump that was commanded is no fault of the sensor that
+shows it.
+"""
 
 from __future__ import annotations
 

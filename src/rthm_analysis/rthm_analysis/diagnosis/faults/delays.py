@@ -111,7 +111,8 @@ def _moved(evidence: Evidence, column: int, delay: float) -> Floats:
 def _fault(channel: Channel, delay: float) -> Fault:
     way = "late" if delay > 0.0 else "early"
     words = (
-        f"{in_words(channel, first=True)} comes {1e3 * abs(delay):.3g} ms {way} in the recording, as a constant delay. "
-        f"It was moved back for this diagnosis; correct the stamps of its sensor, or the filter that delays it."
+        f"{in_words(channel, first=True)} comes {1e3 * abs(delay):.3g} ms {way} in the recording, as a "
+        "constant delay. It was moved back for this diagnosis; correct the stamps of its sensor, or the "
+        "filter that delays it."
     )
     return fault_of(channel, "channel_delay", words, value=delay)

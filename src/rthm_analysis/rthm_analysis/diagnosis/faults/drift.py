@@ -42,8 +42,8 @@ def find_drift(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     way = "fast" if drift > 0.0 else "slow"
     words = (
         f"The stamps of plant/state drift against those of the commands by {1e6 * abs(drift):.0f} ppm "
-        f"({1e3 * abs(drift) * float(evidence.time[-1]):.3g} ms over the recording): their clock runs {way}. They were "
-        f"corrected for this diagnosis; synchronise the clocks of the hosts."
+        f"({1e3 * abs(drift) * float(evidence.time[-1]):.3g} ms over the recording): their clock runs {way}. "
+        "They were corrected for this diagnosis; synchronise the clocks of the hosts."
     )
     found = Fault("plant", "clock_drift", "plant/state", words, None, drift)
     return replace(evidence, stamps_ns=stamps), [found]
@@ -58,7 +58,7 @@ def _drift(evidence: Evidence, smooth: Smooth, actuator: str) -> float | None:
     at, delay = _delays(evidence.time[smooth.rows], motor - command, smooth.rates[names[1]])
     if at.size < BLOCKS // 2:
         return None
-    slope, start = np.polyfit(at, delay, 1)
+    slope = np.polyfit(at, delay, 1)[0]
     steady = related(at, delay)[1]
     grows = abs(float(slope)) * float(evidence.time[-1]) > LEAST * smooth.step
     return float(slope) if grows and abs(steady) > STRAIGHT else None

@@ -22,10 +22,10 @@ from rthm_analysis.diagnosis.faults.relations import (
     wire_signals,
     wires_of,
 )
-from rthm_analysis.diagnosis.faults.scaling import faults_of_factors, swapped_fault
+from rthm_analysis.diagnosis.faults.scaling import factor_fault, swapped_fault
 from rthm_analysis.diagnosis.faults.smooth import Smooth, channel_at, smoothed
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def find_factors(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]
     if pair is not None and as_swap > as_factors + PLAINER:
         return _swapped(evidence, pair)
     measured = {name: factor for name, factor in factors.items() if name[0] != "command"}
-    return scaled(evidence, measured), faults_of_factors(evidence, smooth, measured)
+    return scaled(evidence, measured), [factor_fault(Channel(*one), by) for one, by in measured.items()]
 
 
 def scaled(evidence: Evidence, factors: dict[Name, float]) -> Evidence:
@@ -82,7 +82,9 @@ def scaled(evidence: Evidence, factors: dict[Name, float]) -> Evidence:
 
 
 def _quality(before: list[Relation], after: list[Relation]) -> float:
-    """How little the relations leave open once corrected; 0 where that is no clear and complete improvement."""
+    """How little the relations leave open once corrected; 0 where that is no clear and complete
+    improvement.
+    """
     better = [b for a, b in zip(before, after, strict=True) if not a.holds and b.sound]
     worse = [b for a, b in zip(before, after, strict=True) if a.holds and not b.holds]
     left = [b for b in after if not b.holds and abs(b.correlation) > ASKED]
@@ -131,7 +133,7 @@ def _note_wire(found: dict[Name, float], smooth: Smooth, wire: Wire) -> None:
         return
     parts = np.linalg.lstsq(told / size, wanted, rcond=None)[0] / size
     if _multiple(told @ parts, wanted) > EXPLAINED and _telling(parts, size, wanted):
-        _note(found, position, float(-parts[1] / parts[0]) and float(-parts[1] / parts[0]) ** -1)
+        _note(found, position, float(-parts[0] / parts[1]))
     longer = told[:, 0] - told[:, 1] / found.get(position, 1.0)
     gain, correlation = related(wire.stiffness * longer, wanted)
     if abs(correlation) > EXPLAINED:
@@ -160,8 +162,8 @@ def _swap(
 
 
 def _swapped(evidence: Evidence, pair: tuple[Name, Name]) -> tuple[Evidence, list[Fault]]:
-    columns = [channel_at(evidence, *name) for name in pair]
+    one, other = (Channel(*name) for name in pair)
+    columns = [evidence.channels.index(one), evidence.channels.index(other)]
     measured = evidence.measured.copy()
     measured[:, columns] = measured[:, columns[::-1]]
-    one, other = (evidence.channels[column] for column in columns if column is not None)
     return replace(evidence, measured=measured), [swapped_fault(one, other)]

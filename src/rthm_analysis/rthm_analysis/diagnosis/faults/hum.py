@@ -110,7 +110,7 @@ def _power(values: Floats, time: Floats) -> tuple[Floats, Floats]:
     step = float(time[-1]) / max(time.size - 1, 1)
     second = np.diff(values, 2, prepend=values[0], append=values[-1])
     spectrum = np.fft.rfft(second * np.blackman(values.size))
-    return np.fft.rfftfreq(values.size, step), np.square(np.abs(spectrum))
+    return np.asarray(np.fft.rfftfreq(values.size, step), dtype=float), np.square(np.abs(spectrum))
 
 
 def _between(frequencies: Floats, power: Floats, peak: int) -> float:
@@ -136,7 +136,7 @@ def _amplitude(time: Floats, values: Floats, frequency: float) -> float:
 def _wave(time: Floats, values: Floats, frequency: float) -> Floats:
     """The wave itself, its amplitude and phase changing slowly: through a window as wide as a quarter."""
     turn = np.exp(-2j * np.pi * frequency * time)
-    fast = values - _mean(values, max(int(round(1.0 / frequency / max(time[1] - time[0], 1e-12))), 1))
+    fast = values - _mean(values, max(round(1.0 / frequency / max(float(time[1] - time[0]), 1e-12)), 1))
     slow = _basis(time)
     left = (slow * turn.conj()[:, None]).view()
     columns = np.hstack([left.real, left.imag])
@@ -176,7 +176,9 @@ def _is_motion(evidence: Evidence, column: int, line: Line, step: float) -> bool
 
 
 def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
-    """Whether a signal has a line there: of the size that kinematics ask for, or (ratio 0) any that stands out."""
+    """Whether a signal has a line there: of the size that kinematics ask for, or (ratio 0) any that
+    stands out.
+    """
     if not np.any(signal):
         return False
     if ratio:
@@ -195,7 +197,7 @@ def _fault(channel: Channel, line: Line) -> Fault:
     )
     words = (
         f"{in_words(channel, first=True)} carries a hum of {line.amplitude:.3g} {UNITS[channel.family]} at "
-        f"{line.frequency:.2f} Hz{aliased} that no other channel shows. It was taken out for this diagnosis; check "
-        f"shielding and earth of this sensor."
+        f"{line.frequency:.2f} Hz{aliased} that no other channel shows. It was taken out for this diagnosis; "
+        "check shielding and earth of this sensor."
     )
     return fault_of(channel, "hum", words, None, line.amplitude)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 FITS = 0.97
-"""Correlation between a known force and what the motion makes of it, from which its sign and unit are judged."""
+"""Correlation between a known force and what the motion makes of it, from which its sign and unit are
+judged."""
 
 MOST_UNSURE = 0.3
 """Uncertainty, as a logarithm, up to which a unit's ratio is searched around a gain."""
@@ -47,13 +48,13 @@ def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         return evidence, []
     start, ratios = _start_factor(evidence, spec, channel), _force_ratios(evidence, spec)
     if start is not None and start != 1.0 and _agree(ratios, start) and (ratios or not evidence.load.any()):
-        return _position(evidence, channel, start, "the start that the spec states")
+        return _position(evidence, channel, start, "what the start in the spec asks for")
     gain = _common(ratios, spec)
     if gain is None or gain == 1.0:
         return evidence, []
     reach = float(np.nanmax(np.abs(evidence.measured[:, evidence.channels.index(channel)])))
     if start is None and reach > FAR and abs(gain) < 1.0:
-        return _position(evidence, channel, 1.0 / gain, "the known force")
+        return _position(evidence, channel, 1.0 / gain, "what the known force asks for")
     load = Channel("load", channel.place)
     return replace(evidence, load=evidence.load / gain), [factor_fault(load, gain)]
 

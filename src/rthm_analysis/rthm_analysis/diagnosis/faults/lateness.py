@@ -33,6 +33,9 @@ REMAINS = 0.25
 GOOD = 3.0
 """Weighted squares for each frequency that a delay may leave: with much more, it is something else."""
 
+STEPS = 3
+"""Steps towards the best delay, and the best lag."""
+
 LEAST_SAMPLES = 1.5
 """A shorter delay is left to others."""
 
@@ -86,7 +89,8 @@ def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) 
 
     With `rate` the reference is a position, and the signal is compared with its rate. A delay
     turns phases in proportion to the frequency and leaves amplitudes; a first-order lag, of the one
-    or of the other, loses amplitude with the frequency. Both are tried in time, so that strong lines do not leak
+    or of the other, loses amplitude with the frequency. Both are tried in time, so that strong lines do
+    not leak
     into the comparison.
     """
     known = np.gradient(reference, step) if rate else reference
@@ -100,18 +104,30 @@ def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) 
     none = float(first.left(np.ones((1, first.omega.size)))[0])
     if not 0 < best < delays.size - 1 or abs(about) < step or none < CLEARER + costs[best]:
         return None
-    at = np.arange(signal.size) * step
-    moved = _response(known, np.interp(at + about, at, signal), step, rate)
-    lagged = _as_lag(first, known, signal, step, rate)
+    moved = _aligned(known, signal, about, step, rate)
     if moved is None:
         return None
-    (left, more), as_lag = moved.slight(), np.inf if lagged is None else lagged.slight()[0]
-    delay, std = (
-        about + more,
-        float(1.0 / np.sqrt(moved.weight @ np.square(moved.omega * np.abs(moved.value)))),
-    )
-    clear = left < min(REMAINS * none, GOOD * moved.omega.size) and left + CLEARER < as_lag
+    delay, left, response = moved
+    std = float(1.0 / np.sqrt(response.weight @ np.square(response.omega * np.abs(response.value))))
+    fits = left < min(REMAINS * none, GOOD * response.omega.size)
+    clear = fits and left + CLEARER < _left_by_lag(first, known, signal, step, rate)
     return Late(delay, std) if clear and abs(delay) > LEAST_SAMPLES * step else None
+
+
+def _aligned(
+    known: Floats, signal: Floats, about: float, step: float, rate: bool
+) -> tuple[float, float, Response] | None:
+    """Delay, what it leaves, and the response that is left, after a few steps towards the best delay."""
+    at = np.arange(signal.size) * step
+    for _ in range(STEPS):
+        response = _response(known, np.interp(at + about, at, signal), step, rate)
+        if response is None:
+            return None
+        left, more = response.slight()
+        about += more
+        if abs(more) < 0.1 * step:
+            break
+    return about, left, response
 
 
 def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
@@ -131,14 +147,24 @@ def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Res
     return Response(omega, value, 1.0 / (share * np.abs(value) ** 2))
 
 
-def _as_lag(first: Response, known: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
+def _left_by_lag(first: Response, known: Floats, signal: Floats, step: float, rate: bool) -> float:
     """What is left where the signal lags behind the reference, or this behind the signal."""
     lags = np.geomspace(0.2 * step, 2.0 * LONGEST, 120)
     shapes = 1.0 / (1.0 + 1j * np.outer(lags, first.omega))
     behind, before = first.left(shapes), first.left(1.0 / shapes)
-    if behind.min() < before.min():
-        return _response(_lagging(known, float(lags[np.argmin(behind)]), step), signal, step, rate)
-    return _response(known, _lagging(signal, float(lags[np.argmin(before)]), step), step, rate)
+    late_one = bool(behind.min() < before.min())
+    constant, best = float(lags[np.argmin(behind if late_one else before)]), np.inf
+    for _ in range(STEPS):
+        one = _lagging(known, constant, step) if late_one else known
+        other = signal if late_one else _lagging(signal, constant, step)
+        response = _response(one, other, step, rate)
+        if response is None:
+            break
+        left, more = response.slight()
+        best, constant = min(best, left), constant + (more if late_one else -more)
+        if abs(more) < 0.1 * step or constant <= 0.0:
+            break
+    return best
 
 
 def _lagging(values: Floats, constant: float, step: float) -> Floats:

@@ -1,4 +1,6 @@
-"""Everything that is wrong with a recording, found and mended in an order in which each step can trust the last."""
+"""Everything that is wrong with a recording, found and mended in an order in which each step can trust
+the last.
+"""
 
 from __future__ import annotations
 

@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 MATTERS = 0.3
-"""Rms of inertia or elastic force, over that of the known force, from which its parameter is told by the motion."""
+"""Rms of inertia or elastic force, over that of the known force, from which its parameter is told by
+the motion."""
 
-DRIVEN = 1e-3
+DRIVEN = 1e-5
 """Rms of the known force, over what the motion needs, below which it is a free motion."""
 
 

@@ -88,7 +88,9 @@ def wires_of(spec: Spec) -> tuple[Wire, ...]:
 
 
 def related(one: Floats, other: Floats) -> tuple[float, float]:
-    """Gain and correlation of `other` over `one`: the ratio of their spreads, with the sign of the correlation."""
+    """Gain and correlation of `other` over `one`: the ratio of their spreads, with the sign of the
+    correlation.
+    """
     a, b = one - one.mean(), other - other.mean()
     spread = float(np.sqrt((a @ a) * (b @ b)))
     if not spread > 0.0 or not np.isfinite(spread):

@@ -1,8 +1,8 @@
 """All signals seen through the same smooth window, with exact rates: relations between them stay as they are.
 
 A convolution with a bell is the same for every signal, and the rate of the bell gives the rate of the signal
-without differences of noisy samples. So ``v = dx/dt`` or ``m a + c v + k x = F`` hold between smoothed signals
-exactly as they hold between the true ones.
+without differences of noisy samples. So ``v = dx/dt`` or ``m a + c v + k x = F`` hold between smoothed
+signals exactly as they hold between the true ones.
 """
 
 from __future__ import annotations
@@ -104,7 +104,9 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
 def _signals(
     evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ...]
 ) -> dict[tuple[str, str], Floats]:
-    """Everything that was measured or is known to have acted, by family and place; no channel that never changes."""
+    """Everything that was measured or is known to have acted, by family and place; no channel that
+    never changes.
+    """
     signals = {
         (one.family, one.place): evidence.measured[:, i]
         for i, one in enumerate(evidence.channels)
@@ -149,7 +151,7 @@ def _rows(evidence: Evidence, width: float, step: float) -> Integers:
     late = np.abs(np.diff(evidence.time, append=evidence.time[-1] + step) - step) > 0.5 * step
     bad = np.concatenate([[0], np.cumsum(unknown | late)])
     many = bad[np.minimum(rows + reach, size)] - bad[np.maximum(rows - reach, 0)]
-    return rows[many == 0]
+    return np.asarray(rows[many == 0])
 
 
 def _good_length(least: int) -> int:

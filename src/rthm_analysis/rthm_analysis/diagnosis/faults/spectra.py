@@ -51,4 +51,4 @@ def spectra(signals: Floats, step: float) -> Spectra:
     omega = 2.0 * np.pi * np.fft.rfftfreq(length, step)
     kept = slice(1, max(int(np.searchsorted(omega, HIGHEST / step)), 2))
     cross = np.einsum("pfi,pfj->fij", values[:, kept].conj(), values[:, kept]) / PARTS
-    return Spectra(omega[kept], cross, (PARTS + 1) // 2)
+    return Spectra(np.asarray(omega[kept], dtype=float), cross, (PARTS + 1) // 2)

@@ -26,7 +26,8 @@ LONGEST = 3
 """Samples; longer excursions can be motion."""
 
 REACHES = (4, 6)
-"""Distances in samples of the neighbours that a sample is compared with: a spike never hides two of the four."""
+"""Distances in samples of the neighbours that a sample is compared with: a spike never hides two of the
+four."""
 
 BLOCK = 256
 """Samples over which what is usual is judged: a quiet time does not make a lively one suspect."""
@@ -39,13 +40,17 @@ LOUD = 5.0
 deviations of white noise."""
 
 LARGE = 0.01
-"""Size of a spike, over the spread of the signal; smaller ones spoil nothing that robust noise does not cover."""
+"""Size of a spike, over the spread of the signal; smaller ones spoil nothing that robust noise does not
+cover."""
 
 MOST = 0.05
 """Part of the samples; a signal with more is of another kind, and nothing is said."""
 
 HALF = 0.3
 """Part of a spike from which what came before it explains it."""
+
+STAIRS = 2.0
+"""Size of a spike of motor or force, over that of the large steps that commands make them take."""
 
 PASSED_ON = 0.025
 """Seconds by which a jump of a command may come before its traces in motor and force."""
@@ -69,7 +74,7 @@ def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
     for column, channel in enumerate(seen.channels):
         found = _spikes(seen.measured[:, column])
         if found and channel.family in ("force", "motor"):
-            real = _passed_on(seen, column)
+            real = np.maximum(_passed_on(seen, column), STAIRS * _busy(filled(seen.measured[:, column])))
             found = [one for one in found if _size(seen, column, one) > real[one[0] : one[1]].max()]
         if found:
             faults.append(_fault(seen, column, found))
@@ -95,7 +100,7 @@ def _passed_on(evidence: Evidence, column: int) -> Floats:
 
 def _busy(values: Floats) -> float:
     """Size of the large steps from sample to sample."""
-    return float(np.quantile(np.abs(np.diff(values)), 0.99))
+    return float(np.quantile(np.abs(np.diff(values)), 0.98))
 
 
 def _lasting(size: Floats, evidence: Evidence) -> Floats:
@@ -172,7 +177,7 @@ def _fault(evidence: Evidence, column: int, found: list[Stretch]) -> Fault:
     many = "one spike" if len(found) == 1 else f"{len(found)} spikes"
     words = (
         f"{in_words(channel, first=True)} has {many} of up to {size:.3g} {UNITS[channel.family]}, {when}: "
-        f"single samples that leave their neighbours and return. They are left out; check cable, shielding and "
-        f"connectors of this sensor."
+        "single samples that leave their neighbours and return. They are left out; check cable, shielding "
+        "and connectors of this sensor."
     )
     return fault_of(channel, "spikes", words, (first, last), float(len(found)))

@@ -37,7 +37,8 @@ SINGLE = 0.98
 """Part of the values that are unlike their neighbours, in a signal that carries noise."""
 
 ALTERNATES = 0.5
-"""Part of the third differences that change sign, from which a signal carries noise; 0.1 where it is smooth."""
+"""Part of the third differences that change sign, from which a signal carries noise; 0.1 where it is
+smooth."""
 
 LEAP = 2.0
 """Jump at the end of a stretch in a signal with noise, over the largest steps around it."""
@@ -57,8 +58,12 @@ AT_END = 100
 NEIGHBOURS = 12
 """Samples on either side whose steps are compared."""
 
+REACH = 10
+"""Samples on either side over which a rate is taken; so near to its ends a stretch is not compared."""
+
 FEW = 3
-"""So many short stretches are drop-outs of a link that holds its last value, rather than a sensor that sticks."""
+"""So many short stretches are drop-outs of a link that holds its last value, rather than a sensor that
+sticks."""
 
 SHORT = 0.1
 """Seconds; a longer stretch is a stuck sensor."""
@@ -159,7 +164,7 @@ def _others(evidence: Evidence, column: int) -> list[Floats]:
 def _rate(evidence: Evidence, column: int) -> Floats:
     """Rate of a position, over enough samples for its noise not to matter."""
     values = filled(evidence.measured[:, column])
-    reach = 10
+    reach = REACH
     rate = np.zeros_like(values)
     span = evidence.time[2 * reach :] - evidence.time[: -2 * reach]
     rate[reach:-reach] = (values[2 * reach :] - values[: -2 * reach]) / np.maximum(span, 1e-12)
@@ -168,7 +173,9 @@ def _rate(evidence: Evidence, column: int) -> Floats:
 
 def _travels(other: Floats, one: Stretch) -> bool:
     """Whether another signal changes by a good part of its range over a stretch."""
-    part = other[one[0] : one[1]]
+    part = other[one[0] + REACH : one[1] - REACH]
+    if part.size < 2:
+        return False
     low, high = np.quantile(other, [0.05, 0.95])
     return bool(np.ptp(part) > TRAVEL * (high - low) > 0.0)
 
@@ -180,23 +187,24 @@ def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, s
     first, last = whole_interval(evidence, found)
     if not evidence.measured[[a for a, _ in found], column].any():
         return "dropout", (
-            f"{in_words(channel, first=True)} is exactly 0 from {first:.3f} s to {last:.3f} s, in {len(found)} "
-            f"stretches: the sensor or its link gave nothing there. Left out; record what is missing as NaN."
+            f"{in_words(channel, first=True)} is exactly 0 from {first:.3f} s to {last:.3f} s, in "
+            f"{len(found)} stretches: the sensor or its link gave nothing there. Left out; record what is "
+            "missing as NaN."
         )
     if len(found) == 1:
         value = evidence.measured[found[0][0], column]
         return "stuck", (
-            f"From {first:.3f} s to {last:.3f} s {name} repeats one value, {value:.4g} {unit}, while the rig moves: "
-            f"the sensor was stuck. This stretch is left out; check the sensor and its link."
+            f"From {first:.3f} s to {last:.3f} s {name} repeats one value, {value:.4g} {unit}, while the rig "
+            "moves: the sensor was stuck. This stretch is left out; check the sensor and its link."
         )
     longest = max(b - a for a, b in (interval(evidence, one) for one in found))
     where = f"in {len(found)} stretches of up to {longest:.3g} s between {first:.3f} s and {last:.3f} s"
     if len(found) >= FEW and longest < SHORT:
         return "dropout", (
-            f"{in_words(channel, first=True)} holds its last value {where}: samples are missing. They are left "
-            f"out; record what is missing as NaN."
+            f"{in_words(channel, first=True)} holds its last value {where}: samples are missing. They are "
+            "left out; record what is missing as NaN."
         )
     return "stuck", (
-        f"{in_words(channel, first=True)} repeats one value {where}, while the rig moves: the sensor was stuck. "
-        f"These stretches are left out; check the sensor and its link."
+        f"{in_words(channel, first=True)} repeats one value {where}, while the rig moves: the sensor was "
+        "stuck. These stretches are left out; check the sensor and its link."
     )

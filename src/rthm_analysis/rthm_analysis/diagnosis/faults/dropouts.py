@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.faults.commanded import told_to
+from rthm_analysis.diagnosis.faults.commanded import is_real
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
     whole_interval,
     without,
 )
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ LONGER = 2.0
 MANY = 0.5
 """Part of the stretches that begin and end with jumps, from which all are drop-outs: others fell on a
 zero."""
-
-STILL = 0.2
-"""Travel of the position over a stretch, over that beside it, up to which a velocity of zero is true."""
 
 STEPS = 4.0
 """Size of a jump over the step of a coarse sensor."""
@@ -64,7 +61,7 @@ def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
             faults.append(
                 fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence))
             )
-        zeros = [one for one in _zeros(values) if not _real(evidence, column, one)]
+        zeros = [one for one in _zeros(values) if not is_real(evidence, column, one)]
         if zeros:
             words = (
                 f"{in_words(channel, first=True)} drops to exactly 0 {_when(evidence, zeros)}, and comes "
@@ -76,18 +73,6 @@ def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
             )
             evidence = without(evidence, column, zeros)
     return evidence, faults
-
-
-def _real(evidence: Evidence, column: int, one: Stretch) -> bool:
-    """Whether a stretch of zeros is one: commanded, or of a velocity whose position stands still."""
-    channel = evidence.channels[column]
-    position = Channel("position", channel.place)
-    if channel.family != "velocity" or position not in evidence.channels:
-        return told_to(evidence, column, one)
-    x, (begin, end) = filled(evidence.measured[:, evidence.channels.index(position)]), one
-    beside = x[max(2 * begin - end, 0) : begin], x[end : 2 * end - begin]
-    moved = max(float(np.ptp(side)) if side.size else 0.0 for side in beside)
-    return bool(np.ptp(x[begin:end]) <= STILL * moved)
 
 
 def _gaps(values: Floats) -> list[Stretch]:

@@ -119,15 +119,17 @@ def _aligned(
 ) -> tuple[float, float, Response] | None:
     """Delay, what it leaves, and the response that is left, after a few steps towards the best delay."""
     at = np.arange(signal.size) * step
+    found = None
     for _ in range(STEPS):
         response = _response(known, np.interp(at + about, at, signal), step, rate)
         if response is None:
-            return None
+            break
         left, more = response.slight()
         about += more
+        found = about, left, response
         if abs(more) < 0.1 * step:
             break
-    return about, left, response
+    return found
 
 
 def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Response | None:

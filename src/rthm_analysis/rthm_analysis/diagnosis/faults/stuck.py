@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.faults.commanded import told_to
+from rthm_analysis.diagnosis.faults.commanded import is_real, told_to
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
@@ -114,7 +114,7 @@ def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others
     extreme = held in (float(np.nanmax(values)), float(np.nanmin(values)))
     moving = any(_travels(other, one) for other in others)
     if noisy:
-        if extreme or (family == "force" and held == 0.0):
+        if extreme or (held == 0.0 and (family == "force" or is_real(evidence, column, one))):
             return False
         leaps = _leaps(values, one, LEAP) and not told_to(evidence, column, one)
         return moving or leaps or _alive_around(values, one)
@@ -177,7 +177,8 @@ def _travels(other: Floats, one: Stretch) -> bool:
     if part.size < 2:
         return False
     low, high = np.quantile(other, [0.05, 0.95])
-    return bool(np.ptp(part) > TRAVEL * (high - low) > 0.0)
+    span = max(float(high - low), 2.0 * float(np.std(other)))  # a rig that mostly rests has no range
+    return bool(np.ptp(part) > TRAVEL * span > 0.0)
 
 
 def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, str]:

@@ -1,0 +1,118 @@
+"""Which channel is late, and its correction."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.lateness import Late, late
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.relations import Wire, wires_of
+from rthm_analysis.diagnosis.faults.smooth import channel_at
+from rthm_analysis.diagnosis.faults.stretches import filled, with_column
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+
+def find_delays(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
+    """Find channels that are late or early by a constant time, and move them back.
+
+    A velocity is compared with the rate of its position. Where the two disagree and the dof has a wire whose
+    force and motor were measured, these say which of the two is late; else the velocity is taken to be.
+    """
+    assert spec.plant is not None
+    faults: list[Fault] = []
+    for dof in spec.plant.dofs:
+        evidence, found = _kinematic(evidence, spec, dof)
+        faults += found
+    for wire in wires_of(spec):
+        evidence, found = _elastic(evidence, wire)
+        faults += found
+    return evidence, faults
+
+
+def _kinematic(evidence: Evidence, spec: Spec, dof: str) -> tuple[Evidence, list[Fault]]:
+    """Compare a velocity with the rate of its position."""
+    x, v = channel_at(evidence, "position", dof), channel_at(evidence, "velocity", dof)
+    if x is None or v is None:
+        return evidence, []
+    position, velocity = (filled(evidence.measured[:, column]) for column in (x, v))
+    found = late(position, velocity, _step(evidence), rate=True)
+    if found is None:
+        return evidence, []
+    if _position_is_late(evidence, spec, dof, found):
+        return _corrected(evidence, x, -found.delay)
+    return _corrected(evidence, v, found.delay)
+
+
+def _elastic(evidence: Evidence, wire: Wire) -> tuple[Evidence, list[Fault]]:
+    """Compare a force with the elongation of its wire."""
+    names = ("force", wire.actuator), ("motor", wire.actuator), ("position", wire.dof)
+    force, motor, position = (channel_at(evidence, *name) for name in names)
+    if force is None or motor is None or position is None:
+        return evidence, []
+    longer = filled(evidence.measured[:, motor]) - filled(evidence.measured[:, position])
+    found = late(longer, filled(evidence.measured[:, force]), _step(evidence))
+    return (evidence, []) if found is None else _corrected(evidence, force, found.delay)
+
+
+def _corrected(evidence: Evidence, column: int, delay: float) -> tuple[Evidence, list[Fault]]:
+    fault = _fault(evidence.channels[column], delay)
+    return with_column(evidence, column, _moved(evidence, column, delay)), [fault]
+
+
+def _step(evidence: Evidence) -> float:
+    return float(np.median(np.diff(evidence.time)))
+
+
+def _position_is_late(evidence: Evidence, spec: Spec, dof: str, found: Late) -> bool:
+    """Whether the force in a wire at the dof says that its position is what comes late, or early."""
+    for wire in wires_of(spec):
+        columns = [
+            channel_at(evidence, *name)
+            for name in (("force", wire.actuator), ("motor", wire.actuator), ("position", dof))
+        ]
+        if wire.dof != dof or any(column is None for column in columns):
+            continue
+        force, motor, position = (filled(evidence.measured[:, c]) for c in columns if c is not None)
+        there = motor - force / wire.stiffness
+        shifted = _wire_misfit(there, _earlier(position, -found.delay / _step(evidence)))
+        return shifted < _wire_misfit(there, position)
+    return False
+
+
+def _earlier(values: Floats, samples: float) -> Floats:
+    """A signal as it was so many samples later."""
+    at = np.arange(values.size, dtype=float)
+    return np.interp(at + samples, at, values)
+
+
+def _wire_misfit(there: Floats, position: Floats) -> float:
+    """Variance that a position leaves of the far end of a wire, drawn from its force."""
+    basis = np.column_stack([position, np.ones_like(position)])
+    left = there - basis @ np.linalg.lstsq(basis, there, rcond=None)[0]
+    return float(np.mean(np.square(left)))
+
+
+def _moved(evidence: Evidence, column: int, delay: float) -> Floats:
+    """Channel with its stamps moved back; NaN where nothing is known then."""
+    values, time = evidence.measured[:, column], evidence.time
+    known = np.isfinite(values)
+    moved = np.interp(time + delay, time, filled(values), left=np.nan, right=np.nan)
+    gap = np.interp(time + delay, time, (~known).astype(float)) > 0.0
+    return np.where(gap, np.nan, moved)
+
+
+def _fault(channel: Channel, delay: float) -> Fault:
+    way = "late" if delay > 0.0 else "early"
+    words = (
+        f"{in_words(channel, first=True)} comes {1e3 * abs(delay):.3g} ms {way} in the recording, as a "
+        "constant delay. It was moved back for this diagnosis; correct the stamps of its sensor, or the "
+        "filter that delays it."
+    )
+    return fault_of(channel, "channel_delay", words, value=delay)

@@ -1,0 +1,122 @@
+"""Samples that a sensor or its link did not deliver: marked by NaN, or given as zero."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.commanded import is_real
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.stretches import (
+    Stretch,
+    filled,
+    grain,
+    pieces,
+    stretches,
+    whole_interval,
+    without,
+)
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+SHORTEST = 4
+"""Samples; shorter gaps are lost samples (shorter zeros: spikes)."""
+
+REGULAR = 0.2
+"""Part of the samples; with more of them missing in short gaps, the channel is sampled less often, not
+cut."""
+
+LONGER = 2.0
+"""Length of a stretch, over that of all but two in a hundred others: coarse sensors repeat zeros, too."""
+
+MANY = 0.5
+"""Part of the stretches that begin and end with jumps, from which all are drop-outs: others fell on a
+zero."""
+
+STEPS = 4.0
+"""Size of a jump over the step of a coarse sensor."""
+
+JUMPS = 2.0
+"""Size of a jump over that of all but one in a hundred steps."""
+
+AWAY = 0.05
+"""A sample before and after a stretch of zeros must be so far from zero, over the signal's rms."""
+
+
+def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
+    """Tell gaps, and leave out zeros that stand for gaps."""
+    faults = []
+    for column, channel in enumerate(evidence.channels):
+        values = evidence.measured[:, column]
+        gaps = _gaps(values)
+        if gaps:
+            words = (
+                f"{in_words(channel, first=True)} is missing {_when(evidence, gaps)}. Nothing is concluded "
+                "from there."
+            )
+            faults.append(
+                fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence))
+            )
+        zeros = [one for one in _zeros(values) if not is_real(evidence, column, one)]
+        if zeros:
+            words = (
+                f"{in_words(channel, first=True)} drops to exactly 0 {_when(evidence, zeros)}, and comes "
+                "back with a jump: the sensor or its link gave nothing there. Left out; record what is "
+                "missing as NaN."
+            )
+            faults.append(
+                fault_of(channel, "dropout", words, whole_interval(evidence, zeros), _lost(zeros, evidence))
+            )
+            evidence = without(evidence, column, zeros)
+    return evidence, faults
+
+
+def _gaps(values: Floats) -> list[Stretch]:
+    """Stretches of NaN, unless the channel is just sampled less often."""
+    missing = ~np.isfinite(values)
+    found = stretches(missing)
+    short = sum(b - a for a, b in found if b - a < SHORTEST)
+    if short > REGULAR * values.size:
+        return []
+    lengths = np.array([b - a for a, b in found if b - a >= SHORTEST])
+    if lengths.size > 20 and np.ptp(lengths) <= 1 and lengths.sum() > REGULAR * values.size:
+        return []
+    return [one for one in found if one[1] - one[0] >= SHORTEST]
+
+
+def _zeros(values: Floats) -> list[Stretch]:
+    """Stretches of exact zeros into and out of which the signal jumps."""
+    whole = filled(values)
+    _, length = pieces(values)
+    least = max(SHORTEST, LONGER * float(np.quantile(length, 0.98)))
+    found = [one for one in stretches(values == 0.0) if one[1] - one[0] >= least]
+    if not found:
+        return []
+    size = float(np.sqrt(np.mean(np.square(whole))))
+    usual = float(np.quantile(np.abs(np.diff(whole)), 0.99))
+    least = max(AWAY * size, JUMPS * usual, STEPS * grain(whole))
+    clear = [one for one in found if _jumps(whole, one, least)]
+    return found if len(clear) >= MANY * len(found) else clear
+
+
+def _jumps(values: Floats, one: Stretch, least: float) -> bool:
+    """Whether the signal is away from zero on both sides."""
+    inside = one[0] > 0 and one[1] < values.size
+    return inside and min(abs(values[one[0] - 1]), abs(values[one[1]])) > least
+
+
+def _when(evidence: Evidence, found: list[Stretch]) -> str:
+    first, last = whole_interval(evidence, found)
+    if len(found) == 1:
+        return f"from {first:.3f} s to {last:.3f} s"
+    return f"in {len(found)} stretches between {first:.3f} s and {last:.3f} s"
+
+
+def _lost(found: list[Stretch], evidence: Evidence) -> float:
+    """Seconds that are missing."""
+    step = float(np.median(np.diff(evidence.time)))
+    return step * sum(b - a for a, b in found)

@@ -1,0 +1,203 @@
+"""Hum of the mains in one channel: a steady narrow line that no motion of the plant makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.smooth import channel_at
+from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
+from rthm_analysis.diagnosis.replay.evidence import UNITS, Channel, Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+MAINS = (50.0, 60.0)
+"""Hz."""
+
+WANDERS = 0.3
+"""Hz by which mains and clocks are off."""
+
+AROUND = 4.0
+"""Hz on either side, from which the level beside the line is taken."""
+
+STANDS_OUT = 40.0
+"""Power of the line over the median beside it: by chance once in 1e11 lines."""
+
+SHARE = 0.3
+"""Part of a line's amplitude that another channel would have to show, were it a motion."""
+
+ABOVE = 3.0
+"""Mains over the plant's highest natural frequency, from which the plant itself hardly moves so fast."""
+
+SHORTEST = 20.0
+"""Periods of the mains in a recording."""
+
+STEADY = 3.0
+"""Largest over smallest amplitude in the thirds of a recording."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a channel: frequency (Hz) as it is in the samples, that of the mains, amplitude."""
+
+    frequency: float
+    mains: float
+    amplitude: float
+
+
+def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
+    """Find hum in each channel and take it out, its slow changes of amplitude included."""
+    time, step = evidence.time, float(np.median(np.diff(evidence.time)))
+    natural = _natural(spec)
+    faults: list[Fault] = []
+    seen = evidence
+    for column, channel in enumerate(seen.channels):
+        for mains in MAINS:
+            aliased = _aliased(mains, 1.0 / step)
+            if aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
+                continue
+            line = _line(seen, column, aliased, mains)
+            if line is None or _is_motion(seen, column, line, step):
+                continue
+            faults.append(_fault(channel, line))
+            values = evidence.measured[:, column]
+            evidence = with_column(evidence, column, values - _wave(time, filled(values), line.frequency))
+    return evidence, faults
+
+
+def _natural(spec: Spec) -> float:
+    """Highest natural frequency of the plant at its wires, Hz."""
+    assert spec.plant is not None
+    size = len(spec.plant.dofs)
+    mass = np.reshape(spec.plant.mass, (size, size))
+    stiffness = np.reshape(spec.plant.stiffness, (size, size)) + np.diag([sum(spec.k_tot)] * size)
+    squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
+    return float(np.sqrt(max(float(squares.max()), 0.0))) / (2.0 * np.pi)
+
+
+def _aliased(frequency: float, rate: float) -> float:
+    """Frequency that samples at a rate show instead."""
+    folded = frequency % rate
+    return min(folded, rate - folded)
+
+
+def _line(evidence: Evidence, column: int, near: float, mains: float) -> Line | None:
+    """Steady line of a channel near a frequency; None where nothing stands out."""
+    values, time = filled(evidence.measured[:, column]), evidence.time
+    frequencies, power = _power(values, time)
+    inside = np.abs(frequencies - near) <= WANDERS + 1.0 / time[-1]
+    beside = (np.abs(frequencies - near) <= AROUND) & (np.abs(frequencies - near) > 2.0 * WANDERS)
+    if not inside.any() or np.count_nonzero(beside) < 20:
+        return None
+    peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
+    if power[peak] < STANDS_OUT * max(float(np.median(power[beside])), 1e-300):
+        return None
+    frequency = _between(frequencies, power, peak)
+    thirds = [_amplitude(t, v, frequency) for t, v in _thirds(time, values)]
+    if not max(thirds) < STEADY * min(thirds):
+        return None
+    return Line(frequency, mains, _amplitude(time, values, frequency))
+
+
+def _power(values: Floats, time: Floats) -> tuple[Floats, Floats]:
+    """Frequencies, Hz, and power through a window that keeps strong slow motion where it is."""
+    step = float(time[-1]) / max(time.size - 1, 1)
+    second = np.diff(values, 2, prepend=values[0], append=values[-1])
+    spectrum = np.fft.rfft(second * np.blackman(values.size))
+    return np.asarray(np.fft.rfftfreq(values.size, step), dtype=float), np.square(np.abs(spectrum))
+
+
+def _between(frequencies: Floats, power: Floats, peak: int) -> float:
+    """Frequency of a peak, between the bins."""
+    if not 0 < peak < power.size - 1:
+        return float(frequencies[peak])
+    low, top, high = np.log(np.maximum(power[peak - 1 : peak + 2], 1e-300))
+    by = 0.5 * (low - high) / min(low - 2.0 * top + high, -1e-12)
+    return float(frequencies[peak] + np.clip(by, -0.5, 0.5) * (frequencies[1] - frequencies[0]))
+
+
+def _thirds(time: Floats, values: Floats) -> list[tuple[Floats, Floats]]:
+    return list(zip(np.array_split(time, 3), np.array_split(values, 3), strict=True))
+
+
+def _amplitude(time: Floats, values: Floats, frequency: float) -> float:
+    """Amplitude of a wave in a signal, whose slow part a window keeps away."""
+    window = np.blackman(values.size)
+    moved = values - np.linspace(float(values[0]), float(values[-1]), values.size)
+    return float(2.0 * np.abs(np.sum(moved * window * np.exp(-2j * np.pi * frequency * time))) / window.sum())
+
+
+def _wave(time: Floats, values: Floats, frequency: float) -> Floats:
+    """The wave itself, its amplitude and phase changing slowly: through a window as wide as a quarter."""
+    turn = np.exp(-2j * np.pi * frequency * time)
+    fast = values - _mean(values, max(round(1.0 / frequency / max(float(time[1] - time[0]), 1e-12)), 1))
+    slow = _basis(time)
+    left = (slow * turn.conj()[:, None]).view()
+    columns = np.hstack([left.real, left.imag])
+    return np.asarray(columns @ np.linalg.lstsq(columns, fast, rcond=None)[0])
+
+
+def _basis(time: Floats) -> Floats:
+    """Parabolas: how an amplitude may change over a recording."""
+    middle = 2.0 * time / float(time[-1]) - 1.0
+    return np.column_stack([np.ones_like(time), middle, np.square(middle)])
+
+
+def _mean(values: Floats, width: int) -> Floats:
+    """Running mean over one period of the wave."""
+    total = np.cumsum(np.concatenate([np.full(width, values[0]), values]))
+    mean = (total[width:] - total[:-width]) / width
+    return np.concatenate([mean[width // 2 :], np.full(width // 2, mean[-1])])
+
+
+def _is_motion(evidence: Evidence, column: int, line: Line, step: float) -> bool:
+    """Whether another channel shows what a motion with this line would make there."""
+    channel, omega = evidence.channels[column], 2.0 * np.pi * line.frequency
+    shows = [(evidence.load[:, i], 0.0) for i in range(evidence.load.shape[1])]
+    if channel.family in ("position", "velocity"):
+        other = "velocity" if channel.family == "position" else "position"
+        partner = channel_at(evidence, other, channel.place)
+        ratio = omega if channel.family == "position" else 1.0 / omega
+        if partner is not None:
+            shows.append((filled(evidence.measured[:, partner]), ratio))
+    else:
+        for i, one in enumerate(evidence.channels):
+            if one.family in ("force", "motor") and one.family != channel.family:
+                shows.append((filled(evidence.measured[:, i]), 0.0))
+        if evidence.driven_by == "command":
+            shows += [(one, 0.0) for one in held_commands(evidence).T]
+    return any(_shows(signal, evidence.time, line, ratio) for signal, ratio in shows)
+
+
+def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
+    """Whether a signal has a line there: of the size that kinematics ask for, or (ratio 0) any that
+    stands out.
+    """
+    if not np.any(signal):
+        return False
+    if ratio:
+        return _amplitude(time, signal, line.frequency) > SHARE * ratio * line.amplitude
+    frequencies, power = _power(signal, time)
+    inside = np.abs(frequencies - line.frequency) <= WANDERS
+    beside = (np.abs(frequencies - line.frequency) <= AROUND) & ~inside
+    return bool(
+        power[inside].max(initial=0.0) > 0.5 * STANDS_OUT * max(float(np.median(power[beside])), 1e-300)
+    )
+
+
+def _fault(channel: Channel, line: Line) -> Fault:
+    aliased = (
+        "" if abs(line.frequency - line.mains) < 1.0 else f" ({line.mains:.0f} Hz, as these samples show it)"
+    )
+    words = (
+        f"{in_words(channel, first=True)} carries a hum of {line.amplitude:.3g} {UNITS[channel.family]} at "
+        f"{line.frequency:.2f} Hz{aliased} that no other channel shows. It was taken out for this diagnosis; "
+        "check shielding and earth of this sensor."
+    )
+    return fault_of(channel, "hum", words, None, line.amplitude)

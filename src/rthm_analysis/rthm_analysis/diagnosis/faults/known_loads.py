@@ -1,0 +1,105 @@
+"""Sign and unit of a known force, and of a position that nothing but that force and the start can check."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.factors import scaled
+from rthm_analysis.diagnosis.faults.plant import plant_seen
+from rthm_analysis.diagnosis.faults.scaling import factor_fault
+from rthm_analysis.diagnosis.faults.smooth import smoothed
+from rthm_analysis.diagnosis.faults.unit_ratios import PLAIN, known_factor
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+FITS = 0.97
+"""Correlation between a known force and what the motion makes of it, from which its sign and unit are
+judged."""
+
+MOST_UNSURE = 0.3
+"""Uncertainty, as a logarithm, up to which a unit's ratio is searched around a gain."""
+
+FAR = 20.0
+"""Metres beyond which a plant's motion is in another unit, where the start does not tell."""
+
+STARTED = 0.05
+"""Relative distance from the spec's start, over a unit's factor, up to which the start tells the unit."""
+
+START = 3
+"""Samples whose mean is the start."""
+
+
+def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
+    """Check a plain recording, in which no commands tell signs and units.
+
+    The motion tells the force that it needs. Where mass and stiffness both ask for the same other sign or
+    unit, that of force or motion is wrong; which one it is, the spec's initial position tells.
+    """
+    if evidence.driven_by != "force" or spec.plant is None or len(spec.plant.dofs) != 1:
+        return evidence, []
+    channel = Channel("position", spec.plant.dofs[0])
+    if channel not in evidence.channels:
+        return evidence, []
+    start, ratios = _start_factor(evidence, spec, channel), _force_ratios(evidence, spec)
+    if start is not None and start != 1.0 and _agree(ratios, start) and (ratios or not evidence.load.any()):
+        return _position(evidence, channel, start, "what the start in the spec asks for")
+    gain = _common(ratios, spec)
+    if gain is None or gain == 1.0:
+        return evidence, []
+    reach = float(np.nanmax(np.abs(evidence.measured[:, evidence.channels.index(channel)])))
+    if start is None and reach > FAR and abs(gain) < 1.0:
+        return _position(evidence, channel, 1.0 / gain, "what the known force asks for")
+    load = Channel("load", channel.place)
+    return replace(evidence, load=evidence.load / gain), [factor_fault(load, gain)]
+
+
+def _force_ratios(evidence: Evidence, spec: Spec) -> dict[str, float]:
+    """Mass and stiffness that the known force asks for, over the spec's; none where they fit badly."""
+    assert spec.plant is not None
+    smooth = smoothed(evidence, spec.plant.dofs, ())
+    seen = plant_seen(smooth, spec) if smooth is not None else None
+    if seen is None or seen.correlation < FITS:
+        return {}
+    return {k: v for k, v in (("mass", seen.mass), ("stiffness", seen.stiffness)) if v is not None}
+
+
+def _agree(ratios: dict[str, float], start: float) -> bool:
+    """Whether a motion over this factor would need the known force, as far as that is told."""
+    return all(PLAIN[0] <= ratio * start <= PLAIN[1] for ratio in ratios.values())
+
+
+def _common(ratios: dict[str, float], spec: Spec) -> float | None:
+    """Recorded over needed force where all ratios are the same sign and unit; None: nothing can be said."""
+    unsure = spec.uncertainty.plant
+    factors = {
+        known_factor(ratio, "load", min(2.0 * float(getattr(unsure, name)), MOST_UNSURE))
+        for name, ratio in ratios.items()
+    }
+    return factors.pop() if len(factors) == 1 else None
+
+
+def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | None:
+    """Recorded over specified start; None where the spec starts at zero, or it is another start."""
+    assert spec.plant is not None
+    nominal = spec.plant.initial_position[0]
+    values = evidence.measured[:START, evidence.channels.index(channel)]
+    if nominal == 0.0 or not np.isfinite(values).all():
+        return None
+    ratio = float(values.mean()) / nominal
+    factor = known_factor(ratio, "position")
+    return factor if factor is not None and abs(ratio / factor - 1.0) < STARTED else None
+
+
+def _position(
+    evidence: Evidence, channel: Channel, factor: float, shown: str
+) -> tuple[Evidence, list[Fault]]:
+    """Correct a position, and its velocity with it: these two agree."""
+    both = [one for one in (channel, Channel("velocity", channel.place)) if one in evidence.channels]
+    faults = [factor_fault(one, factor, shown) for one in both]
+    return scaled(evidence, {(one.family, one.place): factor for one in both}), faults

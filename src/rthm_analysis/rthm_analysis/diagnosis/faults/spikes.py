@@ -1,0 +1,183 @@
+"""Spikes: one to three samples that leave their neighbours and return, which no motion does."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.stretches import (
+    Stretch,
+    filled,
+    grain,
+    held_commands,
+    stretches,
+    whole_interval,
+    without,
+)
+from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+LONGEST = 3
+"""Samples; longer excursions can be motion."""
+
+REACHES = (4, 6)
+"""Distances in samples of the neighbours that a sample is compared with: a spike never hides two of the
+four."""
+
+BLOCK = 256
+"""Samples over which what is usual is judged: a quiet time does not make a lively one suspect."""
+
+CLEAR = 8.0
+"""Size of a spike, over the distance from their neighbours that nine in ten samples nearby do not exceed."""
+
+LOUD = 5.0
+"""Size of a spike, over the second difference that three in four samples nearby do not exceed: 14 standard
+deviations of white noise."""
+
+LARGE = 0.01
+"""Size of a spike, over the spread of the signal; smaller ones spoil nothing that robust noise does not
+cover."""
+
+MOST = 0.05
+"""Part of the samples; a signal with more is of another kind, and nothing is said."""
+
+HALF = 0.3
+"""Part of a spike from which what came before it explains it."""
+
+STAIRS = 2.0
+"""Size of a spike of motor or force, over that of the large steps that commands make them take."""
+
+PASSED_ON = 0.025
+"""Seconds by which a jump of a command may come before its traces in motor and force."""
+
+
+def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
+    """Leave out the spikes of all channels, and tell them.
+
+    Motor and force follow the commands, and the force follows the motor: what these do at the same time is
+    no fault of the sensor behind them.
+
+    Returns
+    -------
+    Evidence
+        NaN in place of the spikes.
+    list of Fault
+        One for each channel that has some.
+    """
+    faults = []
+    seen = evidence
+    for column, channel in enumerate(seen.channels):
+        found = _spikes(seen.measured[:, column])
+        if found and channel.family in ("force", "motor"):
+            real = np.maximum(_passed_on(seen, column), STAIRS * _busy(filled(seen.measured[:, column])))
+            found = [one for one in found if _size(seen, column, one) > real[one[0] : one[1]].max()]
+        if found:
+            faults.append(_fault(seen, column, found))
+            evidence = without(evidence, column, found)
+    return evidence, faults
+
+
+def _passed_on(evidence: Evidence, column: int) -> Floats:
+    """Largest excursion of motor or force (s,), in its unit, that excursions before it explain."""
+    channel, values = evidence.channels[column], filled(evidence.measured[:, column])
+    causes = []
+    if evidence.driven_by == "command":
+        causes += list(held_commands(evidence).T)
+    if channel.family == "force":
+        motors = [i for i, one in enumerate(evidence.channels) if one.family == "motor"]
+        causes += [filled(evidence.measured[:, i]) for i in motors]
+    size = np.zeros(values.size)
+    for cause in causes:
+        gain = _busy(values) / max(_busy(cause), 1e-300) if channel.family == "force" else 1.0
+        size = np.maximum(size, gain * _lasting(_excursions(cause), evidence))
+    return size / HALF
+
+
+def _busy(values: Floats) -> float:
+    """Size of the large steps from sample to sample."""
+    return float(np.quantile(np.abs(np.diff(values)), 0.98))
+
+
+def _lasting(size: Floats, evidence: Evidence) -> Floats:
+    """Largest value a little after and up to `PASSED_ON` before each sample."""
+    step = max(float(np.median(np.diff(evidence.time))), 1e-9)
+    largest = np.pad(size, (int(np.ceil(PASSED_ON / step)), LONGEST))
+    reach, done = largest.size - size.size + 1, 1
+    while done < reach:
+        by = min(done, reach - done)
+        largest = np.maximum(largest[:-by], largest[by:])
+        done += by
+    return largest
+
+
+def _excursions(values: Floats) -> Floats:
+    """How far each sample is from the median of itself and four neighbours."""
+    reach = max(REACHES)
+    around = np.pad(values, reach, mode="edge")
+    moved = [around[reach + by : reach + by + values.size] for by in (0, *REACHES, *(-r for r in REACHES))]
+    return np.asarray(np.abs(values - np.sort(np.stack(moved), axis=0)[len(REACHES)]))
+
+
+def _usual(size: Floats, part: float) -> Floats:
+    """What so many of the samples in the block of each and in the blocks beside it do not exceed."""
+    count = max(size.size // BLOCK, 1)
+    blocks = np.array_split(size, count)
+    typical = np.array([np.quantile(one, part) for one in blocks])
+    beside = np.pad(typical, 1, mode="edge")
+    largest = np.maximum(np.maximum(beside[:-2], beside[2:]), typical)
+    return np.repeat(largest, [one.size for one in blocks])
+
+
+def _spikes(values: Floats) -> list[Stretch]:
+    """Spikes of one signal."""
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < BLOCK:
+        return []
+    whole = filled(values)
+    size, spread = _excursions(whole), float(np.std(whole))
+    steps = grain(whole)
+    second = np.abs(np.diff(whole, 2, prepend=whole[0], append=whole[-1]))
+    least = np.maximum(CLEAR * _usual(size, 0.9), LOUD * _usual(second, 0.75))
+    least = np.maximum(least, max(4.0 * steps, LARGE * spread, 1e-300))
+    found = [
+        one
+        for one in stretches((size > least) & known)
+        if one[1] - one[0] <= LONGEST and _returns(whole, one, float(size[one[0] : one[1]].max()))
+    ]
+    return found if len(found) <= MOST * values.size else []
+
+
+def _returns(values: Floats, one: Stretch, size: float) -> bool:
+    """Whether the signal is back after it where it was before, and was calm there."""
+    before = values[max(one[0] - 4, 0) : one[0]]
+    after = values[one[1] : one[1] + 4]
+    if not before.size or not after.size:
+        return False
+    calm = max(float(np.ptp(before)), float(np.ptp(after)))
+    return abs(float(np.median(before) - np.median(after))) < 0.4 * size and calm < 0.6 * size
+
+
+def _size(evidence: Evidence, column: int, one: Stretch) -> float:
+    """How far a spike reaches from what is around it."""
+    values = evidence.measured[:, column]
+    around = np.nanmedian(values[max(one[0] - 6, 0) : one[1] + 6])
+    return float(np.abs(values[one[0] : one[1]] - around).max())
+
+
+def _fault(evidence: Evidence, column: int, found: list[Stretch]) -> Fault:
+    channel = evidence.channels[column]
+    size = max(_size(evidence, column, one) for one in found)
+    first, last = whole_interval(evidence, found)
+    when = f"at {first:.3f} s" if len(found) == 1 else f"between {first:.3f} s and {last:.3f} s"
+    many = "one spike" if len(found) == 1 else f"{len(found)} spikes"
+    words = (
+        f"{in_words(channel, first=True)} has {many} of up to {size:.3g} {UNITS[channel.family]}, {when}: "
+        "single samples that leave their neighbours and return. They are left out; check cable, shielding "
+        "and connectors of this sensor."
+    )
+    return fault_of(channel, "spikes", words, (first, last), float(len(found)))

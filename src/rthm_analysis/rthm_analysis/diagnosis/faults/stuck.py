@@ -1,0 +1,211 @@
+"""Stuck sensors: one value again and again, bit by bit, while the rig moves on.
+
+A rig that rests repeats values, too, and so do coarse sensors, slack wires and motors at their limit. So a
+stretch of one value is called stuck only if the signal leaves it with a jump that nothing else makes, or if
+another channel of the same dof moves meanwhile.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.commanded import is_real, told_to
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.stretches import (
+    Stretch,
+    filled,
+    interval,
+    pieces,
+    whole_interval,
+    without,
+)
+from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+SHORTEST = 7
+"""Samples of one value that chance does not make in a signal with noise."""
+
+LONGER = 4.0
+"""Length of a stretch, over that of all but one in a hundred others: coarse sensors repeat values, too."""
+
+SINGLE = 0.98
+"""Part of the values that are unlike their neighbours, in a signal that carries noise."""
+
+ALTERNATES = 0.5
+"""Part of the third differences that change sign, from which a signal carries noise; 0.1 where it is
+smooth."""
+
+LEAP = 2.0
+"""Jump at the end of a stretch in a signal with noise, over the largest steps around it."""
+
+LONE_LEAP = 6.0
+"""The same in a position without noise: it has no other way to jump."""
+
+TRAVEL = 0.3
+"""Change of another channel meanwhile, over the range of that channel, that a sensor at work would show."""
+
+ALIVE = 0.5
+"""Median change from sample to sample beside a stretch, over the usual one, of a signal that is alive."""
+
+AT_END = 100
+"""Samples; a shorter stretch at the end of a recording is how some tools pad it."""
+
+NEIGHBOURS = 12
+"""Samples on either side whose steps are compared."""
+
+REACH = 10
+"""Samples on either side over which a rate is taken; so near to its ends a stretch is not compared."""
+
+FEW = 3
+"""So many short stretches are drop-outs of a link that holds its last value, rather than a sensor that
+sticks."""
+
+SHORT = 0.1
+"""Seconds; a longer stretch is a stuck sensor."""
+
+
+def find_stuck(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
+    """Leave out the stretches in which a sensor was stuck, and tell them."""
+    faults = []
+    seen = evidence
+    for column, channel in enumerate(seen.channels):
+        found = _stuck(seen, column)
+        if not found:
+            continue
+        kind, words = _said(seen, column, found)
+        faults.append(fault_of(channel, kind, words, whole_interval(seen, found)))
+        evidence = without(evidence, column, found)
+    return evidence, faults
+
+
+def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
+    values = evidence.measured[:, column]
+    if np.count_nonzero(np.isfinite(values)) < 0.5 * values.size or not np.nanstd(values) > 0.0:
+        return []
+    begin, length = pieces(values)
+    least = max(SHORTEST, LONGER * float(np.quantile(length, 0.99)))
+    long = np.flatnonzero(length >= least)
+    if not long.size or length[long].sum() > 0.5 * values.size:
+        return []
+    noisy = carries_noise(values, length, long)
+    others = _others(evidence, column)
+    found = [(int(begin[i]), int(begin[i] + length[i])) for i in long]
+    return [one for one in found if _is_stuck(evidence, column, one, noisy, others)]
+
+
+def carries_noise(values: Floats, length: np.ndarray, long: np.ndarray) -> bool:
+    """Whether hardly a value repeats by chance, and neighbours scatter."""
+    single = np.count_nonzero(length == 1) >= SINGLE * (length.size - long.size)
+    third = np.diff(values, 3)
+    third = third[np.isfinite(third) & (third != 0.0)]
+    return bool(single and third.size and np.mean(third[1:] * third[:-1] < 0.0) > ALTERNATES)
+
+
+def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others: list[Floats]) -> bool:
+    values, family = evidence.measured[:, column], evidence.channels[column].family
+    held = float(values[one[0]])
+    if not np.isfinite(held) or one[0] == 0:
+        return False
+    extreme = held in (float(np.nanmax(values)), float(np.nanmin(values)))
+    moving = any(_travels(other, one) for other in others)
+    if noisy:
+        if extreme or (held == 0.0 and (family == "force" or is_real(evidence, column, one))):
+            return False
+        leaps = _leaps(values, one, LEAP) and not told_to(evidence, column, one)
+        return moving or leaps or _alive_around(values, one)
+    if extreme or family not in ("position", "velocity"):
+        return False
+    return moving or (family == "position" and _leaps(values, one, LONE_LEAP))
+
+
+def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
+    """Whether a stretch ends with a jump that the steps around it do not know."""
+    a, b = one
+    if b >= values.size:
+        return False
+    changes = np.abs(np.diff(values))
+    around = np.concatenate([changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]])
+    around = around[np.isfinite(around)]
+    usual = float(np.nanquantile(changes, 0.99))
+    largest = max(float(around.max(initial=0.0)), usual)
+    return bool(changes[b - 1] > clear * largest > 0.0)
+
+
+def _alive_around(values: Floats, one: Stretch) -> bool:
+    """Whether samples change as usual right before a stretch and right after it: no rig comes to rest so."""
+    a, b = one
+    if b >= values.size and b - a < AT_END:
+        return False
+    changes = np.abs(np.diff(values))
+    usual = ALIVE * float(np.nanmedian(changes))
+    before, after = changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]
+    known = [side[np.isfinite(side)] for side in (before, after) if side.size]
+    return bool(known) and all(side.size and float(np.median(side)) > usual for side in known)
+
+
+def _others(evidence: Evidence, column: int) -> list[Floats]:
+    """Signals that change whenever this channel should: of the same dof, or of the same motor."""
+    channel = evidence.channels[column]
+    at = {(one.family, one.place): i for i, one in enumerate(evidence.channels)}
+    if channel.family == "position" and ("velocity", channel.place) in at:
+        speed = filled(evidence.measured[:, at["velocity", channel.place]])
+        steps = np.diff(evidence.time, prepend=evidence.time[0])
+        return [np.cumsum(speed * steps)]
+    if channel.family == "velocity" and ("position", channel.place) in at:
+        return [_rate(evidence, at["position", channel.place])]
+    return []
+
+
+def _rate(evidence: Evidence, column: int) -> Floats:
+    """Rate of a position, over enough samples for its noise not to matter."""
+    values = filled(evidence.measured[:, column])
+    reach = REACH
+    rate = np.zeros_like(values)
+    span = evidence.time[2 * reach :] - evidence.time[: -2 * reach]
+    rate[reach:-reach] = (values[2 * reach :] - values[: -2 * reach]) / np.maximum(span, 1e-12)
+    return rate
+
+
+def _travels(other: Floats, one: Stretch) -> bool:
+    """Whether another signal changes by a good part of its range over a stretch."""
+    part = other[one[0] + REACH : one[1] - REACH]
+    if part.size < 2:
+        return False
+    low, high = np.quantile(other, [0.05, 0.95])
+    span = max(float(high - low), 2.0 * float(np.std(other)))  # a rig that mostly rests has no range
+    return bool(np.ptp(part) > TRAVEL * span > 0.0)
+
+
+def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, str]:
+    """Kind of a fault and its words."""
+    channel = evidence.channels[column]
+    name, unit = in_words(channel), UNITS[channel.family]
+    first, last = whole_interval(evidence, found)
+    if not evidence.measured[[a for a, _ in found], column].any():
+        return "dropout", (
+            f"{in_words(channel, first=True)} is exactly 0 from {first:.3f} s to {last:.3f} s, in "
+            f"{len(found)} stretches: the sensor or its link gave nothing there. Left out; record what is "
+            "missing as NaN."
+        )
+    if len(found) == 1:
+        value = evidence.measured[found[0][0], column]
+        return "stuck", (
+            f"From {first:.3f} s to {last:.3f} s {name} repeats one value, {value:.4g} {unit}, while the rig "
+            "moves: the sensor was stuck. This stretch is left out; check the sensor and its link."
+        )
+    longest = max(b - a for a, b in (interval(evidence, one) for one in found))
+    where = f"in {len(found)} stretches of up to {longest:.3g} s between {first:.3f} s and {last:.3f} s"
+    if len(found) >= FEW and longest < SHORT:
+        return "dropout", (
+            f"{in_words(channel, first=True)} holds its last value {where}: samples are missing. They are "
+            "left out; record what is missing as NaN."
+        )
+    return "stuck", (
+        f"{in_words(channel, first=True)} repeats one value {where}, while the rig moves: the sensor was "
+        "stuck. These stretches are left out; check the sensor and its link."
+    )

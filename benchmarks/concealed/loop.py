@@ -71,7 +71,7 @@ def sample(
     row[4], row[5], row[6], row[7] = y[X1], y[V1], u, F
     row[W1] = w1
     plant = world.plant
-    a1 = acceleration(pull(s, 0.0, y, memory, held, world), y[V1], memory[MODE], plant)
+    a1 = acceleration(s, pull(s, 0.0, y, memory, held, world), y[X1], y[V1], memory[MODE], plant)
     row[EXTRA_PLANT] = plant.mass * a1 + plant.damping * y[V1] + plant.stiffness * y[X1] - F - w1
     row[EXTRA_WIRE] = F - world.wire.stiffness * (u - y[X1])
 

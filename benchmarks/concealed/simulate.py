@@ -51,8 +51,9 @@ def run(
     noisy: bool = True,
     lateness: float = 0.0,
     step: float = STEP,
+    noise: np.ndarray | None = None,
 ) -> Recording:
-    """Run a test and return what every topic shows."""
+    """Run a test and return what every topic shows; `noise` in units of the reference, white by default."""
     rng = np.random.default_rng(seed)
     td1, td2, td3 = (ns(test.spec["timing"][k]) for k in ("td1", "td2", "td3"))
     timing = Timing(td1, td2, td3, ns(motor_delay(test.spec)), ns(duration))
@@ -73,11 +74,22 @@ def run(
     )
     world = make_world(test, duration)
     links = make_links(test.spec, (n1, n1, n2, many), rng, lateness)
-    noise = rng.normal(size=(n1, 4))
+    white = rng.normal(size=(n1, 4))
     sensors = make_sensors(test.spec, noisy)
     y, memory, held, F_d = at_rest(test, world)
     closed_loop(
-        y, memory, held, F_d, controller_stiffness(test.spec), world, sensors, timing, links, noise, step, log
+        y,
+        memory,
+        held,
+        F_d,
+        controller_stiffness(test.spec),
+        world,
+        sensors,
+        timing,
+        links,
+        white if noise is None else noise,
+        step,
+        log,
     )
     for i in range(4):  # stamps as the receiver reads them
         uses[i, :, 1] += ns(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from benchmarks.concealed import states as s
 from benchmarks.concealed import wire as wires
+from benchmarks.concealed.foresight import make_foresight
 from benchmarks.concealed.loop import Recording, Timing, closed_loop, plant_alone
 from benchmarks.concealed.motion import Held, World
 from benchmarks.concealed.motor import accepted, position
@@ -31,7 +32,7 @@ def at_rest(test: HybridTest, world: World) -> tuple[np.ndarray, np.ndarray, Hel
         y[list(slots)] = [spec[part].get(f"initial_{k}", [0.0])[0] for k in ("position", "velocity")]
     x1, v1 = y[s.X1], y[s.V1]
     F_d = interface_force(x1, v1, y, world.numerical)
-    command = accepted(x1 + F_d / controller_stiffness(spec), world.motor)
+    command = accepted(0.0, x1 + F_d / controller_stiffness(spec), world.motor)
     y[[s.POLE_V, s.POLE_A, s.LAG, s.SECOND]] = command
     y[[s.RELAX, s.HUNG]] = x1
     u = position(command, y, world.motor)
@@ -83,6 +84,7 @@ def run(
         held,
         F_d,
         controller_stiffness(test.spec),
+        make_foresight(test.spec),
         world,
         sensors,
         timing,

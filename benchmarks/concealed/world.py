@@ -62,6 +62,10 @@ FIELDS: dict[tuple[str, str], dict[str, str]] = {
     ("motor", "rate_limit"): {},
     ("motor", "saturation"): {},
     ("motor", "quantisation"): {},
+    ("wire", "limp_wire"): {},
+    ("wire", "bending_wire"): {},
+    ("motor", "screw_error"): {},
+    ("motor", "creeping_motor"): {},
 }
 AT_REST: dict[type, dict[str, Any]] = {  # what is not zero where an effect is absent
     Plant: {

@@ -12,6 +12,7 @@ time and mass. ``python -m benchmarks.concealed.open`` makes the table; ``make_o
 ``noise``        noise that is not white
 ``faults``       what is wrong with a recording
 ``unlisted``     cases that no kind of the library is
+``elsewhere``    more of them: hidden loads and masses, wire, motor, links
 ``spoiled``      cases with faults of the recording or of the spec
 ``parameters``   cases with other masses, dampings, stiffnesses, gains, offsets
 ``listed``       cases with one to three kinds of the library

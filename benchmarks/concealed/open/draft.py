@@ -51,9 +51,13 @@ class Draft:
         What is concealed; nothing in a clean case.
     allowed
         Further verdicts that are right.
+    tolerated
+        What is true and may be named, though nothing is missing.
+    tolerated
+        What is true and may be named, though nothing is missing.
     measure
-        How visible it is: `force` on the plant, `effects`, `plant` (another plant was told), `edit` (of the
-        recording), `links`, `command`, `certain`.
+        How visible it is: `force` on the plant, `effects`, `each` of several, `plant` (another one was told), `edit` (of
+        the recording), `links`, `certain`.
     """
 
     rng: np.random.Generator
@@ -66,6 +70,7 @@ class Draft:
     edits: list[Edit] = field(default_factory=list)
     hidden: list[Hidden] = field(default_factory=list)
     allowed: tuple[str, ...] = ()
+    tolerated: list[Hidden] = field(default_factory=list)
     measure: str = "certain"
     effects: list[dict[str, Any]] = field(default_factory=list)
 

@@ -12,6 +12,7 @@ from benchmarks.concealed.strange import LAWS, force, friction
 
 Values = Callable[[Scene, float], list[float]]
 SPRINGS, DAMPERS = ("stiffness",), ("drag", "damping")
+POWERS = (0.5, 1.5, 1.7, 2.5)
 RUBS, CONTACT, VARYING = ("friction",), ("contact",), ("varying",)
 
 
@@ -50,7 +51,7 @@ PLANT: dict[str, tuple[Values, tuple[str, ...], str]] = {
     "quintic_spring": (lambda s, T: [s.x], SPRINGS, "x"),
     "detent": (lambda s, T: [s.x * s.rng.uniform(-1, 1), s.x * s.between(0.1, 0.5)], SPRINGS, "x"),
     "position_damping": (lambda s, T: [s.x, s.v], DAMPERS, "xv"),
-    "fractional_drag": (lambda s, T: [s.v, float(s.rng.choice([0.5, 1.5, 1.7, 2.5]))], (*DAMPERS, *RUBS), "v"),
+    "fractional_drag": (lambda s, T: [s.v, float(s.rng.choice(POWERS))], (*DAMPERS, *RUBS), "v"),
     "feeding": (lambda s, T: [s.x * s.between(0.5, 1.5), s.v], DAMPERS, "xv"),
     "cubic_damping": (lambda s, T: [s.v], DAMPERS, "v"),
     "speed_governor": (lambda s, T: [s.v * s.between(0.5, 1.5)], DAMPERS, "v"),

@@ -1,4 +1,4 @@
-"""Hybrid tests and plants alone, drawn at random, at the scale of the simulation, and rigs to tell them as."""
+"""Hybrid tests and plants alone, drawn at random, and the rigs as which they are told."""
 
 from __future__ import annotations
 
@@ -90,14 +90,15 @@ def draw_plain(
     rig: str = "",
     velocity: bool | None = None,
     per_period: float = 0.0,
+    periods: float = 0.0,
 ) -> Setting:
-    """Draw a plant alone: 20 to 2000 samples per period, at most 15 000; None: either."""
+    """Draw a plant alone: 20 to 2000 samples per period, at most 15 000; None, 0: any."""
     rig = rig or str(rng.choice(list(RIGS)))
     per_period = per_period or between(rng, 20.0, 2000.0)
     if loaded is None:
         loaded = per_period > 100.0 and rng.random() < 0.6
     per_period = max(per_period, 120.0) if loaded else per_period
-    periods = float(np.clip(rng.uniform(12.0, 60.0), 8.0, 15000.0 / per_period))
+    periods = periods or float(np.clip(rng.uniform(12.0, 60.0), 7.5, 15000.0 / per_period))
     test = HybridTest(_plain_spec(rng, per_period, periods, loaded))
     w = _frequency(test.spec)
     if loaded:
@@ -143,7 +144,7 @@ def _plain_spec(rng: np.random.Generator, per_period: float, periods: float, loa
 
 
 def _lines(rng: np.random.Generator, w: float, per_period: float) -> np.ndarray:
-    """One tone near resonance, or lines up to 3 times the eigenfrequency, at 40 samples per period or more."""
+    """One tone near resonance, or lines up to 3 times the eigenfrequency, 40 samples per period or more."""
     high = min(3.0, per_period / 40.0) * w
     if rng.random() < 0.2:
         return np.array([[1.0, w * rng.uniform(0.5, 1.5), rng.uniform(0.0, 6.0)]])

@@ -2,7 +2,7 @@
 
 Nothing here imports the project's packages: the equations are written once more from the contract's text,
 with the paper's symbols, and integrated by classical Runge-Kutta with small fixed steps between the events of
-the loop. ``python -m benchmarks.concealed`` makes the table.
+the loop. ``python -m benchmarks.concealed`` makes the table of the first part.
 
 ==============  ==========================================================================================
 ``states``      the continuous states of the loop and what it remembers of its path, as indices

@@ -53,11 +53,9 @@ class Draft:
         Further verdicts that are right.
     tolerated
         What is true and may be named, though nothing is missing.
-    tolerated
-        What is true and may be named, though nothing is missing.
     measure
-        How visible it is: `force` on the plant, `effects`, `each` of several, `plant` (another one was told), `edit` (of
-        the recording), `links`, `certain`.
+        How visible it is: `force` on the plant, `effects`, `each` of several, `plant` (another one was
+        told), `edit` (of the recording), `links`, `certain`.
     """
 
     rng: np.random.Generator

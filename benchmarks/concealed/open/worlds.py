@@ -96,8 +96,8 @@ def draw_plain(
     rig = rig or str(rng.choice(list(RIGS)))
     per_period = per_period or between(rng, 20.0, 2000.0)
     if loaded is None:
-        loaded = per_period > 100.0 and rng.random() < 0.6
-    per_period = max(per_period, 120.0) if loaded else per_period
+        loaded = per_period > 100.0 and rng.random() < 0.7
+    per_period = max(per_period, 250.0) if loaded else per_period
     periods = periods or float(np.clip(rng.uniform(12.0, 60.0), 7.5, 15000.0 / per_period))
     test = HybridTest(_plain_spec(rng, per_period, periods, loaded))
     w = _frequency(test.spec)
@@ -144,8 +144,8 @@ def _plain_spec(rng: np.random.Generator, per_period: float, periods: float, loa
 
 
 def _lines(rng: np.random.Generator, w: float, per_period: float) -> np.ndarray:
-    """One tone near resonance, or lines up to 3 times the eigenfrequency, 40 samples per period or more."""
-    high = min(3.0, per_period / 40.0) * w
+    """One tone near resonance, or lines up to 3 times the eigenfrequency, 100 samples per period or more."""
+    high = min(3.0, per_period / 100.0) * w
     if rng.random() < 0.2:
         return np.array([[1.0, w * rng.uniform(0.5, 1.5), rng.uniform(0.0, 6.0)]])
     count = int(rng.integers(8, 25))

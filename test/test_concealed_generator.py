@@ -245,7 +245,7 @@ def test_the_generator_imports_nothing_of_the_project() -> None:
 
 
 def test_a_plan_has_every_kind_equally_often() -> None:
-    items = plan(3, 2 * len(CATALOGUE), 10, 3, 4)
+    items = plan(3, 2 * len(CATALOGUE), 10, 3, 2, 4)
     counts = [
         sum(family(*i.kinds[0]) == f for i in items if i.group == "effect") for f in ("friction", "parameter")
     ]
@@ -262,7 +262,7 @@ def said_of(*effects: tuple[str, str], verdict: str = "explained") -> dict:
 
 
 def test_scores_count_exactly_the_true_effects(tmp_path: Path) -> None:
-    item = next(i for i in plan(3, 37, 0, 0, 0) if i.kinds == (("motor", "extra_delay"),))
+    item = next(i for i in plan(3, 37, 0, 0, 0, 0) if i.kinds == (("motor", "extra_delay"),))
     case = make_case(item.seed, item.kinds, item.size, tmp_path, duration=3.0)
     keys = ("block", "family", "kind")
     right = score(item, case, said_of(("link.tau4", "extra_delay")))
@@ -272,12 +272,17 @@ def test_scores_count_exactly_the_true_effects(tmp_path: Path) -> None:
     more = score(item, case, said_of(("motor", "extra_delay"), ("plant", "coulomb_friction")))
     assert [more[k] for k in keys] == [False, False, False]
     assert not score(item, case, NOTHING)["block"]
+    delay = case.truth["spec"]["effect1"]["delay"]
+    for off, covered in ((1.5, 1), (3.0, 0)):
+        stated = {"delay": {"value": delay + off * 1e-3, "std": 1e-3}}
+        named = {"block": "motor", "kind": "extra_delay", "parameters": stated}
+        assert score(item, case, NOTHING | {"physics": [named]})["values"] == [covered, 1]
     fit = {"signal": "u", "held_out": [2.0, 3.0], "nrmse": {"explained": 2.0 * case.floor("u", 2.0, 3.0)}}
     assert score(item, case, NOTHING | {"fits": [fit]})["held_out"] == pytest.approx(2.0)
 
 
 def test_an_alarm_is_anything_but_a_match_where_nothing_is_missing(tmp_path: Path) -> None:
-    item = copy.copy(plan(3, 0, 1, 0, 0)[0])
+    item = copy.copy(plan(3, 0, 1, 0, 0, 0)[0])
     case = make_case(item.seed, (), item.size, tmp_path, duration=3.0)
     assert not score(item, case, NOTHING)["alarm"]
     assert score(item, case, said_of(("plant", "quadratic_drag")))["alarm"]
@@ -287,7 +292,20 @@ def test_the_table_goes_on_where_it_stopped(tmp_path: Path) -> None:
     answer = tmp_path / "answer.json"
     answer.write_text(json.dumps(NOTHING))
     out = tmp_path / "out" / "table"
-    words = ["--bags", "1", "--clean", "2", "--pairs", "0", "--retuned", "0", "--duration", "3"]
+    words = [
+        "--bags",
+        "1",
+        "--clean",
+        "2",
+        "--pairs",
+        "0",
+        "--triples",
+        "0",
+        "--retuned",
+        "0",
+        "--duration",
+        "3",
+    ]
     words += ["--out", str(out), "--command", f"cat {answer}"]
     main([*words, "--limit", "1"])
     main(words)

@@ -2,7 +2,7 @@
 
 Nothing here imports the project's packages: the equations are written once more from the contract's text,
 with the paper's symbols, and integrated by classical Runge-Kutta with small fixed steps between the events of
-the loop. ``python -m benchmarks.concealed`` makes the table.
+the loop. ``python -m benchmarks.concealed`` makes the table of the first part.
 
 ==============  ==========================================================================================
 ``states``      the continuous states of the loop and what it remembers of its path, as indices
@@ -11,7 +11,9 @@ the loop. ``python -m benchmarks.concealed`` makes the table.
 ``plant``       F, w1 -> x1, v1; friction, drag, springs, contacts, hysteresis, memory, loads
 ``numerical``   z1 held -> x2, v2, F_d
 ``loads``       known loads w1, w2
+``strange``     forces on the plant that no library of kinds has
 ``motion``      all of them over an interval without events, kinks located
+``foresight``   the compensator `taylor`
 ``links``       delays, jitter, loss
 ``sensors``     what the recording shows of x1, v1, u, F
 ``loop``        the event order of the contract, from the first tick to the end of the test

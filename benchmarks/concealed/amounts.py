@@ -7,7 +7,7 @@ as much: 0.02 is small, 0.05 medium, 0.15 large.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ class Scene:
     spec: dict[str, Any]
     pilot: np.ndarray  # (n1, 4): x1, v1, u, F
     rng: np.random.Generator
+    known: np.ndarray = field(default_factory=lambda: np.zeros(1))  # N: load w1 at the pilot's samples
 
     def __post_init__(self) -> None:
         x, v, u, F = self.pilot.T

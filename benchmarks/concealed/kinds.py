@@ -64,6 +64,14 @@ PAIRS = (
     (("plant", "end_stop"), ("wire", "slack")),
 )
 
+TRIPLES = (
+    (("plant", "coulomb_friction"), ("plant", "quadratic_drag"), ("plant", "cubic_stiffness")),
+    (("plant", "coulomb_friction"), ("plant", "quadratic_stiffness"), ("wire", "backlash")),
+    (("plant", "quadratic_drag"), ("plant", "cubic_stiffness"), ("wire", "slack")),
+    (("plant", "coulomb_friction"), ("plant", "quadratic_drag"), ("plant", "end_stop")),
+    (("plant", "quadratic_drag"), ("plant", "cubic_stiffness"), ("wire", "pulley_friction")),
+)
+
 _FAMILIES = {
     "friction": ("coulomb_friction", "stribeck_friction", "pulley_friction"),
     "drag": ("quadratic_drag",),

@@ -8,7 +8,7 @@ from numba import njit
 GRID = 1e-3  # s; between its points a cubic: below 25 rad/s within 1e-9 of the amplitude
 
 
-def tabulate(sines: np.ndarray, ramp: float, duration: float) -> np.ndarray:
+def tabulate(sines: np.ndarray, ramp: float, duration: float, start: float = 0.0) -> np.ndarray:
     """Load and its slope on the grid, shape (n, 2), in N and N/s.
 
     Parameters
@@ -19,6 +19,8 @@ def tabulate(sines: np.ndarray, ramp: float, duration: float) -> np.ndarray:
         Seconds over which the load fades in, whole milliseconds.
     duration
         Seconds that the table covers.
+    start
+        When the load begins to fade in, whole milliseconds, s.
     """
     t = GRID * np.arange(round(duration / GRID) + 2)
     value, slope = np.zeros_like(t), np.zeros_like(t)
@@ -26,9 +28,10 @@ def tabulate(sines: np.ndarray, ramp: float, duration: float) -> np.ndarray:
         value += amplitude * np.sin(frequency * t + phase)
         slope += amplitude * frequency * np.cos(frequency * t + phase)
     if ramp > 0.0:
-        rising = t < ramp
-        slope[rising] = slope[rising] * t[rising] / ramp + value[rising] / ramp
-        value[rising] *= t[rising] / ramp
+        share = np.clip((t - start) / ramp, 0.0, 1.0)
+        rising = (t >= start) & (t < start + ramp)
+        slope = slope * share + np.where(rising, value / ramp, 0.0)
+        value *= share
     return np.stack([value, slope], axis=1)
 
 

@@ -11,6 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from benchmarks.concealed import foresight
+from benchmarks.concealed.foresight import Foresight
 from benchmarks.concealed.links import NEVER, Link, deliver, next_due, send
 from benchmarks.concealed.loads import load
 from benchmarks.concealed.motion import Held, World, acceleration, advance, pull, remember, settle, wire_force
@@ -71,7 +73,7 @@ def sample(
     row[4], row[5], row[6], row[7] = y[X1], y[V1], u, F
     row[W1] = w1
     plant = world.plant
-    a1 = acceleration(pull(s, 0.0, y, memory, held, world), y[V1], memory[MODE], plant)
+    a1 = acceleration(s, pull(s, 0.0, y, memory, held, world), y[X1], y[V1], memory[MODE], plant)
     row[EXTRA_PLANT] = plant.mass * a1 + plant.damping * y[V1] + plant.stiffness * y[X1] - F - w1
     row[EXTRA_WIRE] = F - world.wire.stiffness * (u - y[X1])
 
@@ -79,7 +81,7 @@ def sample(
 @njit
 def jump(t: int, command: float, y: np.ndarray, memory: np.ndarray, held: Held, world: World) -> Held:
     """Give the motor a new command at t ns."""
-    held = Held(accepted(command, world.motor), held.x1, held.v1)
+    held = Held(accepted(t * 1e-9, command, world.motor), held.x1, held.v1)
     remember(0.0, y, memory, held, world)
     settle(t * 1e-9, y, memory, held, world)
     return held
@@ -101,6 +103,7 @@ def closed_loop(
     held: Held,
     F_d: float,
     k_tot: float,
+    ahead: Foresight,
     world: World,
     sensors: tuple[Sensor, ...],
     timing: Timing,
@@ -112,12 +115,12 @@ def closed_loop(
     """Run the test and fill `log`.
 
     `y`, `memory`, `held` (initial z1 for the numerical side, initial command) and `F_d` are what has been for
-    ever; `k_tot` is what the controller divides by; `noise` is (n1, 4) of standard normal numbers; `step` the
-    longest step of the integration in s.
+    ever; `k_tot` is what the controller divides by, `ahead` its compensator; `noise` is (n1, 4) of standard
+    normal numbers; `step` the longest step of the integration in s.
     """
     link1, link2, link3, link4 = links
     work = np.zeros((6, y.size))
-    x1_held = held.x1
+    slots = foresight.latched(held.x1, held.v1, F_d, timing.td1, timing.td2)
     used = F_d
     now = n1 = n2 = n3 = n4 = 0
     while True:
@@ -156,18 +159,21 @@ def closed_loop(
             fresh = deliver(t, link3) or fresh
         if fresh:
             used = log.numerical[link3.span[2], 3]
+            foresight.latch(slots, foresight.F_D, used, link3.span[2] * timing.td2)
             note(2, t, link3.span[2] * timing.td2, log)
         # (4) controller
         tick = t == n3 * timing.td3
         if tick:
             n3 += 1
             if link1.span[2] >= 0:
-                x1_held = log.plant[link1.span[2], 0]
+                i1 = link1.span[2]
+                slots[foresight.X1] = log.plant[i1, 0]
+                foresight.latch(slots, foresight.V1, log.plant[i1, 1], i1 * timing.td1)
                 note(0, t, link1.span[2] * timing.td1, log)
         if tick or fresh:
             i = log.count[1]
             log.command_stamp[i] = t
-            log.command[i, 0] = x1_held + used / k_tot
+            log.command[i, 0] = foresight.command(slots, k_tot, ahead)
             log.command[i, 1] = used
             log.count[1] = i + 1
             send(t, link4)

@@ -59,11 +59,19 @@ def pull(t: float, elapsed: float, y: np.ndarray, memory: np.ndarray, held: Held
 
 
 @njit
-def acceleration(net: float, v1: float, mode: float, plant: Plant) -> float:
+def acceleration(t: float, net: float, x1: float, v1: float, mode: float, plant: Plant) -> float:
     """a1 under the net force and dry friction; none while the mass sticks."""
-    if plant.static_force == 0.0:
-        return net / plant.mass
-    return 0.0 if mode == 0.0 else (net - mode * plants.friction(v1, plant)) / plant.mass
+    if not plants.rubs(plant):
+        return net / plants.mass(t, plant)
+    if mode == 0.0:
+        return 0.0
+    return (net - mode * plants.friction(t, x1, v1, mode, plant)) / plants.mass(t, plant)
+
+
+@njit
+def breaks_away(t: float, net: float, x1: float, plant: Plant) -> bool:
+    """Whether the net force moves a mass at rest."""
+    return abs(net) > plants.friction(t, x1, 0.0, np.sign(net), plant)
 
 
 @njit
@@ -76,7 +84,7 @@ def rates(
     F = wires.force(u, y, memory, world.wire)
     net = plants.net_force(t, F, load(t, world.load1), y, world.plant)
     dy[X1] = y[V1]
-    dy[V1] = acceleration(net, y[V1], memory[MODE], world.plant)
+    dy[V1] = acceleration(t, net, y[X1], y[V1], memory[MODE], world.plant)
     motors.rates(slew, y, world.motor, dy)
     wires.rates(u, y, memory, world.wire, dy)
     plants.rates(y, world.plant, dy)
@@ -123,9 +131,10 @@ def region(t: float, elapsed: float, y: np.ndarray, memory: np.ndarray, held: He
     slew = motors.slewed(held.command, elapsed, memory, world.motor)
     u, du = motors.position(slew, y, world.motor), motors.speed(slew, held.command, y, world.motor)
     piece += 8 * wires.region(u, du, y, memory, world.wire)
-    if world.plant.static_force > 0.0:
+    if plants.rubs(world.plant):
         if memory[MODE] == 0.0:
-            piece += 128 if abs(pull(t, elapsed, y, memory, held, world)) > world.plant.static_force else 0
+            net = pull(t, elapsed, y, memory, held, world)
+            piece += 128 if breaks_away(t, net, y[X1], world.plant) else 0
         else:
             piece += 128 if y[V1] * memory[MODE] < 0.0 else 0
     return piece
@@ -134,13 +143,13 @@ def region(t: float, elapsed: float, y: np.ndarray, memory: np.ndarray, held: He
 @njit
 def settle(t: float, y: np.ndarray, memory: np.ndarray, held: Held, world: World) -> None:
     """Let the mass stick or break away; it sticks while the net force is below the static friction."""
-    if world.plant.static_force == 0.0:
+    if not plants.rubs(world.plant):
         return
     if y[V1] * memory[MODE] < 0.0 or memory[MODE] == 0.0:
         y[V1] = 0.0
     if y[V1] == 0.0:
         net = pull(t, 0.0, y, memory, held, world)
-        memory[MODE] = np.sign(net) if abs(net) > world.plant.static_force else 0.0
+        memory[MODE] = np.sign(net) if breaks_away(t, net, y[X1], world.plant) else 0.0
 
 
 @njit

@@ -20,11 +20,17 @@ class Motor(NamedTuple):
     rate: float  # m/s
     limit: float  # m
     step: float  # m
+    screw: float  # m, error of the screw once per `pitch`
+    pitch: float  # m
+    creep: float  # m/s, as of a part that warms up
 
 
 @njit
-def accepted(command: float, motor: Motor) -> float:
-    """Command as the drive takes it: rounded to its step, cut at its limit; in m."""
+def accepted(t: float, command: float, motor: Motor) -> float:
+    """Command as the drive takes it at t: rounded to its step, cut at its limit; in m."""
+    if motor.pitch > 0.0:
+        command += motor.screw * np.sin(2.0 * np.pi * command / motor.pitch)
+    command += motor.creep * t
     if motor.step > 0.0:
         command = np.round(command / motor.step) * motor.step
     return min(max(command, -motor.limit), motor.limit)

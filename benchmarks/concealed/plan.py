@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from benchmarks.concealed.kinds import CATALOGUE, LINKS, PAIRS, SENSORS, SIZES
+from benchmarks.concealed.kinds import CATALOGUE, LINKS, PAIRS, SENSORS, SIZES, TRIPLES
 
 UNSURE_SHARE = 0.2  # of the cases with one effect and without: plant parameters are uncertain and off
 
 
 @dataclass(frozen=True)
 class Item:
-    """A case to make: `group` is effect, clean, pair or retuned."""
+    """A case to make: `group` is effect, clean, pair, triple or retuned."""
 
     index: int
     group: str
@@ -22,7 +22,7 @@ class Item:
     seed: int
 
 
-def plan(master: int, bags: int, clean: int, pairs: int, retuned: int) -> list[Item]:
+def plan(master: int, bags: int, clean: int, pairs: int, triples: int, retuned: int) -> list[Item]:
     """Return all cases of a table in random order, so that an unfinished table is a fair sample."""
     rng = np.random.default_rng(master)
     rows: list[tuple[str, tuple[tuple[str, str], ...], float, str]] = []
@@ -32,6 +32,8 @@ def plan(master: int, bags: int, clean: int, pairs: int, retuned: int) -> list[I
         rows.append(("clean", (), SIZES[0], _unsure(rng)))
     for i in range(pairs):
         rows.append(("pair", PAIRS[i % len(PAIRS)], SIZES[1 + i // len(PAIRS) % 2], ""))
+    for i in range(triples):
+        rows.append(("triple", TRIPLES[i % len(TRIPLES)], SIZES[1 + i // len(TRIPLES) % 2], ""))
     for i in range(retuned):
         rows.append(("retuned", (), SIZES[0], ("mass", "damping")[i % 2]))
     seeds = rng.integers(2**62, size=len(rows))

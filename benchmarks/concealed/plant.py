@@ -5,7 +5,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from benchmarks.concealed.states import HUNG, HUNG_RATE, RELAX, V1, WAVE, WAVE_RATE, X1, YIELD
+from benchmarks.concealed import strange
+from benchmarks.concealed.loads import load
+from benchmarks.concealed.states import (
+    HUNG,
+    HUNG_RATE,
+    INNER,
+    INNER_RATE,
+    RELAX,
+    V1,
+    WAVE,
+    WAVE_RATE,
+    X1,
+    YIELD,
+)
 from numba import njit
 
 
@@ -43,13 +56,28 @@ class Plant(NamedTuple):
     load_amplitude: float
     load_frequency: float
     load_phase: float
+    strange: np.ndarray  # code and parameters of a law that no library has; code 0: none
+    hidden_load: np.ndarray  # table of a load that nobody recorded
 
 
 @njit
-def friction(v1: float, plant: Plant) -> float:
-    """Size of the dry friction at speed v1, in N."""
+def rubs(plant: Plant) -> bool:
+    """Whether there is dry friction at all."""
+    return plant.static_force > 0.0 or strange.rubs(plant.strange)
+
+
+@njit
+def friction(t: float, x1: float, v1: float, side: float, plant: Plant) -> float:
+    """Size of the dry friction at speed v1 to the `side` (+1, -1), in N."""
     more = plant.static_force - plant.coulomb_force
-    return plant.coulomb_force + more * np.exp(-((v1 / plant.stribeck_velocity) ** 2))
+    f = plant.coulomb_force + more * np.exp(-((v1 / plant.stribeck_velocity) ** 2))
+    return f + strange.friction(t, x1, side, plant.strange) if strange.rubs(plant.strange) else f
+
+
+@njit
+def mass(t: float, plant: Plant) -> float:
+    """Mass that moves at t, in kg."""
+    return plant.mass + strange.more_mass(t, plant.strange)
 
 
 @njit
@@ -70,8 +98,8 @@ def touches(x1: float, plant: Plant) -> bool:
 
 
 @njit
-def effects(t: float, y: np.ndarray, plant: Plant) -> float:
-    """Force of all effects but dry friction, in N, + along +x."""
+def effects(t: float, w1: float, y: np.ndarray, plant: Plant) -> float:
+    """Force of all effects but dry friction, in N, + along +x; w1 is the known load."""
     x1, v1 = y[X1], y[V1]
     f = -plant.drag * abs(v1) * v1 - plant.cubic * x1**3 - plant.quadratic * x1**2
     f += contact(x1, v1, plant)
@@ -80,7 +108,9 @@ def effects(t: float, y: np.ndarray, plant: Plant) -> float:
     f += plant.load_constant
     if plant.load_amplitude != 0.0:
         f += plant.load_amplitude * np.sin(plant.load_frequency * t + plant.load_phase)
-    return f
+    if plant.strange[0] != 0.0:
+        f += strange.force(t, x1, v1, w1, y[INNER], y[INNER_RATE], plant.strange)
+    return f + load(t, plant.hidden_load) if plant.hidden_load.shape[0] > 2 else f
 
 
 @njit
@@ -95,7 +125,7 @@ def hung_force(y: np.ndarray, plant: Plant) -> float:
 @njit
 def net_force(t: float, F: float, w1: float, y: np.ndarray, plant: Plant) -> float:
     """All that acts on the mass but dry friction, in N."""
-    return -plant.damping * y[V1] - plant.stiffness * y[X1] + F + w1 + effects(t, y, plant)
+    return -plant.damping * y[V1] - plant.stiffness * y[X1] + F + w1 + effects(t, w1, y, plant)
 
 
 @njit
@@ -118,6 +148,8 @@ def rates(y: np.ndarray, plant: Plant, dy: np.ndarray) -> None:
         w = plant.wave_frequency
         dy[WAVE] = y[WAVE_RATE]
         dy[WAVE_RATE] = v1 - 2.0 * plant.wave_damping_ratio * w * y[WAVE_RATE] - w**2 * y[WAVE]
+    if 70.0 <= plant.strange[0] < 80.0:
+        dy[INNER], dy[INNER_RATE] = strange.inner_rates(y[X1], v1, y[INNER], y[INNER_RATE], plant.strange)
 
 
 @njit

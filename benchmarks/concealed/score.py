@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from benchmarks.concealed.case import SIGNALS, Case
 from benchmarks.concealed.kinds import family
 from benchmarks.concealed.plan import Item
@@ -38,6 +39,7 @@ def score(
         ``found`` and ``true`` effects; ``block``, ``family``, ``kind``: whether exactly the true ones were
         named; ``among``: whether each true kind is named or an alternative that is called indistinguishable;
         ``alarm``: whether something was named although nothing is missing; ``covered`` (retuned cases);
+        ``values``: parameters of rightly named kinds within `SIGMAS` of their standard deviations, and all;
         ``held_out``: worst error on unseen data, over that of the true model or of the `oracle`.
     """
     true = sorted(canonical(e) for e in case.truth["effects"])
@@ -54,6 +56,7 @@ def score(
         "both": set(true) <= set(found) or {family(*e) for e in true} <= {family(*e) for e in found},
         "among": set(true) <= set(found) | also,
         "held_out": held_out(case, said, oracle),
+        "values": values(case, said),
     }
     if item.group == "clean":
         result["alarm"] = bool(found) or said["verdict"] not in (
@@ -74,6 +77,32 @@ def covered(case: Case, said: dict[str, Any], name: str) -> bool:
     true = case.truth["spec"]["plant"][name][0]
     entries = [e for key, e in said["retuned"].items() if key.split("[")[0] == f"plant.{name}"]
     return any(abs(e["value"] - true) <= SIGMAS * e["std"] for e in entries)
+
+
+def values(case: Case, said: dict[str, Any]) -> list[int]:
+    """Return how many parameters of rightly named kinds cover the true value, and of how many."""
+    spec = case.truth["spec"]
+    true = {canonical(spec[name]): spec[name] for name in spec.get("effects", [])}
+    pairs = [
+        (entry, true[canonical(e)][key], key)
+        for e in said["physics"]
+        if canonical(e) in true
+        for key, entry in e.get("parameters", {}).items()
+        if isinstance(true[canonical(e)].get(key), float)
+    ]
+    hits = [covers(*pair) for pair in pairs]
+    return [sum(h is True for h in hits), sum(h is not None for h in hits)]
+
+
+def covers(entry: dict[str, Any], true: float, key: str) -> bool | None:
+    """Whether a stated value covers the true one; None where no standard deviation is stated."""
+    value, std = entry.get("value"), entry.get("std")
+    if value is None or not std:
+        return None
+    off = value - true
+    if key == "phase":
+        off = (off + np.pi) % (2.0 * np.pi) - np.pi
+    return bool(abs(off) <= SIGMAS * std)
 
 
 def held_out(case: Case, said: dict[str, Any], oracle: dict[str, Any] | None) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from benchmarks.concealed import states as s
 from benchmarks.concealed import wire as wires
+from benchmarks.concealed.foresight import make_foresight
 from benchmarks.concealed.loop import Recording, Timing, closed_loop, plant_alone
 from benchmarks.concealed.motion import Held, World
 from benchmarks.concealed.motor import accepted, position
@@ -31,7 +32,7 @@ def at_rest(test: HybridTest, world: World) -> tuple[np.ndarray, np.ndarray, Hel
         y[list(slots)] = [spec[part].get(f"initial_{k}", [0.0])[0] for k in ("position", "velocity")]
     x1, v1 = y[s.X1], y[s.V1]
     F_d = interface_force(x1, v1, y, world.numerical)
-    command = accepted(x1 + F_d / controller_stiffness(spec), world.motor)
+    command = accepted(0.0, x1 + F_d / controller_stiffness(spec), world.motor)
     y[[s.POLE_V, s.POLE_A, s.LAG, s.SECOND]] = command
     y[[s.RELAX, s.HUNG]] = x1
     u = position(command, y, world.motor)
@@ -51,8 +52,9 @@ def run(
     noisy: bool = True,
     lateness: float = 0.0,
     step: float = STEP,
+    noise: np.ndarray | None = None,
 ) -> Recording:
-    """Run a test and return what every topic shows."""
+    """Run a test and return what every topic shows; `noise` in units of the reference, white by default."""
     rng = np.random.default_rng(seed)
     td1, td2, td3 = (ns(test.spec["timing"][k]) for k in ("td1", "td2", "td3"))
     timing = Timing(td1, td2, td3, ns(motor_delay(test.spec)), ns(duration))
@@ -73,11 +75,23 @@ def run(
     )
     world = make_world(test, duration)
     links = make_links(test.spec, (n1, n1, n2, many), rng, lateness)
-    noise = rng.normal(size=(n1, 4))
+    white = rng.normal(size=(n1, 4))
     sensors = make_sensors(test.spec, noisy)
     y, memory, held, F_d = at_rest(test, world)
     closed_loop(
-        y, memory, held, F_d, controller_stiffness(test.spec), world, sensors, timing, links, noise, step, log
+        y,
+        memory,
+        held,
+        F_d,
+        controller_stiffness(test.spec),
+        make_foresight(test.spec),
+        world,
+        sensors,
+        timing,
+        links,
+        white if noise is None else noise,
+        step,
+        log,
     )
     for i in range(4):  # stamps as the receiver reads them
         uses[i, :, 1] += ns(

@@ -25,8 +25,10 @@ from __future__ import annotations
     SEEN_X,  # sensors: position, velocity and force behind their lags
     SEEN_V,
     SEEN_F,
-) = range(21)
-STATES = 21
+    INNER,  # plant: what a force outside the library remembers, and its rate
+    INNER_RATE,
+) = range(23)
+STATES = 23
 
 # Memory of the path: moves with it, but not by a differential equation in time.
 (

@@ -38,6 +38,8 @@ class Wire(NamedTuple):
     n: float  # 1: the only one that is solved here
     branch: float  # N/m, Maxwell
     branch_damping: float
+    limp: float  # share of the stiffness that is missing under compression
+    bend: float  # m: beyond, the wire gives way (tanh)
 
 
 @njit
@@ -84,6 +86,10 @@ def force(u: float, y: np.ndarray, memory: np.ndarray, wire: Wire) -> float:
     if wire.rub > 0.0:
         F = 2.0 * k * (play(0.5 * (drive + x1), memory[RUB], wire.rub / (4.0 * k)) - x1)
     F += wire.hardening * d**3
+    if wire.limp > 0.0 and d < 0.0:
+        F -= wire.limp * k * d
+    if wire.bend > 0.0:
+        F += k * (wire.bend * np.tanh(d / wire.bend) - d)
     F += wire.branch * (d - y[WIRE_RELAX])
     if wire.alpha != 0.0:
         F += wire.alpha * yielded(memory[WIRE_YIELD], d - memory[ELONGATION], wire)

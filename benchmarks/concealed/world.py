@@ -13,6 +13,7 @@ from benchmarks.concealed.motor import Motor
 from benchmarks.concealed.numerical import Numerical
 from benchmarks.concealed.plant import Plant
 from benchmarks.concealed.sensors import Sensor
+from benchmarks.concealed.strange import CODES, HIDDEN_LOADS
 from benchmarks.concealed.wire import Wire
 
 NO_SINES = np.zeros((0, 3))
@@ -61,14 +62,20 @@ FIELDS: dict[tuple[str, str], dict[str, str]] = {
     ("motor", "rate_limit"): {},
     ("motor", "saturation"): {},
     ("motor", "quantisation"): {},
+    ("wire", "limp_wire"): {},
+    ("wire", "bending_wire"): {},
+    ("motor", "screw_error"): {},
+    ("motor", "creeping_motor"): {},
 }
-AT_REST: dict[type, dict[str, float]] = {  # what is not zero where an effect is absent
+AT_REST: dict[type, dict[str, Any]] = {  # what is not zero where an effect is absent
     Plant: {
         "stribeck_velocity": 1.0,
         "stop_position": np.inf,
         "clearance_gap": np.inf,
         "branch_damping": 1.0,
         "n": 1.0,
+        "strange": np.zeros(2),
+        "hidden_load": np.zeros((2, 2)),
     },
     Wire: {"pretension": np.inf, "branch_damping": 1.0, "n": 1.0},
     Motor: {"rate": np.inf, "limit": np.inf},
@@ -87,6 +94,8 @@ class HybridTest:
         Known loads: rows of amplitude (N), frequency (rad/s), phase.
     ramp1, ramp2
         Seconds over which the loads fade in.
+    start
+        When they begin, s.
     """
 
     spec: dict[str, Any]
@@ -94,6 +103,7 @@ class HybridTest:
     ramp1: float = 0.0
     sines2: np.ndarray = field(default_factory=lambda: NO_SINES)
     ramp2: float = 0.0
+    start: float = 0.0
 
 
 def ns(seconds: float) -> int:
@@ -126,10 +136,14 @@ def _fill(kind: type, block: str, spec: dict[str, Any], **known: float) -> Any:
     for effect in effects_of(spec, block):
         if effect["kind"] == "coulomb_friction":
             values |= dict.fromkeys(("coulomb_force", "static_force"), float(effect["force"]))
+        elif effect["kind"] in CODES:
+            values["strange"] = np.array([CODES[effect["kind"]], *effect["values"]])
+        elif effect["kind"] in HIDDEN_LOADS:
+            values["hidden_load"] = tabulate(np.array(effect["sines"]), 0.0, effect["until"])
         elif effect["kind"] != "extra_delay":
             names = FIELDS[block, effect["kind"]]
             values |= {names.get(k, k): v for k, v in parameters(effect).items()}
-    return kind(**{k: float(v) for k, v in values.items()})
+    return kind(**{k: v if isinstance(v, np.ndarray) else float(v) for k, v in values.items()})
 
 
 def _wire(spec: dict[str, Any]) -> Wire:
@@ -169,7 +183,10 @@ def make_world(test: HybridTest, duration: float) -> World:
     poles = dict(zip(("kv", "ka"), spec["actuator"].get("motor_poles", ()), strict=False))
     lags = [_lag(spec, channel) for channel in ("position", "velocity", "force")]
     motor = _fill(Motor, "motor", spec, **poles)
-    loads = tabulate(test.sines1, test.ramp1, duration), tabulate(test.sines2, test.ramp2, duration)
+    loads = (
+        tabulate(sines, ramp, duration, test.start)
+        for sines, ramp in ((test.sines1, test.ramp1), (test.sines2, test.ramp2))
+    )
     return World(_fill(Plant, "plant", spec, **plant), _wire(spec), motor, _numerical(spec), *loads, *lags)
 
 
@@ -201,7 +218,10 @@ def make_links(
                 + value.get("offset", 0.0)
                 + np.abs(rng.normal(0.0, 1.0, n)) * value.get("std", 0.0)
             )
+            late += value.get("drift", 0.0) * np.linspace(0.0, 1.0, n)
             lost |= rng.random(n) < value.get("fraction", 0.0)
+            if effect["kind"] == "outage":
+                lost |= np.abs(np.linspace(0.0, 1.0, n) - value["centre"]) < 0.5 * value["width"]
         if i == 4:
             late += motor_delay(spec)
         out.append(make_link(ns(spec["timing"][f"tau{i}"]), np.rint(late * 1e9).astype(np.int64), lost))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,15 +14,17 @@ from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence, link_evi
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
+from rthm_analysis.diagnosis.links.times import wrong_times
 from rthm_analysis.diagnosis.links.words import lateness, sentence, stood_still
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import LINKS, Recording
 from rthm_analysis.timing.standing import held_up, standing
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
+from rthm_core.spec import apply
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
+    from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
 KINDS = {"delay": ("extra_delay", "delay"), "jitter": ("jitter", "std"), "loss": ("loss", "fraction")}
@@ -86,14 +88,40 @@ def diagnose_links(recording: Recording, spec: Spec) -> Part:
     Returns
     -------
     Part
-        Blocks ``link.tau1`` to ``link.tau4``.
+        Blocks ``link.tau1`` to ``link.tau4``; as `faults` the times of the spec that are not those of the
+        test, which are in `changes`.
     """
     if not spec.is_loop:
         return Part()
+    spans = standing(recording)
+    times = wrong_times(recording, spec, spans)
+    if not times.faults:
+        return _diagnosed(recording, spec, spans)
+    found = _diagnosed(recording, apply(spec, times.changes), spans)
+    blocks = tuple(_with_wrong_delay(recording, spec, spans, one, times.changes) for one in found.blocks)
+    return replace(found, blocks=blocks, faults=times.faults, changes=times.changes)
+
+
+def _with_wrong_delay(
+    recording: Recording, spec: Spec, spans: Integers, block: Mismatch, changes: dict[str, Any]
+) -> Mismatch:
+    """Mismatch of a link whose delay in the spec is not that of the test."""
+    name = block.block.removeprefix("link.")
+    clocks = {key: value for key, value in changes.items() if not key.startswith("timing.tau")}
+    here = apply(spec, clocks)
+    evidence = link_evidence(recording, here, Schedule(here), name, spans)
+    if f"timing.{name}" not in changes or isinstance(evidence, str):
+        return block
+    end = to_ns(recording.duration) + 1
+    exact = Choice((), Model(), Model(), {})
+    return Mismatch(block.block, _mismatch(Finding(evidence, exact, 0.0, 2 * end // 3, end)), True)
+
+
+def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
+    """Diagnosis of all links with the times of the test."""
     end = to_ns(recording.duration) + 1
     train_end = 2 * end // 3
     schedule = Schedule(spec)
-    spans = standing(recording)
     known = [link_evidence(recording, spec, schedule, name, spans) for name in LINKS]
     notes = (
         *stood_still(held_up(spans, recording.duration)),
@@ -189,17 +217,15 @@ def _values(finding: Finding) -> dict[tuple[str, str], Value]:
     data = counted(finding.evidence.between(0, finding.train_end))
     for kind in finding.choice.kinds:
         std = deviation(data, model, kind)
-        key = ("clock_offset", "offset") if kind == "delay" and model.delay < 0.0 else KINDS[kind]
-        values.setdefault(key, Value(getattr(model, kind), std, "1" if kind == "loss" else "s"))
+        values[KINDS[kind]] = Value(getattr(model, kind), std, "1" if kind == "loss" else "s")
     return values
 
 
 def _told(
     finding: Finding, values: dict[tuple[str, str], Value], share: float
 ) -> list[tuple[str, str, Value, str]]:
-    name, shifted = finding.evidence.name, finding.evidence.offset_ns != 0
     return [
-        (kind, parameter, value, sentence(name, kind, value, share, shifted))
+        (kind, parameter, value, sentence(finding.evidence.name, kind, value, share))
         for (kind, parameter), value in values.items()
     ]
 
@@ -248,9 +274,9 @@ def _rms(values: Floats) -> float:
 
 def _alternatives(finding: Finding, fit: Fit) -> tuple[Alternative, ...]:
     """Other explanations that were tried, and those that this recording cannot tell from the named one."""
-    reached, model = fit.nrmse["explained"], finding.choice.model
+    reached = fit.nrmse["explained"]
     others = []
-    if finding.choice.kinds == ("delay",) and model.delay > 0.0 and not finding.evidence.offset_ns:
+    if finding.choice.kinds == ("delay",) and not finding.evidence.offset_ns:
         others.append(Alternative(finding.block, "clock_offset", reached, False))
         if finding.evidence.name == "tau4":
             others.append(Alternative("motor", "extra_delay", reached, False))

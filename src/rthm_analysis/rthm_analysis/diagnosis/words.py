@@ -20,6 +20,12 @@ BLOCK_WORDS = {
     "sensor.force": "the force sensor",
 }
 
+ADVICE = {
+    ("motor", "extra_delay"): " Compare timing.tau4 in the spec with the delays that the drive and its node "
+    "were set to."
+}
+"""What to look at where software rather than the rig may be the reason."""
+
 
 def block_words(block: str) -> str:
     """A block's name in a sentence."""
@@ -54,6 +60,7 @@ def physics_words(
         if not isinstance(v, str)
     )
     text = f"{said[:1].upper()}{said[1:]} ({sure}; +- is one standard deviation)."
+    text += ADVICE.get((block, kind), "")
     if math.isfinite(share) and share > 0.0:
         text += f" It removes {100.0 * share:.3g} % of the squared error on data that the fit has not seen."
     if math.isfinite(energy) and energy:

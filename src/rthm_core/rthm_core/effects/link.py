@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rthm_core.effects.base import Effect, EffectParameter, register
 
 LONGEST = 60.0
 """Longest time beside a delay, s; a delay shorter than the spec's cannot be shorter by more than itself."""
 
 
+class ExtraDelay(Effect):
+    """Delay of either sign beside one of the spec; the words of a negative one say by how much earlier."""
+
+    @classmethod
+    def describe(cls, block: str, place: str, values: Mapping[str, float | str]) -> str:
+        """Return the words with value and place filled in."""
+        delay = float(values["delay"])
+        said = super().describe(block, place, {"delay": abs(delay)})
+        return said.replace(" later ", " earlier ") if delay < 0.0 else said
+
+
 @register
-class LinkExtraDelay(Effect):
+class LinkExtraDelay(ExtraDelay):
     """Delay beside the link's tau; a negative one makes the link faster than its tau says."""
 
     kind = "extra_delay"

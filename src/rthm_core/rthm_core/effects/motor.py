@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from rthm_core.effects.base import Effect, EffectParameter, register
-from rthm_core.effects.link import LONGEST
+from rthm_core.effects.link import LONGEST, ExtraDelay
 
 
 @register
-class MotorExtraDelay(Effect):
+class MotorExtraDelay(ExtraDelay):
     """Delay beside tau4; the same thing as an extra delay of link.tau4 seen through the recorded channels.
 
     A negative one makes the motor answer earlier than tau4 says.

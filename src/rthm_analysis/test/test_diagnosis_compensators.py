@@ -119,3 +119,13 @@ def test_without_uses_a_compensator_is_said_to_be_unchecked(folder):  # noqa: F8
     one, spec = test_of(folder, apply(PAPER, TAYLOR)), apply(PAPER, TAYLOR)
     part = diagnose_computed(replace(one, links={}), spec)
     assert any("not all recorded" in note for note in part.notes)
+
+
+@pytest.mark.parametrize("link", ["tau1", "tau3"])
+@pytest.mark.parametrize("delay", [-0.0025, 0.0025])
+def test_links_with_other_delays_leave_the_compensator_what_it_is(folder, link, delay):  # noqa: F811
+    spec = apply(PAPER, TAYLOR)
+    effect = {"block": f"link.{link}", "kind": "extra_delay", "delay": delay}
+    part = diagnose_computed(test_of(folder, apply(spec, {"effects": ["off"], "off": effect})), spec)
+    assert not part.faults and not part.physics and not part.unexplained
+    assert part.blocks[1].mismatch < 1e-6

@@ -36,7 +36,7 @@ def number(value: float, std: float, unit: str) -> str:
     """Value and uncertainty with the digits that mean something: ``0.118 +- 0.002 N``."""
     digits = 4 if not (math.isfinite(std) and std > 0.0) else _digits(value, std)
     suffix = "" if unit in ("", "1") else f" {unit}"
-    if not math.isfinite(std):
+    if not (math.isfinite(std) and std > 0.0):
         return f"{value:.4g}{suffix}"
     return f"{value:.{digits}g} +- {std:.2g}{suffix}"
 

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.links.evidence import LinkEvidence, link_evidence
 from rthm_analysis.diagnosis.links.fitting import counted, fitted, grain
 from rthm_analysis.recording import LINKS, Recording
 from rthm_core.clock import NS
+from rthm_core.errors import InputError
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
 
@@ -44,7 +45,10 @@ def other_delays(recording: Recording, spec: Spec, spans: Integers) -> dict[str,
 
 def _kept(recording: Recording, spec: Spec, name: str, tau: int, spans: Integers) -> bool:
     """Whether a link keeps to another tau rather than to the spec's; what no use denies is believed."""
-    other = apply(spec, {f"timing.{name}": tau / NS})
+    try:
+        other = apply(spec, {f"timing.{name}": tau / NS})
+    except InputError:  # The spec's own effects take more off than that tau has.
+        return False
     nominal, told = (link_evidence(recording, one, Schedule(one), name, spans) for one in (spec, other))
     if isinstance(nominal, str) or isinstance(told, str):
         return True

@@ -31,12 +31,19 @@ FRICTION = {
     "effects": ["late", "lost", "guide"],
     "guide.block": "plant", "guide.kind": "coulomb_friction", "guide.dof": "x1", "guide.force": 0.05,
 }  # fmt: skip
+FASTER = {
+    "effects": ["motor_early", "state_early"],
+    "motor_early.block": "motor", "motor_early.kind": "extra_delay", "motor_early.actuator": "a1",
+    "motor_early.delay": -0.003,
+    "state_early.block": "link.tau1", "state_early.kind": "extra_delay", "state_early.delay": -0.0015,
+}  # fmt: skip
 PREDICTION = {"actuator.compensator": "polynomial", "actuator.compensator_order": 3, "timing.tau3": 0.0105}
 CHANGES = {
     "no delay at all": {f"timing.tau{k}": 0.0 for k in (1, 2, 3, 4)},
     "extra commands at once": {"timing.tau4": 0.0, "timing.tau3": 0.0105, "timing.td2": 0.007},
     "prediction at irregular stamps": LATE_AND_LOST | PREDICTION,
     "jitter, loss and friction": LATE_AND_LOST | FRICTION,
+    "faster than the spec": FASTER,
 }
 
 

@@ -110,13 +110,6 @@ def test_a_clock_offset_of_whole_periods_is_told_by_the_values_used():
     assert part.physics[0].parameters["offset"].value == pytest.approx(offset * 1e-9)
 
 
-def test_samples_used_too_early_are_a_clock_offset():
-    one = recording(with_effect(paper(), "tau4", "clock_offset", offset=-0.002))
-    part = diagnose_links(one, paper())
-    assert found(part) == [("link.tau4", "clock_offset")]
-    assert part.physics[0].parameters["offset"].value == pytest.approx(-0.002, abs=1e-6)
-
-
 def test_uses_that_a_busy_machine_tells_late_are_no_physics():
     one, random = recording(paper()), np.random.default_rng(2)
     for name in one.links:

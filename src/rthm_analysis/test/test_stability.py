@@ -185,6 +185,17 @@ def test_a_delay_of_zero_has_a_critical_value_but_no_critical_scale():
     assert limit.critical_value > 0.1
 
 
+@pytest.mark.parametrize("block", ["link.tau4", "motor"])
+def test_a_delay_shorter_than_the_specs_leaves_the_limit_where_it_is(block):
+    spec = shipped_spec("paper")
+    early = {"block": block, "kind": "extra_delay", "delay": -0.002}
+    early |= {"actuator": "a1"} if block == "motor" else {}
+    same = apply(spec, {"timing.tau4": 0.012, "effects": ["early"], "early": early})
+    assert spectral_radius(same) == pytest.approx(spectral_radius(spec), abs=1e-12)
+    limits = [delay_limit(one, parts(one)[1], "tau4").critical_value for one in (spec, same)]
+    assert limits[1] - limits[0] == pytest.approx(0.002, abs=1e-6)
+
+
 def test_many_loops_at_once_have_the_radii_that_each_has_alone():
     spec, loop, cycle = parts(shipped_spec("three_mass"))
     softer = linear_loop(apply(spec, {"actuator.stiffness": [11.0, 19.0]}))

@@ -38,6 +38,8 @@ class Link:
     ----------
     delay_ns : int
         Constant part of the delay: tau and the link's ``extra_delay`` and ``clock_offset``.
+    beside_ns : int
+        The latter two, of either sign.
     offset_ns : int
         By how much the stamps of arriving samples are ahead (effect ``clock_offset``); the receiver waits for
         them in its own clock.
@@ -52,7 +54,8 @@ class Link:
             return sum(float(e.parameters[parameter]) for e in effects if e.kind == kind)
 
         self.offset_ns = to_ns(total("clock_offset", "offset"))
-        self.delay_ns = max(0, timing.ns(name) + to_ns(total("extra_delay", "delay")) + self.offset_ns)
+        self.beside_ns = to_ns(total("extra_delay", "delay")) + self.offset_ns
+        self.delay_ns = max(0, timing.ns(name) + self.beside_ns)
         self.jitter = total("jitter", "std")
         self.loss = total("loss", "fraction")
         self._seed = int(spec.noise.seed)

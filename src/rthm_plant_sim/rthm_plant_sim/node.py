@@ -32,12 +32,16 @@ class PlantNode(PartNode):
         """Open the topics of the plant."""
         loop = spec.loop()
         self._state = self.ports.output("plant/state", (*loop.plant.dofs, *loop.actuator.names), peers=2)
-        self._commands = self.ports.input("actuator/command", loop.actuator.names, Link(spec, "tau4"))
+        self._motor_delay = Schedule(spec).motor_delay
+        # A motor faster than tau4 must have its command before the link's own instant of use.
+        self._ahead = max(-self._motor_delay, 0)
+        link = Link(spec, "tau4")
+        link.delay_ns -= self._ahead
+        self._commands = self.ports.input("actuator/command", loop.actuator.names, link)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the plant at rest where the spec says, with its motors."""
         self._side = PhysicalSide(spec)
-        self._motor_delay = Schedule(spec).motor_delay
         self._in_motor = Inbox()
         agenda.when_due(self._commands.inbox, self._receive, _command_rank(spec))
         agenda.when_due(self._in_motor, self._drive)
@@ -46,8 +50,9 @@ class PlantNode(PartNode):
     def _receive(self, at: int, now: int) -> None:
         command = self._commands.take(at)
         if command is not None:
-            self._commands.tell(at, command.stamp)
-            self._in_motor.push(command.stamp, at + self._motor_delay, command.position)
+            use = at + self._ahead
+            self._commands.tell(use, command.stamp)
+            self._in_motor.push(command.stamp, use + self._motor_delay, command.position)
 
     def _drive(self, at: int, now: int) -> None:
         command = self._in_motor.take(at)

@@ -10,10 +10,10 @@ import numpy as np
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.experiments import next_experiment
 from rthm_analysis.diagnosis.links import diagnose_links
+from rthm_analysis.diagnosis.names import check_names
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import gather
-from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import verdict_words
 from rthm_analysis.recording import Recording
@@ -44,20 +44,20 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
     Raises
     ------
     InputError
-        When the spec has no plant, or the recording is too short to say anything.
+        When the spec has no plant, names or sizes of spec and recording do not fit, or the recording is too
+        short to say anything.
     """
     say = progress or (lambda said: None)
     _check(recording, spec)
-    parts = []
+    parts: list[Part] = []
     if spec.timing is not None:
         say("checking the links")
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
-        parts.append(diagnose_computed(recording, spec))
+        parts.append(diagnose_computed(recording, _as_run(parts, spec)))
+    here = _as_run(parts, spec)
     parts.append(
-        physical_part(
-            diagnose_physical(readings_only(gather(recording, spec)), spec, command_before(parts, spec), say)
-        )
+        physical_part(diagnose_physical(gather(recording, here), here, command_before(parts, spec), say))
     )
     say("putting it into words")
     return _joined(parts, spec)
@@ -68,18 +68,19 @@ def _check(recording: Recording, spec: Spec) -> None:
         raise InputError(
             "plant is missing in the spec: nothing can be diagnosed without it; add a plant section."
         )
+    check_names(recording, spec)
     samples = len(recording.plant)
     if samples < FEWEST_SAMPLES or recording.duration < SHORTEST:
         raise InputError(
             f"{recording.path} has {samples} samples over {recording.duration:.3g} s of plant/state, "
             f"but a diagnosis needs at least {FEWEST_SAMPLES} over {SHORTEST} s; record longer."
         )
-    missing = [dof for dof in spec.plant.dofs if dof not in recording.plant.names]
-    if missing:
-        raise InputError(
-            f"the recording has {', '.join(recording.plant.names)}, but not {', '.join(missing)} of the "
-            f"spec; use the spec of this test."
-        )
+
+
+def _as_run(parts: list[Part], spec: Spec) -> Spec:
+    """Spec with the times and the compensator that the test was run with."""
+    changes = {name: value for part in parts for name, value in part.changes.items()}
+    return apply(spec, changes) if changes else spec
 
 
 def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
@@ -87,18 +88,10 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
     unexplained = tuple(said for part in parts for said in part.unexplained)
     retuned = {name: one for part in parts for name, one in part.retuned.items()}
     blocks = tuple(one for part in parts for one in part.blocks)
-    located = tuple(
-        dict.fromkeys([*(one.block for one in physics), *(b.block for b in blocks if b.significant)])
-    )
-    named = bool(physics) or any(part.described for part in parts)
+    named = [one.block for one in physics]
+    located = tuple(dict.fromkeys([*named, *(b.block for b in blocks if b.significant)]))
     verdict: Verdict = (
-        ("improved" if named else "unexplained")
-        if unexplained
-        else "explained"
-        if physics
-        else "retuned"
-        if retuned
-        else "match"
+        "unexplained" if unexplained else "explained" if physics else "retuned" if retuned else "match"
     )
     alternatives = tuple(one for part in parts for one in part.alternatives)
     unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]

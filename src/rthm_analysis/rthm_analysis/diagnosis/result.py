@@ -266,7 +266,7 @@ class Part:
     fits: tuple[Fit, ...] = ()
     detection_limits: dict[str, Limit] = field(default_factory=dict)
     curves: tuple[Curve, ...] = ()
-    changes: dict[str, float] = field(default_factory=dict)
+    changes: dict[str, Any] = field(default_factory=dict)
     effects: tuple[dict[str, Any], ...] = ()
     unexplained: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()

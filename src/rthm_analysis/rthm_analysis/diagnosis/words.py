@@ -20,6 +20,12 @@ BLOCK_WORDS = {
     "sensor.force": "the force sensor",
 }
 
+ADVICE = {
+    ("motor", "extra_delay"): " Compare timing.tau4 in the spec with the delays that the drive and its node "
+    "were set to."
+}
+"""What to look at where software rather than the rig may be the reason."""
+
 
 def block_words(block: str) -> str:
     """A block's name in a sentence."""
@@ -30,7 +36,7 @@ def number(value: float, std: float, unit: str) -> str:
     """Value and uncertainty with the digits that mean something: ``0.118 +- 0.002 N``."""
     digits = 4 if not (math.isfinite(std) and std > 0.0) else _digits(value, std)
     suffix = "" if unit in ("", "1") else f" {unit}"
-    if not math.isfinite(std):
+    if not (math.isfinite(std) and std > 0.0):
         return f"{value:.4g}{suffix}"
     return f"{value:.{digits}g} +- {std:.2g}{suffix}"
 
@@ -54,6 +60,7 @@ def physics_words(
         if not isinstance(v, str)
     )
     text = f"{said[:1].upper()}{said[1:]} ({sure}; +- is one standard deviation)."
+    text += ADVICE.get((block, kind), "")
     if math.isfinite(share) and share > 0.0:
         text += f" It removes {100.0 * share:.3g} % of the squared error on data that the fit has not seen."
     if math.isfinite(energy) and energy:

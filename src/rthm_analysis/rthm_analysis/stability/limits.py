@@ -124,10 +124,10 @@ def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
 def _affordable(spec: Spec, loop: LinearLoop, name: str, end: float) -> float:
     """Value in s of a delay, at most `end`, up to which at most MOST_PLACES samples are under way."""
     schedule = Schedule(spec)
-    beside = schedule.links[name].delay_ns - spec.loop().timing.ns(name)
+    beside = schedule.links[name].beside_ns
     while True:
         longest = deepcopy(schedule)
-        longest.links[name].delay_ns = beside + to_ns(end)
+        longest.links[name].delay_ns = max(0, beside + to_ns(end))
         under_way = commensurate(longest, EVENTS_IN_A_SEARCH, loop.history).cycle.kept.size
         if under_way <= MOST_PLACES:
             return end

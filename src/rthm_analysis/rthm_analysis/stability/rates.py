@@ -15,7 +15,7 @@ from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
 from rthm_analysis.lifted.radii import moduli, stacked
 from rthm_analysis.stability.search import Rates
-from rthm_core.clock import to_ns
+from rthm_core.clock import NS, to_ns
 from rthm_core.compiled import Floats
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
@@ -75,12 +75,15 @@ def _as_known(spec: Spec, loop: LinearLoop, name: str, value: float) -> LinearLo
 
 def of_delay(spec: Spec, loop: LinearLoop, name: str) -> Rates:
     """Rates over the value in s of one delay, beside which the link's own effects stay."""
-    schedule = Schedule(apply(spec, {f"timing.{name}": 0.0}))
-    beside = schedule.links[name].delay_ns
+    schedule = Schedule(spec)
+    beside = schedule.links[name].beside_ns
+    # What is faster than the spec says takes no more off than there is.
+    least = max(0, -beside, -beside - schedule.motor_delay if name == "tau4" else 0) / NS
 
     def one(value: float) -> Floats:
+        value = max(value, least)
         changed = deepcopy(schedule)
-        changed.links[name].delay_ns = max(0, beside + to_ns(value))
+        changed.links[name].delay_ns = beside + to_ns(value)
         cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
         return growth_rates(_as_known(spec, loop, name, value), cycle)
 

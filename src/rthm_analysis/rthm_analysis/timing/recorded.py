@@ -21,6 +21,9 @@ from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newes
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
+EARLY = 20
+"""Part of a period by which a receiver may tell a use too early; what is earlier did not wait at all."""
+
 CLOCKS = ("td1", "td2", "td3", "td4")
 
 
@@ -153,6 +156,7 @@ class RecordedSchedule(Schedule):
             return tick[tick >= 0] * self.td4, number[tick >= 0]
         due = self.links["tau3"].due_all(stamp)
         punctual = np.where(due % self.td3 == 0, use <= self._tick_done(due), np.isin(due, commands))
+        punctual &= use > due - self.td3 // EARLY
         extra = np.setdiff1d(commands[commands % self.td3 != 0], due[punctual])
         at = np.where(punctual, due, use)
         for late in np.flatnonzero(~punctual)[::-1]:

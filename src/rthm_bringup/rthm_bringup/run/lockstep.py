@@ -22,9 +22,9 @@ from operator import sub
 from typing import NamedTuple
 
 from rthm_core.clock import Rank
-from rthm_core.link import Link
 from rthm_core.ros.agenda import Position
 from rthm_core.ros.grants import NOTHING, PARTS, SOURCES, Counts, Done, Grant
+from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
 HELD = 400
@@ -192,7 +192,9 @@ class LockStep:
 def _loop(spec: Spec) -> tuple[Part, Part, Part]:
     """Make the parts of a loop, and the links between them."""
     state, _, reference, command = range(len(SOURCES))
-    delay = {name: Link(spec, name).delay_ns for name in ("tau1", "tau2", "tau3", "tau4")}
+    schedule = Schedule(spec)
+    delay = {name: link.delay_ns for name, link in schedule.links.items()}
+    delay["tau4"] += min(schedule.motor_delay, 0)
     plant, numerical = Part("plant"), Part("numerical")
     actuator = Part("actuator", driven=-1 if spec.loop().timing.ns("td4") else reference)
     plant.ways = [Way(actuator, command, delay["tau4"], (Rank.DELAY, Rank.CONTROL))]

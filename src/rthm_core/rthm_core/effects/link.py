@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rthm_core.effects.base import Effect, EffectParameter, register
+
+LONGEST = 60.0
+"""Longest time beside a delay, s; a delay shorter than the spec's cannot be shorter by more than itself."""
+
+
+class ExtraDelay(Effect):
+    """Delay of either sign beside one of the spec; the words of a negative one say by how much earlier."""
+
+    @classmethod
+    def describe(cls, block: str, place: str, values: Mapping[str, float | str]) -> str:
+        """Return the words with value and place filled in."""
+        delay = float(values["delay"])
+        said = super().describe(block, place, {"delay": abs(delay)})
+        return said.replace(" later ", " earlier ") if delay < 0.0 else said
 
 
 @register
-class LinkExtraDelay(Effect):
-    """Delay beside the link's tau."""
+class LinkExtraDelay(ExtraDelay):
+    """Delay beside the link's tau; a negative one makes the link faster than its tau says."""
 
     kind = "extra_delay"
     blocks = ("link",)
-    parameters = {"delay": EffectParameter("s", "delay beside the link's tau", minimum=0.0, maximum=60.0)}
+    parameters = {
+        "delay": EffectParameter(
+            "s", "delay beside the link's tau, no less than -tau", minimum=-LONGEST, maximum=LONGEST
+        )
+    }
     equation = "due = stamp + tau + delay"
     words = "samples reach the receiver of {block} {delay} later than its delay says"
 
@@ -24,7 +44,7 @@ class Jitter(Effect):
     blocks = ("link",)
     parameters = {
         "std": EffectParameter(
-            "s", "standard deviation of the normal number behind it", minimum=0.0, maximum=60.0
+            "s", "standard deviation of the normal number behind it", minimum=0.0, maximum=LONGEST
         )
     }
     equation = "due = stamp + tau + |N(0, std)|"
@@ -50,7 +70,10 @@ class ClockOffset(Effect):
     blocks = ("link",)
     parameters = {
         "offset": EffectParameter(
-            "s", "sender's clock minus receiver's clock; + keeps samples longer", minimum=-60.0, maximum=60.0
+            "s",
+            "sender's clock minus receiver's clock; + keeps samples longer",
+            minimum=-LONGEST,
+            maximum=LONGEST,
         )
     }
     equation = "due = max(stamp, stamp + tau + offset)"

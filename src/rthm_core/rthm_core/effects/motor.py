@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from rthm_core.effects.base import Effect, EffectParameter, register
+from rthm_core.effects.link import LONGEST, ExtraDelay
 
 
 @register
-class MotorExtraDelay(Effect):
-    """Delay beside tau4; the same thing as an extra delay of link.tau4 seen through the recorded channels."""
+class MotorExtraDelay(ExtraDelay):
+    """Delay beside tau4; the same thing as an extra delay of link.tau4 seen through the recorded channels.
+
+    A negative one makes the motor answer earlier than tau4 says.
+    """
 
     kind = "extra_delay"
     blocks = ("motor",)
-    parameters = {"delay": EffectParameter("s", "delay that is added to tau4", minimum=0.0, maximum=60.0)}
+    parameters = {
+        "delay": EffectParameter(
+            "s", "delay that is added to tau4, no less than -tau4", minimum=-LONGEST, maximum=LONGEST
+        )
+    }
     equation = "u(t) = u_d(t - tau4 - delay)"
     words = "the motor of {actuator} answers {delay} later than the delay tau4 says"
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_core.clock import to_ns
 from rthm_core.effects.base import PLACES, check_block, effect, family, suggestion
 from rthm_core.errors import MISSING, RefusedError
 from rthm_core.spec.load import MultisineLoad
@@ -37,6 +38,7 @@ def check(spec: Spec) -> None:
     _loads(spec)
     for one in spec.effects:
         _effect(spec, one)
+    _delays_left(spec)
 
 
 def _complete(spec: Spec) -> None:
@@ -188,3 +190,18 @@ def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
         raise RefusedError(
             one.parameters["value"], f"{known[name].bounds}, as {name}", within=f"{one.name}.value"
         )
+
+
+def _delays_left(spec: Spec) -> None:
+    """A delay may be shorter than its tau, but nothing arrives before it was sent."""
+    for one in spec.effects:
+        if one.kind != "extra_delay" or spec.timing is None or float(one.parameters["delay"]) >= 0.0:
+            continue
+        name = one.link or "tau4"
+        also = (f"link.{name}", one.block)
+        others = [e for e in spec.effects if e.kind == "extra_delay" and e.block in also and e is not one]
+        rest = getattr(spec.timing, name) + sum(float(e.parameters["delay"]) for e in others)
+        if to_ns(rest + float(one.parameters["delay"])) < 0:
+            besides = f" and {', '.join(e.name for e in others)}" if others else ""
+            allowed = f"at least {0.0 - rest:g} s, as timing.{name}{besides} leave no more to be taken off"
+            raise RefusedError(one.parameters["delay"], allowed, within=f"{one.name}.delay")

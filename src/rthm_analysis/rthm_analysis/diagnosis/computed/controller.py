@@ -32,7 +32,7 @@ class Commands:
     time : (n,) array
         Stamps, ns after the start.
     u_d, x1, force : (n,) arrays
-        Command (m), latched position (m), force reference in use (N).
+        Command (m), position (m) and force reference (N) in it; with a compensator, as it predicted them.
     """
 
     time: Integers
@@ -58,12 +58,25 @@ class Commands:
         return max(float(np.sqrt(np.mean(self.u_d**2))), 1e-12) if self.u_d.size else 1e-12
 
 
-def commands_of(recording: Recording, spec: Spec, held: Latched, actuator: int) -> Commands:
-    """Commands of one actuator whose inputs are all known, without the spans in which they are faded."""
+def held_position(recording: Recording, held: Latched) -> Floats:
+    """x1 (n, m) that was in use at each recorded command, m; NaN: not known."""
+    time = recording.tables["actuator/command"].stamp_ns - recording.start_ns
+    motion = held.at(time // held.period)
+    return motion[:, : motion.shape[1] // 2]
+
+
+def commands_of(recording: Recording, spec: Spec, position: Floats, actuator: int) -> Commands:
+    """Commands of one actuator whose inputs are all known, without the spans in which they are faded.
+
+    Parameters
+    ----------
+    position : (n, m) array
+        x1 in each recorded command, as it was used or predicted.
+    """
     names = spec.loop().actuator.names
     table = recording.tables["actuator/command"]
     time = table.stamp_ns - recording.start_ns
-    x1 = held.at(time // held.period)[:, actuator]
+    x1 = position[:, actuator]
     u_d, force = (table.columns(field, names)[:, actuator] for field in ("position", "effort"))
     known = np.isfinite(u_d) & np.isfinite(force) & np.isfinite(x1)
     if spec.limits is not None and spec.limits.ramp:

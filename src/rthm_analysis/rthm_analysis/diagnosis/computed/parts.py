@@ -7,16 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import words
-from rthm_analysis.diagnosis.computed.controller import (
-    MOST,
-    RIGHT,
-    Commands,
-    affine,
-    believed_stiffness,
-    commands_of,
-    energy,
-    fitted_compliance,
-)
+from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked
+from rthm_analysis.diagnosis.computed.control import diagnose_controller
 from rthm_analysis.diagnosis.computed.latched import delayed, latched
 from rthm_analysis.diagnosis.computed.numerical import (
     Search,
@@ -36,17 +28,10 @@ from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-FLOOR = 1e-3
-"""Noise floor of a block that computes, over the rms of its output (contract, section 7)."""
 
 ROUNDING = 3e-6
 """Error of one step, over the size of the step, that needs no explanation."""
-
-FEWEST = 30
-"""Ticks or commands below which nothing is said."""
 
 
 def diagnose_computed(recording: Recording, spec: Spec) -> Part:
@@ -66,7 +51,7 @@ def diagnose_computed(recording: Recording, spec: Spec) -> Part:
     if not spec.is_loop:
         return Part()
     schedule = Schedule(spec)
-    parts = [_numerical(recording, spec, schedule), _controller(recording, spec, schedule)]
+    parts = [_numerical(recording, spec, schedule), diagnose_controller(recording, spec, schedule)]
     return Part(
         blocks=tuple(one for part in parts for one in part.blocks),
         physics=tuple(one for part in parts for one in part.physics),
@@ -76,27 +61,22 @@ def diagnose_computed(recording: Recording, spec: Spec) -> Part:
         effects=tuple(one for part in parts for one in part.effects),
         unexplained=tuple(one for part in parts for one in part.unexplained),
         notes=tuple(one for part in parts for one in part.notes),
+        faults=parts[1].faults,
+        changes=parts[1].changes,
     )
-
-
-def _unchecked(block: str, reason: str) -> Part:
-    return Part(notes=(f"{block}: {reason}, so what it computes with was not checked.",))
-
-
-# The numerical substructure
 
 
 def _numerical(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
     if "numerical/state" not in recording.tables:
-        return _unchecked("numerical", "numerical/state is not recorded")
+        return unchecked("numerical", "numerical/state is not recorded")
     held = latched(recording, spec, schedule, "tau2")
     if held is None:
-        return _unchecked("numerical", "links/tau2 is not recorded and cannot be derived")
+        return unchecked("numerical", "links/tau2 is not recorded and cannot be derived")
     ticks = ticks_of(recording, spec, held)
     end = to_ns(recording.duration) + 1
     train, judge, unseen = (ticks.part(end * i // 3, end * (i + 1) // 3) for i in range(3))
     if min(train.steps.size, judge.steps.size, unseen.steps.size) < FEWEST:
-        return _unchecked("numerical", "too few of its ticks are recorded with what it used")
+        return unchecked("numerical", "too few of its ticks are recorded with what it used")
     nominal = structure(spec)
     enough = _enough(train, nominal)
     found = search(train, judge, nominal, enough)
@@ -162,7 +142,7 @@ def _numerical_part(
         alternatives=others,
         fits=(fit,),
         detection_limits=limits,
-        effects=tuple(_effect("numerical", one) for one in physics),
+        effects=tuple(effect_of("numerical", one) for one in physics),
         unexplained=left if still else (),
         notes=notes,
     )
@@ -178,13 +158,6 @@ def _wrong(nominal: Structure, found: Search, i: int, share: float, work: float)
     label = nominal.spec_name(name)
     text = words.wrong("numerical", label, nominal.value(name), value, share, after)
     return Physics("numerical", "wrong_parameter", None, {"name": label, "value": value}, text, work, share)
-
-
-def _effect(block: str, one: Physics) -> dict[str, object]:
-    value = one.parameters["value"]
-    number = value.value if isinstance(value, Value) else value
-    parameters = {"name": one.parameters["name"], "value": number}
-    return {"block": block, "kind": "wrong_parameter", "parameters": parameters}
 
 
 def _numerical_fit(unseen: Ticks, nominal: Structure, found: Search, duration: float) -> Fit:
@@ -235,96 +208,3 @@ def _term_energy(recording: Recording, spec: Spec, ticks: Ticks, found: Search, 
     v1 = plant.columns("velocity", spec.loop().interface.plant_dof)
     work = np.nansum(own[:-1] * np.diff(ticks.time)) + np.sum(np.sum(force * v1, axis=1)[:-1] * np.diff(at))
     return float(work) / NS
-
-
-# The controller
-
-
-def _controller(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
-    if "actuator/command" not in recording.tables:
-        return _unchecked("controller", "actuator/command is not recorded")
-    compensator = spec.loop().actuator.compensator
-    if compensator != "none":
-        return _unchecked("controller", f"its commands go through the compensator {compensator}")
-    held = latched(recording, spec, schedule, "tau1")
-    if held is None:
-        return _unchecked("controller", "links/tau1 is not recorded and cannot be derived")
-    notes: tuple[str, ...] = ()
-    if not held.told:
-        notes = (
-            "controller: links/tau1 is not recorded: the samples it used are taken from the exact schedule.",
-        )
-    parts, names = [], spec.loop().actuator.names
-    for actuator in range(len(names)):
-        commands = commands_of(recording, spec, held, actuator)
-        if commands.time.size < FEWEST:
-            return _unchecked("controller", "too few commands are recorded with what they were made from")
-        parts.append(_one_actuator(recording, spec, commands, actuator))
-    worst = max((part.blocks[0] for part in parts), key=lambda block: (block.significant, block.mismatch))
-    return Part(
-        blocks=(worst,),
-        physics=tuple(one for part in parts for one in part.physics),
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
-        effects=tuple(one for part in parts for one in part.effects),
-        unexplained=tuple(one for part in parts for one in part.unexplained),
-        notes=notes,
-    )
-
-
-def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator: int) -> Part:
-    """Law of one actuator's commands."""
-    k_tot = believed_stiffness(spec)
-    compliance, name = 1.0 / k_tot[actuator], spec.loop().actuator.names[actuator]
-    off = commands.error(compliance)
-    label = "actuator.stiffness" if k_tot.size == 1 else f"actuator.stiffness[{actuator}]"
-    weight = max(size_of(commands.force), 1e-12) * compliance / k_tot[actuator]
-    limits = {f"controller.wrong_parameter.{label}": Limit(RIGHT * commands.size / weight, "N/m")}
-    mismatch = size_of(off) / (FLOOR * commands.size)
-    if commands.right(off) >= MOST:
-        limited = commands.right(off) < 1.0 - 1e-3
-        left = (words.unlike(name, 1.0 - commands.right(off), size_of(off)),) if limited else ()
-        told, unexplained = (left, ()) if spec.limits is not None else ((), left)
-        block = Mismatch("controller", mismatch, bool(unexplained))
-        return Part(blocks=(block,), detection_limits=limits, unexplained=unexplained, notes=told)
-    block = Mismatch("controller", mismatch, True)
-    train_end = to_ns(recording.duration) * 2 // 3
-    train, unseen = commands.rows(commands.time < train_end), commands.rows(commands.time >= train_end)
-    value, std = fitted_compliance(train)
-    if not np.isfinite(value) or value <= 0.0 or unseen.right(unseen.error(value)) < MOST:
-        text = _other(train, unseen, name, compliance, off)
-        return Part(blocks=(block,), detection_limits=limits, unexplained=(text,))
-    fit = _command_fit(unseen, compliance, value, recording.duration)
-    share = 1.0 - (fit.nrmse["explained"] / max(fit.nrmse["nominal"], 1e-15)) ** 2
-    stiffness = Value(1.0 / value, std / value**2, "N/m")
-    text = words.wrong("controller", label, float(k_tot[actuator]), stiffness, share, "")
-    work = energy(recording, spec, commands, off, actuator)
-    parameters: dict[str, Value | str] = {"name": label, "value": stiffness}
-    one = Physics("controller", "wrong_parameter", None, parameters, text, work, share)
-    return Part(
-        blocks=(block,),
-        physics=(one,),
-        fits=(fit,),
-        detection_limits=limits,
-        effects=(_effect("controller", one),),
-    )
-
-
-def _other(train: Commands, unseen: Commands, name: str, compliance: float, off: Floats) -> str:
-    """Another law of x1 and F_d, if there is one; else how far off the commands are."""
-    gains, left = affine(train)
-    basis = np.column_stack([unseen.x1, unseen.force, np.ones(unseen.u_d.size)])
-    if left < 0.1 * size_of(off) and size_of(unseen.u_d - basis @ gains) < 0.1 * size_of(off):
-        return words.other_law(name, (float(gains[0]), float(gains[1]), float(gains[2])), compliance)
-    return words.unlike(name, float(np.mean(np.abs(off) > RIGHT * train.size)), size_of(off))
-
-
-def _command_fit(unseen: Commands, nominal: float, found: float, duration: float) -> Fit:
-    scale = max(float(np.std(unseen.u_d)), 1e-12)
-    by_spec, by_found = (unseen.u_d - unseen.error(one) for one in (nominal, found))
-    off = [size_of(unseen.u_d - one) / scale for one in (by_spec, by_found)]
-    floor = FLOOR * size_of(unseen.u_d) / scale
-    nrmse = {"nominal": off[0], "retuned": off[0], "explained": off[1], "noise_floor": floor}
-    spans = (0.0, 2.0 * duration / 3.0), (2.0 * duration / 3.0, duration)
-    pictures = (unseen.u_d, by_spec, by_spec, by_found)
-    return Fit("controller", "u_d", None, *spans, nrmse, unseen.time / NS, *pictures)

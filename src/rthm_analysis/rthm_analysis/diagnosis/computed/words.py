@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.result import Value
+from rthm_core.spec import Spec
 
 WHO = {"controller": "controller", "numerical": "numerical substructure"}
 
@@ -54,4 +55,36 @@ def unlike(actuator: str, share: float, error: float) -> str:
         f"{100.0 * share:.3g} % of the commands of {actuator} are not x1 + F_d / k_tot of the samples that "
         f"the controller used, by {1e3 * error:.3g} mm rms; limits of the safety monitor, a compensator or "
         "another law could be the reason."
+    )
+
+
+def compensator(spec: Spec) -> str:
+    """A controller's compensator in a sentence."""
+    actuator = spec.loop().actuator
+    if actuator.compensator == "none":
+        return "one without a compensator"
+    order = f" of order {actuator.compensator_order}" if actuator.compensator == "polynomial" else ""
+    ahead = actuator.compensator_horizon
+    horizon = "" if ahead is None else f" that looks {1e3 * ahead:.6g} ms ahead"
+    return f"one with the compensator {actuator.compensator}{order}{horizon}"
+
+
+def wrong_compensator(spec: Spec, right: Spec, name: str) -> str:
+    """Sentence for another compensator than the spec's; `name` is the entry that is wrong."""
+    value = getattr(spec.loop().actuator, name.removeprefix("actuator."))
+    said = "nothing" if value is None else value
+    found = compensator(right).replace("one", "a controller", 1)
+    return (
+        f"The spec says {name}: {said}, but the recorded commands are those of {found}. "
+        "Compare the actuator section of the spec with what the controller was started with; all else here "
+        "is told with the compensator found."
+    )
+
+
+def no_compensator(spec: Spec) -> str:
+    """Sentence for commands that no known compensator gives."""
+    return (
+        f"The spec says that the controller is {compensator(spec)}, but neither this one nor any other known "
+        "compensator, of any order and horizon, gives the recorded commands from the samples that it used. "
+        "Compare program and spec of the controller with those of the test."
     )

@@ -12,6 +12,10 @@ ages        how old the sample in use is, as recorded and as a model expects it
 limits      the smallest effects that would have been seen
 energy      what older samples cost in energy
 words       the findings for a test engineer
+clocks      periods measured from stamps, where they are not the spec's
+delays      a tau of the spec that is not the one with which the test was run
+times       both as faults of the spec
+finding     what one link shows
 parts       all of it as a `Part`
 ==========  ============================================================================
 """

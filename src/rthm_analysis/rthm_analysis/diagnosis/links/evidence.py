@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 GRAIN = 1e-6
 """Instants of use are taken as exact to this, s."""
 
+TOLD_NS = 1_000_000
+"""A receiver tells a use, ns, at most so much after the command that it made of it, unless it is held up."""
+
 
 @dataclass(frozen=True)
 class LinkEvidence:
@@ -151,6 +154,7 @@ def _as_commanded(
 
     A command is stamped with the instant for which it was computed, which is exact where the receiver tells
     its uses a little later; and a use that was lost in the recording is told by the command all the same.
+    Commands of a compensator hold no reference as it was sent; there, the last command before is taken.
     """
     commands, forces = recording.tables.get("actuator/command"), recording.tables["numerical/force_reference"]
     if commands is None or not len(commands):
@@ -161,6 +165,9 @@ def _as_commanded(
     told = forces.effort[which]
     newest = np.maximum(np.searchsorted(sent, at, side="right") - 1, 0)
     same = (effort[newest] == told[row]).all(axis=1) & (sent[newest] <= at)
+    if same.mean() < 0.5:
+        soon = (sent[newest] <= at) & (at - sent[newest] < TOLD_NS)
+        return np.where(soon, sent[newest], at), row
     at = np.where(same, sent[newest], at)
     missing = np.setdiff1d(np.arange(stamp.size), row)
     after = np.minimum(np.searchsorted(sent, stamp[missing] + delay), sent.size - 1)

@@ -24,6 +24,9 @@ LOOKED_AT = 300
 REACHES = (NS // 10, 5 * NS)
 """Largest shifts that are tried, ns, one after the other."""
 
+FORESEEN = 0.1
+"""Share of uses before their sample was taken that bad stamps explain."""
+
 EQUAL = 1e-9
 """Values that fit this well, relative to the signal's rms, are those of the right samples."""
 
@@ -87,6 +90,8 @@ def _told_by_values(
     if not known.size or misfits[nearest] < EQUAL * float(np.sqrt(np.mean(known**2))):
         return nearest
     for shift in shifts[np.argsort(np.abs(shifts), kind="stable")]:
+        if (uses.sample_ns - shift > uses.use_ns).mean() > FORESEEN:
+            continue  # Nobody uses samples of the future; a compensator only looks as if it did.
         misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
     return _clearly_best(misfits, nearest, EXACT)
 

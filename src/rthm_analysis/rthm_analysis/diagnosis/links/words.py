@@ -17,13 +17,16 @@ RECEIVERS = {
 }
 
 SENTENCES = {
-    "extra_delay": "The {samples} (link {name}) arrive {value} later than the spec says, every one of them.",
+    "extra_delay": "The {samples} (link {name}) arrive {value} {way} than the spec says, every one of them.",
     "jitter": "The {samples} (link {name}) are late by a random time, as the size of a normal number with a "
     "standard deviation of {value}; each sample is delayed anew.",
     "loss": "Of the {samples} (link {name}), {value} never arrive; the receiver keeps the older.",
     "clock_offset": "The two ends of the link {name} disagree about the time: the {samples} have stamps that "
     "the receiver sees {value} {way}.",
 }
+
+WAYS = {"extra_delay": ("earlier", "later"), "clock_offset": ("behind", "ahead")}
+"""Kinds of either sign, and which way a negative and a positive value goes."""
 
 ELSE = {
     "extra_delay": "Clocks that differ by the same amount would look the same if the receiver did not show "
@@ -35,7 +38,10 @@ ELSE = {
 }
 
 MOTOR_AS_WELL = " In motor position and force it is the same as a delay within the motor."
-EARLY = "The samples are used earlier than their delay allows, which no delay explains."
+ADVICE = (
+    " Compare timing.{name} in the spec with the delay that the receiving node was started with, and with "
+    "what the transport takes."
+)
 
 
 def shown(value: Value) -> str:
@@ -45,25 +51,26 @@ def shown(value: Value) -> str:
     return f"{1e3 * value.value:.4g} ms (+- {1e3 * value.std:.2g} ms)"
 
 
-def sentence(name: str, kind: str, value: Value, share: float, shifted: bool) -> str:
-    """What was found: what, where, how big, how sure, what else it could be.
+def sentence(name: str, kind: str, value: Value, share: float) -> str:
+    """What was found: what, where, how big, how sure, what else it could be, and what to look at.
 
     Parameters
     ----------
     share : float
         Part of the squared error in the age of the samples, on unseen data, that it removes.
-    shifted : bool
-        Whether the stamps that the receiver tells differ from the sender's.
     """
-    size = Value(abs(value.value), value.std, value.unit) if kind == "clock_offset" else value
-    way = "ahead" if value.value > 0.0 else "behind"
+    either = kind in WAYS
+    size = Value(abs(value.value), value.std, value.unit) if either else value
+    way = WAYS[kind][value.value > 0.0] if either else ""
     first = SENTENCES[kind].format(samples=RECEIVERS[name], name=name, value=shown(size), way=way)
     seen = (
         f"On the last third of the recording it removes {100.0 * max(share, 0.0):.0f} % of the squared error "
     )
     seen += "in the age of the sample in use."
-    other = EARLY if kind == "clock_offset" and not shifted else ELSE[kind]
-    return f"{first} {seen} {other}" + (MOTOR_AS_WELL if (name, kind) == ("tau4", "extra_delay") else "")
+    text = f"{first} {seen} {ELSE[kind]}"
+    if kind != "extra_delay":
+        return text
+    return text + (MOTOR_AS_WELL if name == "tau4" else "") + ADVICE.format(name=name)
 
 
 def stood_still(machine: HeldUp) -> tuple[str, ...]:

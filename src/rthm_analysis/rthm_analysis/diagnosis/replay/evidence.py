@@ -11,6 +11,8 @@ import numpy as np
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
+from rthm_core.link import Link
+from rthm_core.schedule import overtaking
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 
 CHANNELS = ("position", "velocity", "force", "motor")
 """Families of measured signals of the physical side."""
+
+STRAYS = 0.01
+"""Share of the uses of commands that may be stamped wrongly."""
 
 UNITS = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
 
@@ -62,6 +67,8 @@ class Evidence:
         ``"command"``, or ``"force"`` when the known forces are all that drives the plant.
     notes : tuple of str
         What could not be used.
+    under_way : float
+        Shortest time from the stamp of a command to its arrival, s; no motor can answer earlier by more.
     """
 
     stamps_ns: Integers
@@ -72,6 +79,7 @@ class Evidence:
     measured: Floats
     driven_by: str
     notes: tuple[str, ...] = ()
+    under_way: float = 0.0
 
     @cached_property
     def time(self) -> Floats:
@@ -103,7 +111,7 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
     notes: list[str] = []
     load = np.nan_to_num(plant.columns("effort", dofs))
     names = spec.actuator.names if spec.actuator else ()
-    due, commands = _commands(recording, spec, names)
+    due, commands, under_way = _commands(recording, spec, names)
     if names and not due.size:
         notes.append(
             "No commands are recorded: motor and wire cannot be checked; the measured force drives the plant."
@@ -136,6 +144,7 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
         np.stack(columns, axis=1),
         "command" if due.size else "force",
         tuple(notes),
+        under_way,
     )
 
 
@@ -151,17 +160,22 @@ def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats: 
     return total
 
 
-def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple[Integers, Floats]:
-    """Instants at which commands reached the motors, and the commands."""
+def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple[Integers, Floats, float]:
+    """Instants at which commands reached the motors, the commands, and how long they were under way at least.
+
+    Where no uses are recorded, the link is taken to do what the spec says.
+    """
     sent = recording.tables.get("actuator/command")
     if sent is None or not names:
-        return np.empty(0, dtype=np.int64), np.empty((0, len(names)))
+        return np.empty(0, dtype=np.int64), np.empty((0, len(names))), 0.0
     uses = recording.links.get("tau4")
     values = sent.columns("position", names)
     if uses is None:
-        known = recording.spec
-        delay = known.timing.ns("tau4") if known is not None and known.timing is not None else 0
-        return sent.stamp_ns - recording.start_ns + delay, values
+        stamps, link = sent.stamp_ns - recording.start_ns, Link(spec, "tau4")
+        due = link.due_all(stamps)
+        used = overtaking(due)
+        return due[used], values[used], link.delay_ns / NS
     order = np.argsort(uses.use_ns, kind="stable")
-    used = hold(sent.stamp_ns, values, sent_stamps(recording, spec, "tau4", sent)[order])
-    return uses.use_ns[order] - recording.start_ns, used
+    at, stamps = uses.use_ns[order], sent_stamps(recording, spec, "tau4", sent)[order]
+    under_way = float(np.quantile(at - stamps, STRAYS)) / NS if at.size else 0.0
+    return at - recording.start_ns, hold(sent.stamp_ns, values, stamps), max(under_way, 0.0)

@@ -11,11 +11,16 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.clock import NS
 from rthm_core.compiled import Floats
+from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
 LONGEST_DELAY = 0.1
 """Seconds; a longer delay of a motor is not looked for."""
+
+SHORTEST_DELAY = 2e-4
+"""Seconds; where not even this much makes it better, no delay is looked for."""
 
 FLAT = 2e-3
 """Seconds; between two samples no delay is looked for any further away."""
@@ -49,7 +54,7 @@ def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[Start]:
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )
         delay, doubt = _best_delay(spec, fitting, name)
-        if delay > 0.0:
+        if delay != 0.0:
             yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
         rate = np.abs(np.diff(u)) / np.diff(evidence.time)
         for share in (0.999, 0.99, 0.9):
@@ -66,12 +71,16 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
     """Delay with the smallest squared error, and how much longer or shorter it may be without any difference.
 
     The best of a row is looked for, then of ever finer rows around it. Motors that follow at once move in
-    steps, and between two samples it makes no difference when.
+    steps, and between two samples it makes no difference when. A motor can answer earlier than the spec says
+    by no more than commands are under way. Zero: the delay of the spec does as well as any.
     """
     experiment = fitting.experiment
+    schedule = Schedule(spec)
+    specified = (schedule.links["tau4"].delay_ns + schedule.motor_delay) / NS
+    earliest = -min(experiment.evidence.under_way, specified)
 
     def error(delay: float) -> float:
-        if delay < 0.0:
+        if delay < earliest:
             return np.inf
         model = Model(spec, prefix="trial").plus(
             Added("motor", "extra_delay", name, {"delay": delay}), (), {}
@@ -82,15 +91,19 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
     def best_of(row: Floats) -> float:
         return float(row[int(np.argmin(fitting.cores.each(error, row.tolist())))])
 
-    best = best_of(np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)]))
-    if best == 0.0 and error(2e-4) >= error(0.0):
+    earlier = -np.geomspace(SHORTEST_DELAY, -earliest, 8) if -earliest > SHORTEST_DELAY else np.empty(0)
+    later = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)])
+    best = best_of(np.concatenate([later, earlier]))
+    if best == 0.0 and min(error(SHORTEST_DELAY), error(-SHORTEST_DELAY)) >= error(0.0):
         return 0.0, 0.0
-    width = max(0.001, 0.3 * best)
+    width = max(0.001, 0.3 * abs(best))
     # Commands come in steps, so that a delay that is off by a microsecond already shows.
     for _ in range(10):
         best = best_of(best + width * np.linspace(-1.0, 1.0, 9))
         width *= 0.25
     low, high = (_edge(error, best, best + side * FLAT) for side in (-1.0, 1.0))
+    if low <= 0.0 <= high:
+        return 0.0, 0.0
     return 0.5 * (low + high), 0.5 * (high - low)
 
 

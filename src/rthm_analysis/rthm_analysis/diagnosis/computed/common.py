@@ -1,0 +1,24 @@
+"""What the diagnoses of both computing blocks share."""
+
+from __future__ import annotations
+
+from rthm_analysis.diagnosis.result import Part, Physics, Value
+
+FLOOR = 1e-3
+"""Noise floor of a block that computes, over the rms of its output (contract, section 7)."""
+
+FEWEST = 30
+"""Ticks or commands below which nothing is said."""
+
+
+def unchecked(block: str, reason: str) -> Part:
+    """Return a part that says why a block was not checked."""
+    return Part(notes=(f"{block}: {reason}, so what it computes with was not checked.",))
+
+
+def effect_of(block: str, one: Physics) -> dict[str, object]:
+    """Section of a spec in which a block has a wrong parameter."""
+    value = one.parameters["value"]
+    number = value.value if isinstance(value, Value) else value
+    parameters = {"name": one.parameters["name"], "value": number}
+    return {"block": block, "kind": "wrong_parameter", "parameters": parameters}

@@ -1,0 +1,73 @@
+"""Whether a spec and a recording are of one rig: the same names, as many of them, and what drives it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.recording import Recording
+from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+
+def check_names(recording: Recording, spec: Spec) -> None:
+    """Compare the names of every topic with those of the spec.
+
+    Raises
+    ------
+    InputError
+        When a name of the spec is not recorded, a part of the loop has others than the spec, or neither
+        commands nor forces are recorded; with both lists and the way out.
+    """
+    _has(recording.plant.names, spec.plant.dofs, "plant/state")
+    if not spec.is_loop:
+        return
+    loop, known = spec.loop(), {*spec.plant.dofs, *spec.loop().actuator.names}
+    beyond = [name for name in recording.plant.names if name not in known]
+    if beyond:  # without any other name the motors are only not recorded
+        _has(recording.plant.names, loop.actuator.names, "plant/state")
+    for topic, names in _of_parts(spec):
+        table = recording.tables.get(topic)
+        if table is not None:
+            _same(table.names, names, topic)
+    _check_driven(recording, loop.actuator.names)
+
+
+def _of_parts(spec: Spec) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Topics of the parts that compute, and the names that they have."""
+    loop = spec.loop()
+    yield "numerical/state", loop.numerical.dofs
+    yield "numerical/force_reference", loop.actuator.names
+    yield "actuator/command", loop.actuator.names
+
+
+def _has(recorded: tuple[str, ...], needed: tuple[str, ...], topic: str) -> None:
+    missing = [name for name in needed if name not in recorded]
+    if missing:
+        raise _another_rig(topic, recorded, f"not {', '.join(missing)} of the spec")
+
+
+def _same(recorded: tuple[str, ...], needed: tuple[str, ...], topic: str) -> None:
+    _has(recorded, needed, topic)
+    more = [name for name in recorded if name not in needed]
+    if more:
+        raise _another_rig(topic, recorded, f"the spec has only {', '.join(needed)}")
+
+
+def _another_rig(topic: str, recorded: tuple[str, ...], but: str) -> InputError:
+    there = ", ".join(recorded) or "no names"
+    return InputError(f"the recording has {there} in {topic}, but {but}; use the spec of this test.")
+
+
+def _check_driven(recording: Recording, actuators: tuple[str, ...]) -> None:
+    if "actuator/command" in recording.tables:
+        return
+    if not np.isfinite(recording.plant.columns("effort", actuators)).any():
+        raise InputError(
+            f"{recording.path} has neither actuator/command nor forces of {', '.join(actuators)} in "
+            "plant/state, so what drove the plant is not known; record actuator/command."
+        )

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
-from rthm_analysis.diagnosis.experiments import next_experiment
+from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
+from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
-from rthm_analysis.diagnosis.words import verdict_words
+from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
@@ -53,11 +56,13 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
         parts.append(diagnose_computed(recording, spec))
-    parts.append(
-        physical_part(diagnose_physical(gather(recording, spec), spec, command_before(parts, spec), say))
-    )
+    physical = diagnose_physical(gather(recording, spec), spec, command_before(parts, spec), say)
+    parts.append(physical_part(physical))
     say("putting it into words")
-    return _joined(parts, spec)
+    found = _joined(parts, spec)
+    say("planning the next test")
+    words, planned, gain = _next(found, physical, spec, _patched(parts, spec))
+    return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
 
 
 def _check(recording: Recording, spec: Spec) -> None:
@@ -89,19 +94,17 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
     verdict: Verdict = (
         "unexplained" if unexplained else "explained" if physics else "retuned" if retuned else "match"
     )
-    alternatives = tuple(one for part in parts for one in part.alternatives)
-    unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]
     return Diagnosis(
         verdict=verdict,
         blocks=blocks,
         located=located,
         physics=physics,
         retuned=retuned,
-        alternatives=alternatives,
+        alternatives=tuple(one for part in parts for one in part.alternatives),
         fits=tuple(one for part in parts for one in part.fits),
         detection_limits={name: one for part in parts for name, one in part.detection_limits.items()},
-        next_experiment=next_experiment(verdict, [(p.block, p.kind) for p in physics], unclear),
-        words=verdict_words(verdict, located, physics, retuned),
+        next_experiment="",
+        words=verdict_words(verdict, located, physics, retuned, stated_spreads(spec)),
         curves=tuple(one for part in parts for one in part.curves),
         unexplained=unexplained,
         notes=tuple(note for part in parts for note in part.notes),
@@ -111,6 +114,28 @@ def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
         traces=tuple(one for part in parts for one in part.traces),
         refused=tuple(one for part in parts for one in part.refused),
         free_run={dof: one for part in parts for dof, one in part.free_run.items()},
+    )
+
+
+def _next(found: Diagnosis, physical: Physical, spec: Spec, patched: Spec) -> Next:
+    """What to do next: noise, rivals and known forces are those of the physical side."""
+    evidence = physical.evidence
+    noise = {one.signal: float(size) for one, size in zip(evidence.channels, physical.sigma, strict=True)}
+    forced = evidence.driven_by == "force" and np.any(evidence.load)
+    return next_experiment(
+        Found(
+            spec,
+            patched,
+            found.verdict,
+            found.physics,
+            found.faults,
+            found.retuned,
+            found.detection_limits,
+            rivals_of(physical, patched),
+            noise,
+            float(evidence.time[-1]),
+            (evidence.time, evidence.load) if forced else None,
+        )
     )
 
 

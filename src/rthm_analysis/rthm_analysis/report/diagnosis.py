@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
     from rthm_core.spec import Spec
 
-LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "unexplained": BAD}
+LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "improved": NOTED, "unexplained": BAD}
 
 DELAY_TERMS = ("E_fx", "E_ff", "E_num")
 """Works of the delays of the loop (`energy_of`)."""

@@ -82,7 +82,10 @@ class FluidMemory(PlantLaw):
         "damping_ratio": EffectParameter("1", "width of the peak", minimum=0.0),
     }
     equation = "F = -gain dr; ddr + 2 zeta w dr + w^2 r = v"
-    words = "the fluid remembers: a radiation force of gain {gain} around {frequency} acts on {dof}"
+    words = (
+        "the waves that {dof} makes in the fluid act back on it (radiation force): strongest near "
+        "{frequency}, with a gain of {gain}"
+    )
     states = 2
     linear = True
 

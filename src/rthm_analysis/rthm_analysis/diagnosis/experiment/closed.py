@@ -157,10 +157,12 @@ class _Closing:
         reference = self._interface(actuator, seen, seen_rate, x2, v2)
         rate = -self.sides.stiffness[actuator] * (seen_rate - v2)
         compliance = 1.0 / as_built(self.spec, "controller").k_tot[actuator]
-        return self._late(x1, v1, late.position) + compliance * self._late(reference, rate, late.reference)
+        command = self._late(x1, v1, late.position)
+        return np.asarray(command + compliance * self._late(reference, rate, late.reference))
 
     def _interface(self, i: int, x1: Floats, v1: Floats, x2: Floats, v2: Floats) -> Floats:
-        return -self.sides.damping[i] * (v1 - v2) - self.sides.stiffness[i] * (x1 - x2)
+        force = -self.sides.damping[i] * (v1 - v2) - self.sides.stiffness[i] * (x1 - x2)
+        return np.asarray(force)
 
     def _late(self, signal: Floats, rate: Floats, delay: float) -> Floats:
         """A signal, whose rate is known, as it was `delay` s ago."""

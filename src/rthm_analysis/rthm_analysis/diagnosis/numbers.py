@@ -86,6 +86,8 @@ def bare(value: float, digits: int = 3) -> str:
 def percent(part: float, digits: int = 2) -> str:
     """A part of something: ``93 %``, and ``99.98 %`` where it is nearly all."""
     size = 100.0 * part
+    if not math.isfinite(size):
+        return "not known"
     rest = abs(100.0 - size)
     if not 0.0 < rest < 1.0:
         return f"{bare(size, digits)} %"

@@ -51,17 +51,19 @@ def least_known(patched: Spec, retuned: Mapping[str, Retuned]) -> Contrast | Non
     return Contrast(name, (Hypothesis("as found", patched), Hypothesis("larger", more)))
 
 
-def smallest_seen(nominal: Spec, limits: Mapping[str, Limit]) -> tuple[Contrast, Limit] | None:
-    """The nominal spec, and with a common effect at its detection limit, and that limit."""
-    for kind in COMMON:
-        for key, limit in limits.items():
-            block, *middle, found, parameter = key.split(".")
-            if (block, found) == ("plant", kind) and limit.value > 0.0 and math.isfinite(limit.value):
-                dof = middle[0] if middle else nominal.plant.dofs[0]
-                more = having(nominal, {"block": block, "kind": kind, "dof": dof, parameter: limit.value})
-                pair = Hypothesis("nothing", nominal), Hypothesis(kind_words(kind), more)
-                return Contrast(kind_words(kind), pair), limit
-    return None
+def smallest_seen(nominal: Spec, limits: Mapping[str, Limit]) -> list[tuple[Contrast, Limit]]:
+    """For each common effect with a detection limit: the nominal spec without and with it at that limit."""
+    found: dict[str, tuple[Contrast, Limit]] = {}
+    for key, limit in limits.items():
+        block, *middle, kind, parameter = key.split(".")
+        if block != "plant" or kind not in COMMON or not 0.0 < limit.value < math.inf or kind in found:
+            continue
+        assert nominal.plant is not None
+        dof = middle[0] if middle else nominal.plant.dofs[0]
+        more = having(nominal, {"block": block, "kind": kind, "dof": dof, parameter: limit.value})
+        pair = Hypothesis("nothing", nominal), Hypothesis(kind_words(kind), more)
+        found[kind] = Contrast(kind_words(kind), pair), limit
+    return list(found.values())
 
 
 def having(spec: Spec, *sections: dict[str, object]) -> Spec:

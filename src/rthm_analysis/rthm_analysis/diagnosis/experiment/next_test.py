@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.experiment.contrasts import (
     smallest_seen,
     without_weakest,
 )
-from rthm_analysis.diagnosis.experiment.planning import Hypothesis, Planned, plan_experiment
+from rthm_analysis.diagnosis.experiment.planning import BUDGET, Hypothesis, Planned, plan_experiment
 from rthm_analysis.diagnosis.experiment.repeating import repeated
 from rthm_analysis.diagnosis.experiment.sentences import gain_words, kind_words, listed, what_to_run
 from rthm_analysis.diagnosis.numbers import bare, percent, with_unit
@@ -24,6 +24,10 @@ from rthm_core.effects.base import family
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
+
+
+LEAST = 1e-9
+"""Difference in the present test, over the noise, that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -144,24 +148,27 @@ def _sharper(found: Found) -> Next:
 
 
 def _smaller(found: Found) -> Next:
-    """To see smaller effects than this recording would have shown."""
+    """To see smaller effects than this recording would have shown: the kind that gains most."""
     seen = smallest_seen(found.nominal, found.limits)
-    plan = _plan(found, seen[0]) if seen else None
-    if seen is None or plan is None:
+    plans = [(_plan(found, contrast, BUDGET // len(seen)), contrast, limit) for contrast, limit in seen]
+    planned = [(plan, contrast, limit) for plan, contrast, limit in plans if plan]
+    if not planned:
         return Next(LONGER)
-    (about, _), limit = seen
+    plan, contrast, limit = max(planned, key=lambda one: one[0].gain / max(one[0].present, LEAST))
     less = limit.value * plan.present / plan.gain
     words = (
-        f"To see smaller effects: {what_to_run(plan, found.nominal)}; {about} then shows from about "
+        f"To see smaller effects: {what_to_run(plan, found.nominal)}; {contrast.about} then shows from about "
         f"{with_unit(less, limit.unit, 2)} on ({with_unit(limit.value, limit.unit, 2)} in this recording)."
     )
     return Next(words, plan.spec, plan.gain)
 
 
-def _plan(found: Found, contrast: Contrast | None) -> Planned | None:
+def _plan(found: Found, contrast: Contrast | None, budget: int = BUDGET) -> Planned | None:
     if contrast is None:
         return None
-    return plan_experiment(found.nominal, contrast.pair, found.noise, found.duration, known=found.known)
+    return plan_experiment(
+        found.nominal, contrast.pair, found.noise, found.duration, budget, known=found.known
+    )
 
 
 def _next(found: Found, why: str, plan: Planned, who: str) -> Next:

@@ -74,7 +74,7 @@ def stood_still(machine: HeldUp) -> tuple[str, ...]:
         return ()
     share, longest = 100.0 * machine.share, 1e3 * machine.longest
     return (
-        f"the machine stood still {machine.count} times, for {share:.1f} % of the test and up to "
+        f"the machine was held up {machine.count} times, for {share:.1f} % of the test and up to "
         f"{longest:.3g} ms, as the times of sending show; samples that were on their way then are left out.",
     )
 

@@ -69,7 +69,7 @@ def test_the_weakest_of_what_was_named_is_confirmed() -> None:
         ("link.tau1", "extra_delay", "spec's tau1"),
         ("link.tau2", "jitter", "tau2"),
         ("controller", "wrong_parameter", "actuator.stiffness differs"),
-        ("sensor.position", "bias", "Rest the x1"),
+        ("sensor.position", "bias", "Rest x1"),
         ("motor", "lag", "Step the command"),
     ],
 )

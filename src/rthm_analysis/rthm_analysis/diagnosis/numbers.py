@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-EXACT = 1e-5
-"""Standard deviation over value up to which a number is exact: no sensor and no rig is better."""
+EXACT = {1e-9: 9, 2e-6: 6}
+"""Standard deviation over value up to which a number is told without it, and the digits that it then has: the
+arithmetic of software, and what no rig does better."""
 
 UNSURE = 0.5
 """Standard deviation over value from which a number is told as a bound."""
@@ -59,8 +60,9 @@ def number(value: float, std: float, unit: str, *, signed: bool = False) -> str:
         return NOT_DETERMINED
     if math.isnan(std):
         return with_unit(value, unit)
-    if std <= EXACT * abs(value):
-        return with_unit(value, unit, digits=9)
+    for spread, digits in EXACT.items():
+        if std <= spread * abs(value):
+            return with_unit(value, unit, digits)
     if std > UNSURE * abs(value):
         return _bound(value, std, unit, signed=signed or value < 0.0)
     factor, unit = _scale(value, unit)

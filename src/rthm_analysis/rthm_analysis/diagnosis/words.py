@@ -40,6 +40,9 @@ BLOCK_WORDS = {
 FAR = 3.0
 """Stated standard deviations from which a new value is said to be far from what was expected."""
 
+SLIGHT = 1e-3
+"""Relative change that nobody has to look at."""
+
 AT_BOUND = 1e-3
 """Distance from a bound, as a part of it, at which a value has run into it."""
 
@@ -111,8 +114,15 @@ def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str
     if not one.nominal:
         return text
     change = one.value / one.nominal - 1.0
-    remarks = [f"{100.0 * change:+.{1 if abs(change) < 1.0 else 0}f} %", _remark(change, stated, key)]
+    remarks = [_change(change), _remark(change, stated, key)]
     return f"{text} ({', '.join(one for one in remarks if one)})"
+
+
+def _change(change: float) -> str:
+    """Relative change in words: ``-3.0 %``."""
+    if abs(change) < SLIGHT:
+        return f"less than {percent(SLIGHT)} off"
+    return f"{100.0 * change:+.{1 if abs(change) < 1.0 else 0}f} %"
 
 
 def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
@@ -120,9 +130,9 @@ def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
     if stated is None or key not in stated:
         return ""
     spread = stated[key]
-    if spread <= 0.0:
+    if spread <= 0.0 and abs(change) >= SLIGHT:
         return "though the spec calls it exact"
-    if abs(change) > FAR * spread:
+    if abs(change) > FAR * spread > 0.0:
         return f"{bare(abs(change) / spread, 2)} times the uncertainty that the spec states"
     return ""
 

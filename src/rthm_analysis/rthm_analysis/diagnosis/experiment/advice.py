@@ -26,12 +26,12 @@ COMPUTED = {
 }
 
 SENSOR = {
-    "bias": "Rest the {place} at a position, or under a force, that is known, and read the sensor for ten "
+    "bias": "Rest {place} at a position, or under a force, that is known, and read the sensor for ten "
     "seconds.",
-    "scale": "Rest the {place} at three known positions, or under three known forces, on both sides of zero.",
-    "drift": "Record the {place} at rest for as long as the test took, after the same warm-up.",
-    "lag": "Record steps of the {place} together with a faster sensor, or ask the amplifier for its filter.",
-    "quantisation": "Move the {place} very slowly over ten steps of the reading, and look up the resolution "
+    "scale": "Rest {place} at three known positions, or under three known forces, on both sides of zero.",
+    "drift": "Record {place} at rest for as long as the test took, after the same warm-up.",
+    "lag": "Record steps of {place} together with a faster sensor, or ask the amplifier for its filter.",
+    "quantisation": "Move {place} very slowly over ten steps of the reading, and look up the resolution "
     "of the converter.",
 }
 
@@ -46,15 +46,15 @@ DRIVE = {
 }
 
 BY_HAND = {
-    "coulomb_friction": "Pull the {place} back and forth slowly, at constant speed, and read the force.",
-    "stribeck_friction": "Start the {place} from rest several times, at several low speeds.",
+    "coulomb_friction": "Pull {place} back and forth slowly, at constant speed, and read the force.",
+    "stribeck_friction": "Start {place} from rest several times, at several low speeds.",
     "quadratic_drag": "Repeat the test at twice the amplitude.",
-    "cubic_stiffness": "Pull the {place} statically to several displacements on both sides.",
-    "quadratic_stiffness": "Pull the {place} statically to several displacements on both sides.",
-    "end_stop": "Push the {place} slowly against the stop.",
-    "clearance": "Push the {place} slowly through the gap, both ways.",
-    "bouc_wen": "Move the {place} slowly through growing loops, and draw force over displacement.",
-    "maxwell_branch": "Hold the {place} after a step, and watch the force relax.",
+    "cubic_stiffness": "Pull {place} statically to several displacements on both sides.",
+    "quadratic_stiffness": "Pull {place} statically to several displacements on both sides.",
+    "end_stop": "Push {place} slowly against the stop.",
+    "clearance": "Push {place} slowly through the gap, both ways.",
+    "bouc_wen": "Move {place} slowly through growing loops, and draw force over displacement.",
+    "maxwell_branch": "Hold {place} after a step, and watch the force relax.",
     "hidden_mode": "Sweep a sine slowly through the suspected resonance.",
     "fluid_memory": "Sweep a sine slowly, and record a decay in air.",
     "harmonic_load": "Record the rig at rest with everything switched on.",

@@ -96,6 +96,10 @@ def _advice(one: Physics) -> str:
     return advice(one.block, one.kind, one.place, name if isinstance(name, str) else None)
 
 
+def _lowered(sentence: str) -> str:
+    return f"{sentence[:1].lower()}{sentence[1:]}"
+
+
 def _again(found: Found) -> Next:
     """The same test at another amplitude."""
     again = None if found.known else repeated(found.nominal, found.duration)
@@ -117,7 +121,7 @@ def _of_physics(found: Found) -> Next:
     contrast = without_weakest(found.patched, found.physics)
     plan = _plan(found, contrast)
     if contrast is None or plan is None:
-        return Next(f"To confirm it: {_advice(moved[0])}")
+        return Next(f"To confirm it: {_lowered(_advice(moved[0]))}")
     return _next(
         found, f"To confirm {contrast.about}", plan, "the predictions of {signal} with and without it"
     )
@@ -128,7 +132,7 @@ def _told_apart(found: Found, moved: Sequence[Physics]) -> Next:
     survivors = [Hypothesis(names[0], found.patched), *found.rivals[:2]]
     plan = plan_experiment(found.nominal, survivors, found.noise, found.duration, known=found.known)
     if plan is None:
-        return Next(f"To tell {listed(names)}: {_advice(moved[-1])}")
+        return Next(f"To tell {listed(names)}: {_lowered(_advice(moved[-1]))}")
     who = "the two predictions of {signal}" if len(names) == 2 else "any two of the predictions of {signal}"
     return _next(found, f"To tell {listed(names)}", plan, who)
 

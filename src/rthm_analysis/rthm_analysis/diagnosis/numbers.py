@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 EXACT = {1e-9: 9, 2e-6: 6}
 """Standard deviation over value up to which a number is told without it, and the digits that it then has: the
@@ -79,7 +80,7 @@ def bare(value: float, digits: int = 3) -> str:
     """A number without unit, trailing zeros or more digits than asked for: ``0.4``."""
     rounded = float(f"{value:.{digits}g}")
     if rounded and not PLAIN[0] <= abs(rounded) < PLAIN[1]:
-        return f"{rounded:.{digits}g}"
+        return re.sub(r"e([-+])0*", r"e\1", f"{rounded:.{digits}g}").replace("e+", "e")
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded)))) if rounded else 0
     text = f"{rounded:.{decimals}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
@@ -59,7 +60,10 @@ def physics_words(
 ) -> str:
     """What, where, how big, how sure, how much it explains, and what it costs."""
     declared = effect(kind, block)
-    sizes = {key: v if isinstance(v, str) else _size(declared, key, v) for key, v in parameters.items()}
+    sizes = {
+        key: v if isinstance(v, str) else _size(declared, key, _in_numbers(v, parameters))
+        for key, v in parameters.items()
+    }
     said = declared.describe(block_words(block) if block.startswith("sensor.") else block, place, sizes)
     further = [f"{_name(key)} {size}" for key, size in sizes.items() if f"{{{key}}}" not in declared.words]
     more = f" ({', '.join(further)})" if further else ""
@@ -77,6 +81,15 @@ def _size(declared: type[Effect], key: str, value: Value) -> str:
     entry = declared.parameters[key]
     positive = not isinstance(entry, EffectText) and entry.lowest is not None and entry.lowest >= 0.0
     return number(value.value, value.std, value.unit, signed=not positive)
+
+
+def _in_numbers(value: Value, parameters: Mapping[str, Value | str]) -> Value:
+    """The value with the exponent n in its unit as a number: ``1/m^1.5``."""
+    n = parameters.get("n")
+    if not value.unit.endswith("^n") or not isinstance(n, Value):
+        return value
+    power = bare(n.value, 2)
+    return replace(value, unit=value.unit.removesuffix("^n") + (f"^{power}" if power != "1" else ""))
 
 
 def _at_bound(declared: type[Effect], key: str, value: Value) -> str:

@@ -20,7 +20,7 @@ class EndStop(PlantLaw):
         "damping": EffectParameter("N s/m", "damping of the stop", minimum=0.0),
     }
     equation = "F = -k (x - p) - c v where x is beyond p"
-    words = "{dof} runs into a stop at {position} with a stiffness of {stiffness}"
+    words = "a stop at {position}, with a stiffness of {stiffness}, catches {dof}"
     split = "position"
 
     @staticmethod

@@ -82,7 +82,7 @@ def plan_experiment(
         Standard deviation of the noise of each measured channel by its name (``x1``, ``v1``, ``F``), in its
         unit.
     duration : float
-        Of the planned test, s: that of the present one.
+        Of the present test, s; the planned one is as long, or as long as its predictions may be.
     budget : int
         Simulations that may be made.
     known : ((s,), (s, n)) arrays, optional
@@ -106,14 +106,15 @@ def plan_experiment(
         return None
     try:
         present = Trial({}, 1.0, known) if known else present_trial(nominal)
-        found = Search(nominal, specs, noise, duration, budget).best(present)
+        search = Search(nominal, specs, noise, duration, budget)
+        found = search.best(present)
     except InputError:  # a load that comes from a file which is not here
         return None
     if found is None or not found[0].apart > WORTH * found[1]:
         return None
     told, before = found
     text = write_spec(told.trial.changed(nominal))
-    return Planned(text, told.apart, before, told.signal, told.trial, duration)
+    return Planned(text, told.apart, before, told.signal, told.trial, search.duration)
 
 
 def present_trial(nominal: Spec) -> Trial:

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 NEAR = 0.9
 """Part of the bounds at which a trial that went beyond them is tried again."""
 
+LONGEST = 20
+"""Predictions of the present test may have so many times the steps of others."""
+
 FINER = (1.12, 1.04)
 """Factors of the frequency in each round of refinement."""
 
@@ -56,14 +59,14 @@ class Search:
         self, nominal: Spec, specs: Sequence[Spec], noise: Mapping[str, float], duration: float, budget: int
     ) -> None:
         self.nominal, self.noise, self.left = nominal, noise, budget
-        step = min(step_of(one) for one in specs)
-        steps = min(int(np.ceil(duration / step)), MOST_STEPS)
-        self.duration = min(duration, steps * step)
-        self.predictors = [Predictor(one, self.duration / steps, steps) for one in specs]
+        self.specs, self.whole, self.step = specs, duration, min(step_of(one) for one in specs)
+        self.steps = min(int(np.ceil(duration / self.step)), MOST_STEPS)
+        self.duration = min(duration, self.steps * self.step)
+        self.predictors = [Predictor(one, self.duration / self.steps, self.steps) for one in specs]
 
     def best(self, present: Trial) -> tuple[Told, float] | None:
         """The trial that tells most, and how far the present one tells; None where there is none."""
-        runs = self._run(present)
+        runs = self._present(present)
         bounds = bounds_of(self.nominal, present, runs[0])
         if not bounds.signals or not np.isfinite(bounds.used(runs[0])):
             return None
@@ -74,6 +77,12 @@ class Search:
         for factor in FINER:
             best = max([best, *self._all(_around(best, factor), bounds)], key=_apart)
         return best, self._apart(runs)[0]
+
+    def _present(self, trial: Trial) -> list[Predicted]:
+        """Predictions of the present test to its end, which may be much longer than a planned one."""
+        steps = min(int(np.ceil(self.whole / self.step)), LONGEST * MOST_STEPS)
+        self.left -= len(self.specs)
+        return [Predictor(one, self.step, steps).predict(trial) for one in self.specs]
 
     def _run(self, trial: Trial) -> list[Predicted]:
         self.left -= len(self.predictors)

@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
-from rthm_analysis.diagnosis.experiments import next_experiment
+from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
+from rthm_analysis.diagnosis.experiment.rivals import rivals_of
+from rthm_analysis.diagnosis.faults import Mended, mend
+from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.names import check_names
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import gather
-from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
-from rthm_analysis.diagnosis.words import verdict_words
+from rthm_analysis.diagnosis.replay.updates import readings_only
+from rthm_analysis.diagnosis.result import Diagnosis, Part
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
-from rthm_core.spec import Spec, apply, write_spec
+from rthm_core.spec import Spec
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 FEWEST_SAMPLES = 200
-SHORTEST = 0.5
-"""Seconds; a shorter recording says nothing."""
+
+FEWEST_PERIODS = 1.5
+"""Periods of the fastest motion of the plant; a shorter recording does not show what is periodic."""
 
 
 def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] | None = None) -> Diagnosis:
@@ -54,13 +60,20 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         say("checking the links")
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
-        parts.append(diagnose_computed(recording, _as_run(parts, spec)))
-    here = _as_run(parts, spec)
-    parts.append(
-        physical_part(diagnose_physical(gather(recording, here), here, command_before(parts, spec), say))
-    )
+        parts.append(diagnose_computed(recording, as_run(parts, spec)))
+    here = as_run(parts, spec)
+    say("checking the recording itself")
+    mended = mend(gather(recording, here), here)
+    parts.append(Part(faults=mended.faults, notes=mended.notes))
+    if any(fault.kind == "wrong_spec" for fault in mended.faults):
+        return _stopped(parts, spec, mended)
+    physical = diagnose_physical(readings_only(mended.evidence), here, command_before(parts, spec), say)
+    parts.append(physical_part(physical))
     say("putting it into words")
-    return _joined(parts, spec)
+    found = joined(parts, spec)
+    say("planning the next test")
+    words, planned, gain = _next(found, physical, spec, patched_spec(parts, spec))
+    return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
 
 
 def _check(recording: Recording, spec: Spec) -> None:
@@ -70,75 +83,59 @@ def _check(recording: Recording, spec: Spec) -> None:
         )
     check_names(recording, spec)
     samples = len(recording.plant)
-    if samples < FEWEST_SAMPLES or recording.duration < SHORTEST:
+    if samples < FEWEST_SAMPLES:
         raise InputError(
-            f"{recording.path} has {samples} samples over {recording.duration:.3g} s of plant/state, "
-            f"but a diagnosis needs at least {FEWEST_SAMPLES} over {SHORTEST} s; record longer."
+            f"{recording.path} has {samples} samples of plant/state, but a diagnosis needs at least "
+            f"{FEWEST_SAMPLES}; record longer, or sample faster."
+        )
+    period = _shortest_period(spec)
+    if recording.duration < FEWEST_PERIODS * period:
+        raise InputError(
+            f"{recording.path} lasts {recording.duration:.3g} s, but a diagnosis needs at least "
+            f"{FEWEST_PERIODS:.2g} periods of the fastest motion of the plant in the spec, which takes "
+            f"{period:.3g} s; record longer."
         )
 
 
-def _as_run(parts: list[Part], spec: Spec) -> Spec:
-    """Spec with the times and the compensator that the test was run with."""
-    changes = {name: value for part in parts for name, value in part.changes.items()}
-    return apply(spec, changes) if changes else spec
+def _shortest_period(spec: Spec) -> float:
+    """Period in s of the fastest motion of the plant alone; 0 where it has no stiffness."""
+    assert spec.plant is not None
+    n = len(spec.plant.dofs)
+    mass, stiffness = (np.reshape(values, (n, n)) for values in (spec.plant.mass, spec.plant.stiffness))
+    fastest = float(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real.max())
+    return 2.0 * np.pi / fastest**0.5 if fastest > 0.0 else 0.0
 
 
-def _joined(parts: list[Part], spec: Spec) -> Diagnosis:
-    physics = tuple(one for part in parts for one in part.physics)
-    unexplained = tuple(said for part in parts for said in part.unexplained)
-    retuned = {name: one for part in parts for name, one in part.retuned.items()}
-    blocks = tuple(one for part in parts for one in part.blocks)
-    named = [one.block for one in physics]
-    located = tuple(dict.fromkeys([*named, *(b.block for b in blocks if b.significant)]))
-    verdict: Verdict = (
-        "unexplained" if unexplained else "explained" if physics else "retuned" if retuned else "match"
-    )
-    alternatives = tuple(one for part in parts for one in part.alternatives)
-    unclear = [(a.block, a.kind) for a in alternatives if not a.distinguishable]
-    return Diagnosis(
-        verdict=verdict,
-        blocks=blocks,
-        located=located,
-        physics=physics,
-        retuned=retuned,
-        alternatives=alternatives,
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: one for part in parts for name, one in part.detection_limits.items()},
-        next_experiment=next_experiment(verdict, [(p.block, p.kind) for p in physics], unclear),
-        words=verdict_words(verdict, located, physics, retuned),
-        curves=tuple(one for part in parts for one in part.curves),
-        unexplained=unexplained,
-        notes=tuple(note for part in parts for note in part.notes),
-        patched=write_spec(_patched(parts, spec)),
-        faults=tuple(one for part in parts for one in part.faults),
-        described=tuple(one for part in parts for one in part.described),
-        traces=tuple(one for part in parts for one in part.traces),
-        refused=tuple(one for part in parts for one in part.refused),
-        free_run={dof: one for part in parts for dof, one in part.free_run.items()},
+def _stopped(parts: list[Part], spec: Spec, mended: Mended) -> Diagnosis:
+    """Answer for a spec that is not that of this test: what comes after would be about two different rigs."""
+    wrong = next(fault for fault in mended.faults if fault.kind == "wrong_spec")
+    parts.append(Part(unexplained=(wrong.words,)))
+    again = "Diagnose again with the spec of this test; nothing else was looked for."
+    return replace(joined(parts, spec), next_experiment=again)
+
+
+def _next(found: Diagnosis, physical: Physical, spec: Spec, patched: Spec) -> Next:
+    """What to do next: noise, rivals and known forces are those of the physical side."""
+    evidence = physical.evidence
+    noise = {one.signal: float(size) for one, size in zip(evidence.channels, physical.sigma, strict=True)}
+    forced = evidence.driven_by == "force" and np.any(evidence.load)
+    return next_experiment(
+        Found(
+            spec,
+            patched,
+            found.verdict,
+            found.physics,
+            found.faults,
+            found.retuned,
+            found.detection_limits,
+            rivals_of(physical, patched),
+            noise,
+            float(evidence.time[-1]),
+            (evidence.time, evidence.load) if forced else None,
+        )
     )
 
 
 def command_before(parts: list[Part], spec: Spec) -> Floats:
     """Command (m,) before the test, m, of a controller and a numerical side as they were found."""
-    return first_command(_patched(parts, spec)) if spec.is_loop else np.empty(0)
-
-
-def _patched(parts: list[Part], spec: Spec) -> Spec:
-    """Spec whose simulation behaves as recorded."""
-    changes: dict[str, object] = {name: value for part in parts for name, value in part.changes.items()}
-    sections = [_flat(section) for part in parts for section in part.effects]
-    if sections:
-        taken = {e.name for e in spec.effects}
-        names = [
-            name for name in (f"found{i + 1}" for i in range(len(sections) + len(taken))) if name not in taken
-        ]
-        changes["effects"] = [*(e.name for e in spec.effects), *names[: len(sections)]]
-        changes |= dict(zip(names, sections, strict=False))
-    return apply(spec, changes) if changes else spec
-
-
-def _flat(section: dict[str, object]) -> dict[str, object]:
-    """Section with its parameters beside its block and kind, as in a spec."""
-    inner = section.get("parameters")
-    head = {key: value for key, value in section.items() if key != "parameters"}
-    return head | inner if isinstance(inner, dict) else head
+    return first_command(patched_spec(parts, spec)) if spec.is_loop else np.empty(0)

@@ -68,6 +68,8 @@ class Fault:
         Seconds since the start of the test from its beginning to its end; None: throughout.
     value : float or None
         Its size: the factor of a unit, seconds of a delay, the value that a parameter really had.
+    marked : bool
+        Whether the recording itself says so, as a gap that is NaN: such a fault changes no verdict.
     """
 
     block: str
@@ -76,6 +78,7 @@ class Fault:
     words: str
     interval: tuple[float, float] | None = None
     value: float | None = None
+    marked: bool = False
 
 
 @dataclass(frozen=True)
@@ -300,6 +303,10 @@ class Diagnosis:
     traces: tuple[Trace, ...] = ()
     refused: tuple[Refused, ...] = ()
     free_run: dict[str, FreeRun] = field(default_factory=dict)
+    next_experiment_spec: str | None = None
+    """Text of a spec that runs `next_experiment`, where that is a test of the rig."""
+    next_experiment_gain: float | None = None
+    """Smallest rms difference between what the surviving hypotheses predict of it, in units of the noise."""
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of contract section 7, and `words`, `unexplained`, `curves`, `notes`."""
@@ -314,6 +321,8 @@ class Diagnosis:
             "fits": [_fit(one) for one in self.fits],
             "detection_limits": {name: asdict(one) for name, one in self.detection_limits.items()},
             "next_experiment": self.next_experiment,
+            "next_experiment_spec": self.next_experiment_spec,
+            "next_experiment_gain": self.next_experiment_gain,
             "unexplained": list(self.unexplained),
             "curves": [_curve(one) for one in self.curves],
             "notes": list(self.notes),

@@ -3,9 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from rthm_analysis.diagnosis.result import Physics, Retuned, Value
-from rthm_core.effects import effect
+from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
+from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Value
+from rthm_core.effects import Effect, EffectText, effect
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+__all__ = [
+    "bare",
+    "block_words",
+    "number",
+    "percent",
+    "physics_words",
+    "retuned_words",
+    "stated_spreads",
+    "verdict_words",
+]
 
 UNITS = {"plant.mass": "kg", "plant.damping": "N s/m", "plant.stiffness": "N/m", "actuator.stiffness": "N/m"}
 
@@ -26,25 +44,21 @@ ADVICE = {
 }
 """What to look at where software rather than the rig may be the reason."""
 
+FAR = 3.0
+"""Stated standard deviations from which a new value is said to be far from what was expected."""
+
+SLIGHT = 1e-3
+"""Relative change that nobody has to look at."""
+
+AT_BOUND = 1e-3
+"""Distance from a bound, as a part of it, at which a value has run into it."""
+
+SPREAD = "+- is one standard deviation."
+
 
 def block_words(block: str) -> str:
     """A block's name in a sentence."""
     return f"the link {block.removeprefix('link.')}" if block.startswith("link.") else BLOCK_WORDS[block]
-
-
-def number(value: float, std: float, unit: str) -> str:
-    """Value and uncertainty with the digits that mean something: ``0.118 +- 0.002 N``."""
-    digits = 4 if not (math.isfinite(std) and std > 0.0) else _digits(value, std)
-    suffix = "" if unit in ("", "1") else f" {unit}"
-    if not (math.isfinite(std) and std > 0.0):
-        return f"{value:.4g}{suffix}"
-    return f"{value:.{digits}g} +- {std:.2g}{suffix}"
-
-
-def _digits(value: float, std: float) -> int:
-    if value == 0.0:
-        return 2
-    return min(max(2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(std)), 2), 7)
 
 
 def physics_words(
@@ -52,39 +66,131 @@ def physics_words(
 ) -> str:
     """What, where, how big, how sure, how much it explains, and what it costs."""
     declared = effect(kind, block)
-    values = {key: v if isinstance(v, str) else v.value for key, v in parameters.items()}
-    said = declared.describe(block, place, values)
-    sure = ", ".join(
-        f"{key.replace('_', ' ')} {number(v.value, v.std, v.unit)}"
+    sizes = {
+        key: v if isinstance(v, str) else _size(declared, key, _in_numbers(v, parameters))
         for key, v in parameters.items()
-        if not isinstance(v, str)
-    )
-    text = f"{said[:1].upper()}{said[1:]} ({sure}; +- is one standard deviation)."
+    }
+    said = declared.describe(block_words(block) if block.startswith("sensor.") else block, place, sizes)
+    further = [f"{_name(key)} {size}" for key, size in sizes.items() if f"{{{key}}}" not in declared.words]
+    more = f" ({', '.join(further)})" if further else ""
+    text = f"{said[:1].upper()}{said[1:]}{more}."
+    text += "".join(_at_bound(declared, key, v) for key, v in parameters.items() if isinstance(v, Value))
     text += ADVICE.get((block, kind), "")
     if math.isfinite(share) and share > 0.0:
-        text += f" It removes {100.0 * share:.3g} % of the squared error on data that the fit has not seen."
+        text += f" It removes {percent(share)} of the squared error on data that the fit has not seen."
     if math.isfinite(energy) and energy:
         way = "put in" if energy > 0.0 else "took out"
-        text += f" Over the recording it {way} {abs(energy):.3g} J."
+        text += f" Over the recording it {way} {bare(abs(energy))} J."
     return text
 
 
-def retuned_words(retuned: dict[str, Retuned]) -> str:
-    """New values of uncertain parameters in one sentence."""
-    parts = []
-    for name, one in retuned.items():
-        unit = UNITS.get(name.partition("[")[0], "")
-        change = 100.0 * (one.value / one.nominal - 1.0) if one.nominal else math.nan
-        parts.append(
-            f"{name} {number(one.value, one.std, unit)} instead of {one.nominal:.4g} ({change:+.1f} %)"
-        )
-    return "; ".join(parts)
+def _size(declared: type[Effect], key: str, value: Value) -> str:
+    entry = declared.parameters[key]
+    positive = not isinstance(entry, EffectText) and entry.lowest is not None and entry.lowest >= 0.0
+    return number(value.value, value.std, value.unit, signed=not positive)
+
+
+def _in_numbers(value: Value, parameters: Mapping[str, Value | str]) -> Value:
+    """The value with the exponent n in its unit as a number: ``1/m^1.5``."""
+    n = parameters.get("n")
+    if not value.unit.endswith("^n") or not isinstance(n, Value):
+        return value
+    power = bare(n.value, 2)
+    return replace(value, unit=value.unit.removesuffix("^n") + (f"^{power}" if power != "1" else ""))
+
+
+def _at_bound(declared: type[Effect], key: str, value: Value) -> str:
+    """Sentence about a value that has run into the end of what is possible."""
+    entry = declared.parameters[key]
+    if isinstance(entry, EffectText):
+        return ""
+    for bound, which in ((entry.lowest, "smallest"), (entry.highest, "largest")):
+        if bound and abs(value.value - bound) <= AT_BOUND * abs(bound):
+            return f" The {_name(key)} is at the {which} value that is possible."
+    return ""
+
+
+def _name(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def retuned_words(retuned: Mapping[str, Retuned], stated: Mapping[str, float] | None = None) -> str:
+    """New values of uncertain parameters in one sentence.
+
+    Parameters
+    ----------
+    retuned : mapping of Retuned
+    stated : mapping of float, optional
+        Relative standard deviation that the spec states for ``plant.mass`` and so on; 0: exact. Where it is
+        given, a value that is far from what it allows is said to be so.
+    """
+    return "; ".join(_retuned(name, one, stated) for name, one in retuned.items())
+
+
+def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str:
+    key = name.partition("[")[0]
+    unit = UNITS.get(key, "")
+    text = f"{name} {number(one.value, one.std, unit)} instead of {with_unit(one.nominal, unit, 4)}"
+    if not one.nominal:
+        return text
+    change = one.value / one.nominal - 1.0
+    remarks = [_change(change), _remark(change, stated, key)]
+    return f"{text} ({', '.join(one for one in remarks if one)})"
+
+
+def _change(change: float) -> str:
+    """Relative change in words: ``-3.0 %``."""
+    if abs(change) < SLIGHT:
+        return f"less than {percent(SLIGHT)} off"
+    return f"{100.0 * change:+.{1 if abs(change) < 1.0 else 0}f} %"
+
+
+def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
+    """How a relative change agrees with what the spec states."""
+    if stated is None or key not in stated:
+        return ""
+    spread = stated[key]
+    if spread <= 0.0 and abs(change) >= SLIGHT:
+        return "though the spec calls it exact"
+    if abs(change) > FAR * spread > 0.0:
+        return f"{bare(abs(change) / spread, 2)} times the uncertainty that the spec states"
+    return ""
+
+
+def stated_spreads(spec: Spec) -> dict[str, float]:
+    """Relative standard deviation that a spec states for each property; 0: exact."""
+    blocks = spec.uncertainty.items()
+    return {f"{block}.{key}": float(value) for block, section in blocks for key, value in section.items()}
 
 
 def verdict_words(
-    verdict: str, located: tuple[str, ...], physics: tuple[Physics, ...], retuned: dict[str, Retuned]
+    verdict: str,
+    located: tuple[str, ...],
+    physics: tuple[Physics, ...],
+    retuned: dict[str, Retuned],
+    stated: Mapping[str, float] | None = None,
+    faults: tuple[Fault, ...] = (),
+    described: tuple[Described, ...] = (),
 ) -> str:
-    """The answer in one or two sentences."""
+    """The answer in a few sentences; `stated` as in `retuned_words`."""
+    return " ".join(
+        said
+        for said in (
+            _verdict_words(verdict, located, physics, retuned, stated),
+            *(one.words for one in described),
+            *(one.words for one in faults),
+        )
+        if said
+    )
+
+
+def _verdict_words(
+    verdict: str,
+    located: tuple[str, ...],
+    physics: tuple[Physics, ...],
+    retuned: dict[str, Retuned],
+    stated: Mapping[str, float] | None,
+) -> str:
     where = " and ".join(block_words(block) for block in located)
     if verdict == "match":
         return (
@@ -93,12 +199,15 @@ def verdict_words(
         )
     if verdict == "retuned":
         return (
-            "No physics is missing; uncertain parameters have other values than assumed: "
-            f"{retuned_words(retuned)}."
+            "No physics is missing; parameters have other values than the spec says: "
+            f"{retuned_words(retuned, stated)}. ({SPREAD})"
         )
     named = " ".join(one.words for one in physics)
+    tuned = f" Besides, {retuned_words(retuned, stated)}." if retuned else ""
+    spread = f" ({SPREAD})" if "+-" in named + tuned else ""
     if verdict == "explained":
-        tuned = f" Besides, {retuned_words(retuned)}." if retuned else ""
-        return f"Simulation and recording differ in {where}. {named}{tuned}"
-    found = f" What is known of it: {named}" if physics else ""
-    return f"Simulation and recording differ in {where}, and no known kind of physics explains it.{found}"
+        return f"Simulation and recording differ in {where}. {named}{tuned}{spread}"
+    if verdict == "improved":
+        left = "This explains a part of the difference; the rest is above the noise."
+        return f"Simulation and recording differ in {where}. {named}{tuned} {left}{spread}"
+    return f"Simulation and recording differ in {where}, and no known kind of physics explains it."

@@ -10,8 +10,10 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Diagnosis
-from rthm_analysis.diagnosis.words import block_words, retuned_words
+from rthm_analysis.diagnosis.words import block_words, retuned_words, stated_spreads
+from rthm_analysis.report import diagnosis_lists as lists
 from rthm_analysis.report import diagnosis_tables as tables
 from rthm_analysis.report.diagnosis_drawing import drawing
 from rthm_analysis.report.page import (
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
     from rthm_core.spec import Spec
 
-LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "unexplained": BAD}
+LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "improved": NOTED, "unexplained": BAD}
 
 DELAY_TERMS = ("E_fx", "E_ff", "E_num")
 """Works of the delays of the loop (`energy_of`)."""
@@ -56,7 +58,9 @@ def diagnosis_page(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> st
     numbers = script_safe(json.dumps(_plain(diagnosis.as_dict()), allow_nan=False))
     data = f'<script type="application/json" id="diagnosis">{numbers}</script>'
     title = f"Diagnosis: {name_of(recording)}"
-    return assemble(title, _header(title, diagnosis), _sections(diagnosis, recording, spec), FOOTER, data)
+    return assemble(
+        title, _header(title, diagnosis, spec), _sections(diagnosis, recording, spec), FOOTER, data
+    )
 
 
 def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Section]:
@@ -69,20 +73,28 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
     return [
         Section(
             "Where",
-            "How far the prediction of each block, from what really went into it, is from the recording: "
-            "1 x noise is as near as can be. A block without a frame is off only because of a framed one.",
+            "Each block is predicted from what really went into it. 1 x noise: the prediction is as near as "
+            "can be. A block without a frame is off only because of a framed one.",
             [drawing(diagnosis, recording, spec), tables.mismatches(diagnosis)],
         ),
-        Section("What", "", [tables.physics(diagnosis), tables.retuned(diagnosis)]),
+        Section("Wrong with the recording or its spec", "", [lists.faults(diagnosis)]),
+        Section("What", "", [tables.physics(diagnosis), tables.retuned(diagnosis), lists.traces(diagnosis)]),
+        Section(
+            "Forces without a name", "The data show them; no known kind fits.", [lists.described(diagnosis)]
+        ),
         Section(
             "The force that the model lacks",
-            "Averages over the recording, with one standard deviation; the line is what was named.",
+            "Dots: averages over the recording, with one standard deviation. Line: what was named.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
         ),
         Section(
             "Before and after, on data that no fit has seen",
             "Simulated from the recorded inputs. A few swings are shown first; zoom out for the rest.",
-            [tables.fits(diagnosis), *([plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit))],
+            [
+                tables.fits(diagnosis),
+                lists.free_runs(diagnosis),
+                *([plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit)),
+            ],
         ),
         Section(
             "Energy",
@@ -90,11 +102,11 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             + (", beside what the delays of the loop did." if delays else "."),
             [[figures.energy_plot(found, delays)]] if found or delays else [],
         ),
-        Section("What else it could be", "", [tables.alternatives(diagnosis)]),
-        Section("What to try next", "", [f"<div>{escape(diagnosis.next_experiment)}</div>"]),
+        Section("What else it could be", "", [tables.alternatives(diagnosis), lists.refused(diagnosis)]),
+        Section("What to do next", "", lists.next_test(diagnosis)),
         Section(
             "What would have been seen",
-            "Smallest effects that this recording would have shown.",
+            "The smallest effects that this recording would have shown.",
             [tables.limits(diagnosis)],
         ),
         Section("Notes", "", [note_list(diagnosis.notes)] if diagnosis.notes else []),
@@ -102,10 +114,10 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
     ]
 
 
-def _header(title: str, diagnosis: Diagnosis) -> str:
+def _header(title: str, diagnosis: Diagnosis, spec: Spec) -> str:
     said = [one.words for one in diagnosis.physics]
     if diagnosis.retuned:
-        said.append(f"{retuned_words(diagnosis.retuned)}.")
+        said.append(f"{retuned_words(diagnosis.retuned, stated_spreads(spec))}.")
     said += diagnosis.unexplained
     findings = "".join(f"<li>{escape(one.replace('+-', PLUS_MINUS))}</li>" for one in said)
     answer = f'<p class="answer">{escape(_answer(diagnosis))}</p>'
@@ -116,12 +128,15 @@ def _header(title: str, diagnosis: Diagnosis) -> str:
 def _answer(diagnosis: Diagnosis) -> str:
     """Return the verdict in a sentence."""
     where = " and ".join(block_words(block) for block in diagnosis.located)
+    differ = f"Simulation and recording differ in {where}"
     if diagnosis.verdict == "explained":
-        return f"Simulation and recording differ in {where}; the physics that was left out is named below."
+        return f"{differ}; the physics that was left out is named below."
+    if diagnosis.verdict == "improved":
+        return f"{differ}; what is named below explains a part of it, and the rest is above the noise."
     if diagnosis.verdict == "unexplained":
-        return f"Simulation and recording differ in {where}, and no known kind of physics explains all of it."
+        return f"{differ}, and no known kind of physics explains it."
     if diagnosis.verdict == "retuned":
-        return "No physics is missing; uncertain parameters have other values than assumed."
+        return "No physics is missing; parameters have other values than the spec says."
     return diagnosis.words
 
 
@@ -131,13 +146,13 @@ def _facts(diagnosis: Diagnosis) -> list[Fact]:
         facts.append(Fact(one.block, one.kind.replace("_", "\N{NO-BREAK SPACE}"), one.words))
     for fit in diagnosis.fits[:1]:
         before, after, noise = (
-            f"{100.0 * fit.nrmse.get(name, math.nan):.3g}" for name in ("nominal", "explained", "noise_floor")
+            percent(fit.nrmse.get(name, math.nan), 3) for name in ("nominal", "explained", "noise_floor")
         )
-        words = f"Error of {fit.signal} on unseen data; noise alone gives {noise} %."
+        words = f"Error of {fit.signal} on unseen data; the noise alone gives {noise}."
         facts.append(
             Fact(
                 f"Error of {fit.signal}, unseen",
-                f"{before}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{after} %",
+                f"{before}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{after}",
                 words,
             )
         )

@@ -18,6 +18,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Curve, Fit
 from rthm_analysis.report.figures import COLOURS, FONT, INK, MUTED, Curves, plain_plot
 
@@ -61,7 +62,7 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
         simulated = getattr(fit, name)
         if simulated is None or (name == "retuned" and np.array_equal(simulated, fit.nominal)):
             continue
-        words = f"{MODEL_WORDS[name]} ({100.0 * fit.nrmse.get(name, math.nan):.3g} %)"
+        words = f"{MODEL_WORDS[name]} ({percent(fit.nrmse.get(name, math.nan), 3)})"
         shown.add(words, fit.time, simulated, colour, line_width=2.4)
         left.add(words, fit.time, fit.recorded - simulated, colour)
     shown.add("recorded", fit.time, fit.recorded, INK, line_width=1.0)

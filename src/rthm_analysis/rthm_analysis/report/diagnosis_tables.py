@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from rthm_analysis.diagnosis.result import Diagnosis, Physics, Value
+from rthm_analysis.diagnosis.numbers import number, percent, with_unit
+from rthm_analysis.diagnosis.result import Diagnosis, Physics
+from rthm_analysis.diagnosis.words import UNITS
 from rthm_analysis.report.tables import table
 
 
@@ -20,7 +22,7 @@ def mismatches(diagnosis: Diagnosis) -> str:
 
 def physics(diagnosis: Diagnosis) -> str:
     """One row per parameter of what was found."""
-    head = ("what", "where", "parameter", "value", "standard deviation", "unit", "share of the error")
+    head = ("what", "where", "parameter", "value", "removes of the squared error")
     rows = [row for one in diagnosis.physics for row in _physics(one)]
     return table(head, rows) if rows else ""
 
@@ -30,28 +32,29 @@ def _physics(one: Physics) -> list[list[str]]:
     for i, (name, value) in enumerate(one.parameters.items()):
         where = f"{one.block} {one.place}" if one.place else one.block
         head = [one.kind.replace("_", " "), where] if i == 0 else ["", ""]
-        told = [value, "", ""] if isinstance(value, str) else _value(value)
-        share = f"{100.0 * one.share:.3g} %" if i == 0 and math.isfinite(one.share) else ""
-        rows.append([*head, name.replace("_", " "), *told, share])
+        told = value if isinstance(value, str) else _shown(number(value.value, value.std, value.unit))
+        share = percent(one.share) if i == 0 and math.isfinite(one.share) else ""
+        rows.append([*head, name.replace("_", " "), told, share])
     return rows
-
-
-def _value(value: Value) -> list[str]:
-    return [f"{value.value:.5g}", f"{value.std:.2g}", "" if value.unit == "1" else value.unit]
 
 
 def retuned(diagnosis: Diagnosis) -> str:
     """One row per parameter that has another value than assumed."""
-    head = ("retuned", "as specified", "in this recording", "standard deviation", "change")
-    rows = [
-        [name, f"{one.nominal:.5g}", f"{one.value:.5g}", f"{one.std:.2g}", _change(one.nominal, one.value)]
-        for name, one in diagnosis.retuned.items()
-    ]
+    head = ("retuned", "as specified", "in this recording", "change")
+    rows = []
+    for name, one in diagnosis.retuned.items():
+        unit = UNITS.get(name.partition("[")[0], "")
+        new = _shown(number(one.value, one.std, unit))
+        rows.append([name, with_unit(one.nominal, unit, 4), new, _change(one.nominal, one.value)])
     return table(head, rows) if rows else ""
 
 
+def _shown(text: str) -> str:
+    return text.replace("+-", "\N{PLUS-MINUS SIGN}")
+
+
 def _change(nominal: float, value: float) -> str:
-    return f"{100.0 * (value / nominal - 1.0):+.2f} %" if nominal else ""
+    return f"{100.0 * (value / nominal - 1.0):+.1f} %" if nominal else ""
 
 
 def fits(diagnosis: Diagnosis) -> str:
@@ -66,12 +69,12 @@ def fits(diagnosis: Diagnosis) -> str:
         ]
         for one in diagnosis.fits
     ]
-    words = '<p class="unit">Errors as parts of the signal\'s standard deviation there.</p>'
+    words = '<p class="unit">Errors over the signal\'s standard deviation there.</p>'
     return table(head, rows) + words if rows else ""
 
 
 def _percent(part: float | None) -> str:
-    return "–" if part is None or not math.isfinite(part) else f"{100.0 * part:.3g} %"
+    return "–" if part is None or not math.isfinite(part) else percent(part, 3)
 
 
 def alternatives(diagnosis: Diagnosis) -> str:
@@ -92,10 +95,10 @@ def alternatives(diagnosis: Diagnosis) -> str:
 def limits(diagnosis: Diagnosis) -> str:
     """One row per parameter of an effect that would have been seen, folded."""
     rows = [
-        [*_effect(name), f"{one.value:.3g}", "" if one.unit == "1" else one.unit]
+        [*_effect(name), with_unit(one.value, one.unit, 2)]
         for name, one in sorted(diagnosis.detection_limits.items())
     ]
-    head = ("effect", "parameter", "smallest", "unit")
+    head = ("effect", "parameter", "smallest")
     return _folded(f"All {len(rows)} effects", table(head, rows)) if rows else ""
 
 

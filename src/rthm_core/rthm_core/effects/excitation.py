@@ -21,7 +21,7 @@ class HarmonicLoad(PlantLaw):
         "phase": EffectParameter("rad", "phase at the start of the test", default=0.0),
     }
     equation = "F = A sin(w t + phase)"
-    words = "a harmonic force of {amplitude} at {frequency} that nobody listed acts on {dof}"
+    words = "a harmonic force of {amplitude} at {frequency}, which the spec does not list, acts on {dof}"
     possible = {"frequency": in_band}
     secondary = ("phase",)
     plainer = (Plainer("constant_load", lambda p: {"force": p["amplitude"] * math.sin(p["phase"])}),)
@@ -43,7 +43,7 @@ class ConstantLoad(PlantLaw):
     blocks = ("plant",)
     parameters = {"force": EffectParameter("N", "force along +x")}
     equation = "F = F_0"
-    words = "a constant force of {force} that nobody listed acts on {dof}"
+    words = "a constant force of {force}, which the spec does not list, acts on {dof}"
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

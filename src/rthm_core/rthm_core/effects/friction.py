@@ -66,7 +66,7 @@ class StribeckFriction(PlantLaw):
     equation = "F = -(F_c + (F_s - F_c) exp(-(v/v_s)^2)) sign(v); |F| <= F_s at rest"
     words = (
         "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} "
-        "within {stribeck_velocity} (Stribeck effect)"
+        "as the speed grows beyond {stribeck_velocity} (Stribeck effect)"
     )
     possible = {"static_force": _at_rest, "stribeck_velocity": _fallen}
     plainer = (

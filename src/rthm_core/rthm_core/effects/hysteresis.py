@@ -53,8 +53,8 @@ class BoucWen(PlantLaw):
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = -alpha z; dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n"
     words = (
-        "the spring at {dof} is hysteretic: its force, up to {alpha} per metre, depends on where "
-        "the motion last turned (Bouc-Wen)"
+        "the spring at {dof} is hysteretic (Bouc-Wen): its force depends on where the motion last turned; "
+        "in small motions it adds a stiffness of {alpha}"
     )
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY

@@ -89,7 +89,10 @@ class FluidMemory(PlantLaw):
         "damping_ratio": EffectParameter("1", "width of the peak", minimum=0.0),
     }
     equation = "F = -gain dr; ddr + 2 zeta w dr + w^2 r = v"
-    words = "the fluid remembers: a radiation force of gain {gain} around {frequency} acts on {dof}"
+    words = (
+        "the waves that {dof} makes in the fluid act back on it (radiation force): strongest near "
+        "{frequency}, with a gain of {gain}"
+    )
     possible = {"frequency": in_band, "damping_ratio": between(0.0, WIDEST)}
     secondary = ("damping_ratio",)
     plainer = (

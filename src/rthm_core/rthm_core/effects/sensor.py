@@ -13,7 +13,7 @@ class Bias(Effect):
     blocks = ("sensor",)
     parameters = {"bias": EffectParameter("signal", "reading at a true value of zero")}
     equation = "y = s + bias"
-    words = "{block} of {dof} reads {bias} too much"
+    words = "{block} of {dof} reads what is true plus {bias}"
 
 
 @register

@@ -16,7 +16,10 @@ class CubicStiffness(PlantLaw):
         "coefficient": EffectParameter("N/m^3", "force per cubed displacement; negative: softening")
     }
     equation = "F = -k x^3"
-    words = "the spring at {dof} is not linear: it adds {coefficient} times the cube of the displacement"
+    words = (
+        "the spring at {dof} is not linear: its force grows with the cube of the displacement, "
+        "by {coefficient}"
+    )
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -33,7 +36,10 @@ class QuadraticStiffness(PlantLaw):
         "coefficient": EffectParameter("N/m^2", "force per squared displacement, towards -x when positive")
     }
     equation = "F = -k x^2"
-    words = "the spring at {dof} is not symmetric: it adds {coefficient} times the square of the displacement"
+    words = (
+        "the spring at {dof} is not symmetric: its force grows with the square of the displacement, "
+        "by {coefficient}"
+    )
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -48,7 +54,7 @@ class QuadraticDrag(PlantLaw):
     blocks = ("plant",)
     parameters = {"coefficient": EffectParameter("N s^2/m^2", "drag force per squared speed", minimum=0.0)}
     equation = "F = -c |v| v"
-    words = "a drag that grows with the square of the speed, {coefficient}, acts on {dof}"
+    words = "a drag that grows with the square of the speed acts on {dof}: {coefficient}"
     split = "velocity"
 
     @staticmethod

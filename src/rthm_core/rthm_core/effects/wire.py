@@ -111,7 +111,10 @@ class Hardening(WireLaw):
     blocks = ("wire",)
     parameters = {"coefficient": EffectParameter("N/m^3", "force per cubed elongation")}
     equation = "F = k d + c d^3, d = u - x"
-    words = "the wire of {actuator} is not linear: it adds {coefficient} times the cube of its elongation"
+    words = (
+        "the wire of {actuator} is not linear: its force grows with the cube of its elongation, "
+        "by {coefficient}"
+    )
     order = 3
 
     @staticmethod
@@ -165,8 +168,8 @@ class WireBoucWen(WireLaw):
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = k d + alpha z; dz/dt = A dd - beta |dd| |z|^(n-1) z - gamma dd |z|^n, d = u - x"
     words = (
-        "the wire of {actuator} is hysteretic: its force depends on where its elongation last "
-        "turned (Bouc-Wen, {alpha})"
+        "the wire of {actuator} is hysteretic (Bouc-Wen): its force depends on where its elongation last "
+        "turned; in small motions it adds a stiffness of {alpha}"
     )
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY

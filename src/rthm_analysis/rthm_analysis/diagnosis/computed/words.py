@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rthm_analysis.diagnosis.numbers import number, percent, with_unit
 from rthm_analysis.diagnosis.result import Value
 from rthm_core.spec import Spec
 
@@ -18,12 +19,12 @@ def wrong(block: str, name: str, nominal: float, value: Value, share: float, run
     runner_up : str
         Next best explanation, in words; empty: there is none.
     """
-    percent = f", {100.0 * (value.value / nominal - 1.0):+.2f} %" if nominal else ""
-    found = f"{name} = {value.value:.6g} {value.unit} (+- {value.std:.2g})"
-    removed = f"{100.0 * max(share, 0.0):.4g} % of the squared error of its output"
+    change = f" ({100.0 * (value.value / nominal - 1.0):+.2f} %)" if nominal else ""
+    found = f"{name} = {number(value.value, value.std, value.unit, signed=True)}"
+    removed = f"{percent(max(share, 0.0))} of the squared error of its output"
     return (
-        f"The {WHO[block]} computes with {found} instead of {nominal:.6g} {value.unit} as the spec "
-        f"says{percent}. On the last third of the recording this removes {removed}.{runner_up}"
+        f"The {WHO[block]} computes with {found}; the spec says {with_unit(nominal, value.unit, 6)}{change}. "
+        f"On the last third of the recording this removes {removed}.{runner_up}"
     )
 
 
@@ -35,8 +36,8 @@ def second_best(name: str, times: float) -> str:
 def not_one(block: str, nominal: float, left: float) -> str:
     """Sentence for an error that no parameters explain."""
     return (
-        f"The {WHO[block]} does not compute what the spec says: its output is off by {100.0 * nominal:.3g} % "
-        f"of its rms, and no other value of its parameters brings that below {100.0 * left:.3g} %."
+        f"The {WHO[block]} does not compute what the spec says: its output is off by {percent(nominal)} "
+        f"of its rms, and no other value of one of its parameters brings that below {percent(left)}."
     )
 
 
@@ -45,16 +46,16 @@ def other_law(actuator: str, gains: tuple[float, float, float], compliance: floa
     position, force, constant = gains
     return (
         f"The controller computes the command of {actuator} as {position:.5g} x1 + {force:.5g} m/N F_d "
-        f"{constant:+.3g} m; the spec says 1 x1 + {compliance:.5g} m/N F_d."
+        f"{constant:+.3g} m; by the spec it is x1 + {compliance:.5g} m/N F_d."
     )
 
 
 def unlike(actuator: str, share: float, error: float) -> str:
     """Sentence for commands that follow no such law."""
     return (
-        f"{100.0 * share:.3g} % of the commands of {actuator} are not x1 + F_d / k_tot of the samples that "
-        f"the controller used, by {1e3 * error:.3g} mm rms; limits of the safety monitor, a compensator or "
-        "another law could be the reason."
+        f"{percent(share)} of the commands of {actuator} are not x1 + F_d / k_tot of the samples that "
+        f"the controller used; they are off by {1e3 * error:.3g} mm rms. The reason could be limits of the "
+        "safety monitor, a compensator, or another law."
     )
 
 

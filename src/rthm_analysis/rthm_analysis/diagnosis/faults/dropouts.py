@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,9 +59,8 @@ def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
                 f"{in_words(channel, first=True)} is missing {_when(evidence, gaps)}. Nothing is concluded "
                 "from there."
             )
-            faults.append(
-                fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence))
-            )
+            told = fault_of(channel, "dropout", words, whole_interval(evidence, gaps), _lost(gaps, evidence))
+            faults.append(replace(told, marked=True))
         zeros = [one for one in _zeros(values) if not is_real(evidence, column, one)]
         if zeros:
             words = (

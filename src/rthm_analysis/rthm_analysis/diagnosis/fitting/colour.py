@@ -29,7 +29,7 @@ MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
 
 LOUDEST = 0.05
-"""Standard deviation of the coloured part, over that of the recording, above which it is no sensor's noise."""
+"""Standard deviation of the coloured part, over that of the recording, above which it is not noise."""
 
 CORNERS = np.geomspace(3e-4, 1.0, 28)
 """Corner frequencies of the coloured part that are tried, in radians per sample."""

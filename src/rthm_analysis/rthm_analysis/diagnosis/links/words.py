@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rthm_analysis.diagnosis.numbers import number, percent
 from rthm_analysis.diagnosis.result import Value
 
 if TYPE_CHECKING:
@@ -18,22 +19,21 @@ RECEIVERS = {
 
 SENTENCES = {
     "extra_delay": "The {samples} (link {name}) arrive {value} {way} than the spec says, every one of them.",
-    "jitter": "The {samples} (link {name}) are late by a random time, as the size of a normal number with a "
-    "standard deviation of {value}; each sample is delayed anew.",
-    "loss": "Of the {samples} (link {name}), {value} never arrive; the receiver keeps the older.",
-    "clock_offset": "The two ends of the link {name} disagree about the time: the {samples} have stamps that "
-    "the receiver sees {value} {way}.",
+    "jitter": "The {samples} (link {name}) are late by a random time, drawn anew for each: the size of "
+    "a normal number with a standard deviation of {value}.",
+    "loss": "Of the {samples} (link {name}), {value} never arrive; the receiver goes on with the one before.",
+    "clock_offset": "The clocks at the two ends of the link {name} differ: to the receiver, the {samples} "
+    "have stamps that are {value} {way}.",
 }
 
 WAYS = {"extra_delay": ("earlier", "later"), "clock_offset": ("behind", "ahead")}
 """Kinds of either sign, and which way a negative and a positive value goes."""
 
 ELSE = {
-    "extra_delay": "Clocks that differ by the same amount would look the same if the receiver did not show "
-    "the sender's stamps.",
-    "jitter": "A busy machine would make few samples late, and by an exponential tail; that fits worse.",
-    "loss": "Samples that are only late would be used afterwards or missed more often when they have less "
-    "time to spare; that fits worse.",
+    "extra_delay": "It is no difference of the clocks: the receiver reports the sender's own stamps.",
+    "jitter": "It is no busy machine: that makes few samples late, and some very late; this fits worse.",
+    "loss": "The samples are not merely late: then they would be used afterwards, or be missed most where "
+    "they have least time to spare; this fits worse.",
     "clock_offset": "A mere delay would not change the stamps.",
 }
 
@@ -47,8 +47,8 @@ ADVICE = (
 def shown(value: Value) -> str:
     """Return value and standard deviation in readable units."""
     if value.unit == "1":
-        return f"{100.0 * value.value:.2f} % (+- {100.0 * value.std:.2f} %)"
-    return f"{1e3 * value.value:.4g} ms (+- {1e3 * value.std:.2g} ms)"
+        return f"{number(100.0 * value.value, 100.0 * value.std, '%')}"
+    return number(value.value, value.std, value.unit)
 
 
 def sentence(name: str, kind: str, value: Value, share: float) -> str:
@@ -63,9 +63,7 @@ def sentence(name: str, kind: str, value: Value, share: float) -> str:
     size = Value(abs(value.value), value.std, value.unit) if either else value
     way = WAYS[kind][value.value > 0.0] if either else ""
     first = SENTENCES[kind].format(samples=RECEIVERS[name], name=name, value=shown(size), way=way)
-    seen = (
-        f"On the last third of the recording it removes {100.0 * max(share, 0.0):.0f} % of the squared error "
-    )
+    seen = f"On the last third of the recording it removes {percent(max(share, 0.0))} of the squared error "
     seen += "in the age of the sample in use."
     text = f"{first} {seen} {ELSE[kind]}"
     if kind != "extra_delay":
@@ -80,13 +78,13 @@ def stood_still(machine: HeldUp) -> tuple[str, ...]:
     share, longest = 100.0 * machine.share, 1e3 * machine.longest
     return (
         f"the machine was held up {machine.count} times, for {share:.1f} % of the test and up to "
-        f"{longest:.3g} ms, as times of sending show; samples on their way then say nothing about the links.",
+        f"{longest:.3g} ms, as the times of sending show; samples that were on their way then are left out.",
     )
 
 
 def lateness(name: str, late: float) -> str:
     """A machine that is a little late."""
     return (
-        f"link.{name}: samples come {1e6 * late:.0f} us late on average, in the way of a busy machine; "
-        "this is scheduling, not physics."
+        f"link.{name}: samples come {1e6 * late:.0f} us late on average, as they do on a busy machine; "
+        "that is scheduling and no fault of the link."
     )

@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 
 SMALL = 1e-3
-"""Force of a shape in its trial replay over that of the spring: small, so that laws that bend stay straight."""
+"""Force of a shape in its trial replay over that of the spring: so small that laws stay straight."""
 
 RIDGE = 1e-7
 """Weight of a size of zero, over that of the data, where shapes cannot be told apart."""
@@ -175,7 +175,7 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice]) -> _Normal:
 
 
 def _solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-    """Sizes and covariance for noise of power 1; a shape that the data do not reach has size and variance 0."""
+    """Sizes and covariance for noise of power 1; what the data do not reach has size 0."""
     diagonal = np.diag(hessian)
     reached = diagonal > UNREACHED * diagonal.max(initial=0.0)
     scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)

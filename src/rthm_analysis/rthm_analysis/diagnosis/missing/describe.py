@@ -35,7 +35,7 @@ NAMES = {
 
 
 def told(curves: list[CurveFit]) -> CurveFit | None:
-    """Curve that is told: over the fewest variables that explain as much as any; None if none is confirmed."""
+    """Curve that is told: over the fewest variables that explain as much as any; None where unconfirmed."""
     confirmed = [
         one for one in curves if one.held_out_share > CONFIRMED and min(one.gain, one.held_out_gain) > CLEAR
     ]
@@ -111,6 +111,6 @@ def _words(
     share = 100.0 * min(one.held_out_share, 1.0)
     return (
         f"A force of up to {size:.2g} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
-        f"{energy} As a fitted curve it explains {share:.3g} % of the mismatch on unseen data; no kind of the "
-        f"library does."
+        f"{energy} As a fitted curve it explains {share:.3g} % of the mismatch on unseen data; no kind of "
+        f"the library does."
     )

@@ -1,4 +1,4 @@
-"""From a retuned model to an explanation: plainer hypotheses first, then effects, in short runs if need be."""
+"""From a retuned model to an explanation: plainer hypotheses first, then effects, maybe in short runs."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ from rthm_analysis.diagnosis.result import (
     Value,
 )
 from rthm_analysis.diagnosis.search.judging import Tried, distinguishable
-from rthm_analysis.diagnosis.words import physics_words
+from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
@@ -107,15 +107,11 @@ def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
     said = []
     for channel, one in zip(physical.evidence.channels, judged.left[name], strict=True):
         if one.rms > 1.0 and (one.in_train or one.in_held_out or one.parts.size):
-            only = (
-                " It shows only in the last third, which chose nothing: unconfirmed."
-                if _late(one, physical)
-                else ""
+            text = (
+                f"{channel.signal}: on unseen data the error is {bare(one.rms)} times the noise, "
+                "and it is not random."
             )
-            said.append(
-                f"{channel.signal}: on unseen data the error is {one.rms:.3g} times the noise, and not random."
-                f"{only}"
-            )
+            said.append(f"{text} {UNCONFIRMED}" if _late(one, physical) else text)
     return tuple(said) or ("On unseen data the error is larger than the noise.",)
 
 
@@ -129,7 +125,7 @@ def _on_the_load(physical: Physical) -> tuple[str, ...]:
     between = physical.experiment.between
     if between is Between.SMOOTH:
         return ()
-    return (f"The load {between.value} between its samples: as a smooth curve it would explain less.",)
+    return (f"Between its samples the load {between.value}; a smooth curve would explain less.",)
 
 
 def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace]]:

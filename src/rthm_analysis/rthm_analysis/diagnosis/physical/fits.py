@@ -62,7 +62,7 @@ def _fit(physical: Physical, runs: dict[str, Simulated], block: str, k: int) -> 
 
 
 def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeRun]:
-    """One free run over the unseen part from the state at its start, for every dof with a recorded position."""
+    """One free run over the unseen part from the state at its start, for every recorded position."""
     evidence, train = physical.evidence, physical.train
     found = {}
     errors = {name: _free_errors(physical, run) for name, run in runs.items()}

@@ -18,7 +18,8 @@ WIRE = "actuator.stiffness"
 ENTRY = re.compile(r"(.+)\[(\d+)\]")
 
 SMALL = 0.02
-"""Damping ratio, and part of the stiffness that the motion's inertia stands for, as the scale of an entry of zero.
+"""Damping ratio, and part of the stiffness that the motion's inertia stands for, as the scale
+of an entry of zero.
 """
 
 

@@ -35,7 +35,7 @@ FEWEST = 200
 
 
 def readings_only(evidence: Evidence) -> Evidence:
-    """Evidence in which samples that are no readings of the sensor count as not measured, with notes of it."""
+    """Evidence in which samples that are no readings of the sensor count as not measured, and notes."""
     measured, notes = evidence.measured.copy(), list(evidence.notes)
     for k, channel in enumerate(evidence.channels):
         if channel.family == "motor":
@@ -43,8 +43,8 @@ def readings_only(evidence: Evidence) -> Evidence:
         kept, way = _readings(measured[:, k])
         if kept is not None:
             notes.append(
-                f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; what was {way} "
-                f"between them is left out."
+                f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; what was "
+                f"{way} between them is left out."
             )
             measured[~kept, k] = np.nan
     return (

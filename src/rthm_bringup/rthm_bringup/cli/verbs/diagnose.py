@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ from rthm_bringup.cli.options import Bag, Json, spec_named
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
+    from rthm_analysis.diagnosis.result import Fit
 
 
 def verb(
@@ -25,6 +27,10 @@ def verb(
     patched: Annotated[
         Path | None, typer.Option("--patched", metavar="SPEC", help="Write a spec that behaves as recorded.")
     ] = None,
+    next_test: Annotated[
+        Path | None,
+        typer.Option("--next", metavar="SPEC", help="Write a spec of the test that would tell most now."),
+    ] = None,
     json: Json = None,
 ) -> int:
     """Say where a recording and its simulation differ, and which physics was left out."""
@@ -36,31 +42,50 @@ def verb(
     nominal = spec_named(spec) if spec else recording.known_spec()
     with status("reading") as say:
         found = diagnose(recording, nominal, say)
-    if patched:
-        patched.write_text(found.patched, encoding="utf-8")
-    if report:
-        from rthm_analysis.report.diagnosis import write_diagnosis
+    lines = [*_lines(found), *_not_planned(found, next_test)]
+    with ExitStack() as every:  # what cannot be written keeps nothing else from being written
+        if report:
+            from rthm_analysis.report.diagnosis import write_diagnosis
 
-        write_diagnosis(found, recording, nominal, report)
-    put(found.as_dict(), _lines(found), json)
-    return 1 if found.verdict == "unexplained" else 0
+            every.callback(write_diagnosis, found, recording, nominal, report)
+        for text, path in ((found.patched, patched), (found.next_experiment_spec, next_test)):
+            if path and text:
+                every.callback(path.write_text, text, encoding="utf-8")
+        every.callback(put, found.as_dict(), lines, json)
+    return 1 if found.verdict in ("improved", "unexplained") else 0
+
+
+def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:
+    if next_test is None or found.next_experiment_spec:
+        return []
+    return [f"{next_test} is not written: what to do next is no test of the rig."]
 
 
 def _lines(found: Diagnosis) -> Iterator[str]:
     """The answer, how much better it is, what else it could be, what to try next."""
+    from rthm_analysis.diagnosis.experiment.sentences import kind_words
+
     yield f"{found.verdict}: {found.words}"
     yield from found.unexplained
     for fit in found.fits:
-        errors = fit.nrmse
-        span = "" if fit.window is None else f" in free runs of {fit.window:.3g} s"
-        yield (
-            f"{fit.signal} on data that no fit has seen ({fit.held_out[0]:.4g} to {fit.held_out[1]:.4g} s)"
-            f"{span}: error {errors['nominal']:.4g} of its standard deviation as specified, "
-            f"{errors['retuned']:.4g} retuned, {errors['explained']:.4g} explained; "
-            f"noise {errors['noise_floor']:.4g}"
-        )
-    unclear = [f"{a.kind} ({a.block})" for a in found.alternatives if not a.distinguishable]
+        yield _fit(fit)
+    unclear = [f"{kind_words(a.kind)} ({a.block})" for a in found.alternatives if not a.distinguishable]
     if unclear:
-        yield f"this recording cannot tell it from: {', '.join(dict.fromkeys(unclear))}"
+        yield f"this recording does not tell it from: {', '.join(dict.fromkeys(unclear))}"
     yield f"next: {found.next_experiment}"
     yield from found.notes
+
+
+def _fit(fit: Fit) -> str:
+    """Errors of a signal on unseen data."""
+    from rthm_analysis.diagnosis.numbers import percent
+
+    span = "" if fit.window is None else f", in free runs of {fit.window:.3g} s"
+    words = (("nominal", "as specified"), ("retuned", "retuned"), ("explained", "explained"))
+    errors = ", ".join(f"{percent(fit.nrmse[name], 3)} {said}" for name, said in words)
+    floor = percent(fit.nrmse["noise_floor"], 3)
+    return (
+        f"error of {fit.signal} on data that no fit has seen ({fit.held_out[0]:.4g} to "
+        f"{fit.held_out[1]:.4g} s{span}), over the signal's standard deviation there: {errors}; "
+        f"the noise alone is {floor}"
+    )

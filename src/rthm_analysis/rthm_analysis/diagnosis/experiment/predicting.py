@@ -1,0 +1,135 @@
+"""What a hypothesis predicts of a trial, signal by signal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.experiment.closed import closed_loop, fastest_motion, linear_part, loaded
+from rthm_analysis.diagnosis.experiment.trials import Trial, force_at
+from rthm_analysis.diagnosis.replay.evidence import Channel
+from rthm_analysis.diagnosis.replay.grid import Grid
+from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
+from rthm_analysis.diagnosis.replay.loads import hidden_loads
+from rthm_core.clock import NS
+from rthm_core.compiled import Floats
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+LONGEST_PHASE = 0.2
+"""Longest step, in radians of the fastest motion of plant and wires."""
+
+LONGEST_STEP = 2.0
+"""Longest step over the time of the fastest filter; a Runge-Kutta step of 2.8 is unstable."""
+
+MOST_STEPS = 6000
+"""Steps of one prediction; a test that needs more is predicted over its first part."""
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """Motion in a trial.
+
+    Attributes
+    ----------
+    signals : dict of (s,) arrays
+        By the names of the recording's channels: x1, v1, F.
+    command : (s, m) array
+        u_d, m.
+    """
+
+    signals: dict[str, Floats]
+    families: dict[str, str]
+    command: Floats
+    step: float
+
+    @property
+    def time(self) -> Floats:
+        """Instants of the signals, s."""
+        return np.asarray(np.arange(next(iter(self.signals.values())).size) * self.step, dtype=float)
+
+    def largest(self, family: str) -> float:
+        """Largest size of the signals of a family: position, velocity, force, command, rate."""
+        if family in ("command", "rate"):
+            moved = self.command if family == "command" else np.diff(self.command, axis=0) / self.step
+            return float(np.abs(moved).max(initial=0.0))
+        columns = [self.signals[name] for name, one in self.families.items() if one == family]
+        return max((float(np.abs(one).max(initial=0.0)) for one in columns), default=0.0)
+
+
+class Predictor:
+    """One hypothesis, ready to be tried with many inputs.
+
+    Parameters
+    ----------
+    spec : Spec
+        Loop, or plant alone.
+    step : float
+        Of the predictions, s.
+    steps : int
+    """
+
+    def __init__(self, spec: Spec, step: float, steps: int) -> None:
+        assert spec.plant is not None
+        self.spec, self.step = spec, step
+        self.closed = closed_loop(spec)
+        self.grid = Grid(np.arange(steps + 1, dtype=np.int64) * round(step * NS))
+        self.hidden = hidden_loads(spec, self.grid)
+        self.channels = [
+            *(Channel("position", dof) for dof in spec.plant.dofs),
+            *(Channel("velocity", dof) for dof in spec.plant.dofs),
+            *(Channel("force", name) for name in (spec.actuator.names if spec.actuator else ())),
+        ]
+
+    @np.errstate(over="ignore", invalid="ignore")  # what runs away is seen by its size
+    def predict(self, trial: Trial) -> Predicted:
+        """Motion of the hypothesis in a trial."""
+        section = trial.loads.get("numerical")
+        numerical = None if section is None or section.kind == "none" else section.dof
+        arrays, points = loaded(self.closed, self.spec, numerical), self.grid.points
+        n, m = arrays.inverse_mass.shape[0], arrays.wires.shape[0]
+        motor, load = np.zeros((*points.shape, m)), self._load(trial, points)
+        if numerical is not None and m:
+            motor[:, :, 0] = force_at(section, points)
+        start = arrays._replace(initial=trial.start * arrays.initial)
+        out = np.zeros((points.shape[0], 2 * n + m))
+        replay_mechanics(
+            start, self.grid.time, 1, motor, load, np.zeros(1, dtype=np.int64),
+            np.ascontiguousarray(start.initial[None, : 2 * n]), self.grid.time,
+            np.zeros((points.shape[0], m)), out, working(start),
+        )  # fmt: skip
+        return self._named(out, n)
+
+    def _load(self, trial: Trial, points: Floats) -> Floats:
+        assert self.spec.plant is not None
+        dofs = self.spec.plant.dofs
+        load = np.zeros((*points.shape, len(dofs))) if self.hidden is None else self.hidden.copy()
+        section = trial.loads.get("plant")
+        if section is not None and section.kind != "none":
+            load[:, :, dofs.index(section.dof)] += force_at(section, points)
+        if trial.recorded is not None:
+            time, forces = trial.recorded
+            for i, column in enumerate(forces.T):
+                load[:, :, i] += np.interp(points, time, column)
+        return load
+
+    def _named(self, out: Floats, n: int) -> Predicted:
+        signals = {one.signal: out[:, i] for i, one in enumerate(self.channels)}
+        families = {one.signal: one.family for one in self.channels}
+        return Predicted(signals, families, self._command(out, n), self.step)
+
+    def _command(self, out: Floats, n: int) -> Floats:
+        if not self.spec.is_loop:
+            return np.empty((out.shape[0], 0))
+        loop = self.spec.loop()
+        places = [loop.plant.dofs.index(dof) for dof in loop.interface.plant_dof]
+        return np.asarray(out[:, places] + out[:, 2 * n :] / np.array(self.spec.k_tot))
+
+
+def step_of(spec: Spec) -> float:
+    """Step, s, that a hypothesis needs: short for its motion, and no longer than its filters bear."""
+    rates = np.abs(np.linalg.eigvals(linear_part(closed_loop(spec))))
+    return min(LONGEST_PHASE / fastest_motion(spec), LONGEST_STEP / float(rates.max()))

@@ -1,0 +1,74 @@
+"""Linear response of a closed loop: how large a load may be at each frequency, and where the modes are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.experiment.closed import closed_loop, linear_part, loaded, wire_forces
+from rthm_core.physical.laws import DOF
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+SWINGS = 0.7
+"""Largest damping ratio of a motion that has a frequency worth exciting."""
+
+WITHIN = 6.0
+"""Modes further above the slowest than by this factor are left out: a load at them moves little."""
+
+GROWS = 1e-6
+"""Growth over the fastest rate that is rounding and no instability."""
+
+
+class Response:
+    """Small motion of a test under a load.
+
+    Parameters
+    ----------
+    spec : Spec
+        Loop, or plant alone.
+    """
+
+    def __init__(self, spec: Spec) -> None:
+        self.spec, self.closed = spec, closed_loop(spec)
+        self.a = linear_part(self.closed)
+        self._rates = np.linalg.eigvals(self.a)
+
+    @property
+    def modes(self) -> Floats:
+        """Frequencies, rad/s, of the slowest modes that swing, ascending; empty where none does."""
+        swinging = (self._rates.imag > 0.0) & (-self._rates.real < SWINGS * np.abs(self._rates))
+        rates = np.sort(np.abs(self._rates[swinging]))
+        return np.asarray(rates[rates <= WITHIN * rates[0]] if rates.size else rates)
+
+    @property
+    def unstable(self) -> bool:
+        """Whether the motion grows by itself."""
+        return bool(np.any(self._rates.real > GROWS * np.abs(self._rates).max()))
+
+    def sizes(self, side: str, dof: str, frequency: float) -> dict[str, float]:
+        """Amplitude of a steady swing under a load of 1 N, by family of signals.
+
+        Parameters
+        ----------
+        side : str
+            ``plant`` or ``numerical``.
+        dof : str
+            Where the load acts.
+        frequency : float
+            rad/s; 0: a constant load.
+        """
+        assert self.spec.plant is not None
+        n, m = self.closed.inverse_mass.shape[0], self.closed.wires.shape[0]
+        arrays = loaded(self.closed, self.spec, dof if side == "numerical" else None)
+        push = arrays.b[:, 0 if side == "numerical" else m + self.spec.plant.dofs.index(dof)]
+        swing = 1j * frequency * np.eye(push.size) - self.a
+        state = np.linalg.lstsq(swing, push.astype(complex), rcond=None)[0]
+        force = wire_forces(self.closed) @ state
+        command = state[self.closed.wires[:, DOF]] + force / self.closed.stiffness[:, 0]
+        rate = frequency * np.abs(command)
+        found = {"position": state[:n], "velocity": state[n : 2 * n], "force": force, "command": command}
+        return {name: float(np.abs(one).max(initial=0.0)) for name, one in (found | {"rate": rate}).items()}

@@ -1,0 +1,136 @@
+"""The search for the best trial, by predicting what each hypothesis would do in many."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rthm_analysis.diagnosis.experiment.bounds import Bounds, bounds_of
+from rthm_analysis.diagnosis.experiment.candidates import candidates
+from rthm_analysis.diagnosis.experiment.predicting import MOST_STEPS, Predicted, Predictor, step_of
+from rthm_analysis.diagnosis.experiment.trials import Trial, plain
+from rthm_core.spec import HarmonicLoad
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
+
+NEAR = 0.9
+"""Part of the bounds at which a trial that went beyond them is tried again."""
+
+LONGEST = 20
+"""Predictions of the present test may have so many times the steps of others."""
+
+FINER = (1.12, 1.04)
+"""Factors of the frequency in each round of refinement."""
+
+SIZES = (0.5, 1.5)
+"""Factors of the amplitude there."""
+
+
+class Told(NamedTuple):
+    """How far a trial tells the hypotheses apart, in which signal, and which part of the bounds it uses."""
+
+    trial: Trial
+    apart: float
+    signal: str
+    used: float
+
+
+class Search:
+    """Trials of some hypotheses, and how many simulations they may still cost.
+
+    Parameters
+    ----------
+    nominal : Spec
+    specs : sequence of Spec
+        Hypotheses, two at least.
+    noise : mapping
+        Standard deviation of each measured channel.
+    duration : float
+        s.
+    budget : int
+        Simulations.
+    """
+
+    def __init__(
+        self, nominal: Spec, specs: Sequence[Spec], noise: Mapping[str, float], duration: float, budget: int
+    ) -> None:
+        self.nominal, self.noise, self.left = nominal, noise, budget
+        self.specs, self.whole, self.step = specs, duration, min(step_of(one) for one in specs)
+        self.steps = min(int(np.ceil(duration / self.step)), MOST_STEPS)
+        self.duration = min(duration, self.steps * self.step)
+        self.predictors = [Predictor(one, self.duration / self.steps, self.steps) for one in specs]
+
+    def best(self, present: Trial) -> tuple[Told, float] | None:
+        """The trial that tells most, and how far the present one tells; None where there is none."""
+        runs = self._present(present)
+        bounds = bounds_of(self.nominal, present, runs[0])
+        if not bounds.signals or not np.isfinite(bounds.used(runs[0])):
+            return None
+        told = list(self._all(candidates(self.nominal, bounds, self.duration), bounds))
+        if not told:
+            return None
+        best = max(told, key=_apart)
+        for factor in FINER:
+            best = max([best, *self._all(_around(best, factor), bounds)], key=_apart)
+        return best, self._apart(runs)[0]
+
+    def _present(self, trial: Trial) -> list[Predicted]:
+        """Predictions of the present test to its end, which may be much longer than a planned one."""
+        steps = min(int(np.ceil(self.whole / self.step)), LONGEST * MOST_STEPS)
+        self.left -= len(self.specs)
+        return [Predictor(one, self.step, steps).predict(trial) for one in self.specs]
+
+    def _run(self, trial: Trial) -> list[Predicted]:
+        self.left -= len(self.predictors)
+        return [one.predict(trial) for one in self.predictors]
+
+    def _all(self, trials: Iterator[Trial], bounds: Bounds) -> Iterator[Told]:
+        return (one for trial in trials for one in self._told(trial, bounds))
+
+    def _told(self, trial: Trial, bounds: Bounds) -> Iterator[Told]:
+        """What a trial tells, made smaller once where it goes beyond the bounds; nothing where that fails."""
+        for _ in range(2):
+            if self.left < len(self.predictors):
+                return
+            runs = self._run(trial)
+            used = max(bounds.used(one) for one in runs)
+            if used <= 1.0:
+                yield Told(trial, *self._apart(runs), used)
+                return
+            if not np.isfinite(used):
+                return
+            trial = trial.scaled(NEAR / used)
+
+    def _apart(self, runs: list[Predicted]) -> tuple[float, str]:
+        """Smallest difference of two predictions in units of the noise, and where it shows most."""
+        return min(self._difference(*pair) for pair in combinations(runs, 2))
+
+    def _difference(self, one: Predicted, other: Predicted) -> tuple[float, str]:
+        found = [
+            (
+                float(np.sqrt(np.mean(np.square(one.signals[name] - other.signals[name]))))
+                / self.noise[name],
+                name,
+            )
+            for name in one.signals
+            if self.noise.get(name, 0.0) > 0.0
+        ]
+        return max(found, default=(0.0, ""))
+
+
+def _around(best: Told, factor: float) -> Iterator[Trial]:
+    """Trials like the best one: at other frequencies, and larger or smaller."""
+    for side, section in best.trial.loads.items():
+        if isinstance(section, HarmonicLoad):
+            for by in (factor, 1.0 / factor):
+                moved = section.model_copy(update={"frequency": plain(by * section.frequency, 3)})
+                yield Trial({side: moved}, best.trial.start)
+    yield from (best.trial.scaled(by) for by in (*SIZES, NEAR / max(best.used, 0.1)))
+
+
+def _apart(told: Told) -> float:
+    return told.apart

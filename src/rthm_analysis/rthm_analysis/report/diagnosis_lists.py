@@ -1,0 +1,58 @@
+"""What a diagnosis says beside its named physics: faults, described forces, traces, refusals, free runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+
+from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.result import Diagnosis
+from rthm_analysis.report.tables import table
+
+
+def faults(diagnosis: Diagnosis) -> str:
+    """One line per fault of the recording or of the spec."""
+    return _list(one.words for one in diagnosis.faults)
+
+
+def described(diagnosis: Diagnosis) -> str:
+    """One line per force that the data show and no kind fits."""
+    return _list(one.words for one in diagnosis.described)
+
+
+def traces(diagnosis: Diagnosis) -> str:
+    """One line per effect that is there and does not matter, folded."""
+    return _folded("effects that are there and do not matter", [one.words for one in diagnosis.traces])
+
+
+def refused(diagnosis: Diagnosis) -> str:
+    """One line per hypothesis that was tried and not taken, folded."""
+    return _folded("hypotheses that were tried and not taken", [one.words for one in diagnosis.refused])
+
+
+def free_runs(diagnosis: Diagnosis) -> str:
+    """One row per dof: errors of one free run over the unseen part."""
+    head = ("free run of", "over", "as specified", "retuned", "explained")
+    rows = [
+        [dof, f"{bare(run.seconds)} s", *(percent(e, 3) for e in (run.nominal, run.retuned, run.explained))]
+        for dof, run in diagnosis.free_run.items()
+    ]
+    return table(head, rows) if rows else ""
+
+
+def next_test(diagnosis: Diagnosis) -> list[str]:
+    """What to do next, and its spec, folded, where it is a test of the rig."""
+    said = [f"<div>{escape(diagnosis.next_experiment)}</div>"]
+    if diagnosis.next_experiment_spec:
+        spec = escape(diagnosis.next_experiment_spec.strip())
+        said.append(f"<details><summary>Show its spec</summary><pre>{spec}</pre></details>")
+    return said
+
+
+def _list(lines: Iterable[str]) -> str:
+    items = "".join(f"<li>{escape(one)}</li>" for one in lines)
+    return f"<ul>{items}</ul>" if items else ""
+
+
+def _folded(what: str, lines: list[str]) -> str:
+    return f"<details><summary>{len(lines)} {what}</summary>{_list(lines)}</details>" if lines else ""

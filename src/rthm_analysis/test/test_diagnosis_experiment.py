@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.experiment.closed import fastest_motion
 from rthm_analysis.diagnosis.experiment.planning import Hypothesis, Planned, plan_experiment
 from rthm_analysis.diagnosis.experiment.predicting import Predictor, step_of
 from rthm_analysis.diagnosis.experiment.trials import Trial, constant, harmonic, multisine
+from rthm_analysis.diagnosis.replay.kernel import replay_mechanics
 from rthm_core.engine import simulate
 from rthm_core.spec import Spec, apply, read_spec, shipped_spec
 
@@ -20,6 +21,8 @@ BRANCH = {"block": "plant", "kind": "maxwell_branch", "dof": "x1", "stiffness": 
 DRY = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.05}
 CUBIC = {"block": "plant", "kind": "cubic_stiffness", "dof": "x1", "coefficient": 1.0}
 WIRE = {"block": "wire", "kind": "maxwell_branch", "actuator": "a1", "stiffness": 5.0, "damping": 1.0}
+
+HARD = {"block": "wire", "kind": "hardening", "actuator": "a1", "coefficient": 100.0}
 
 
 def having(nominal: Spec, **effects: dict) -> Spec:
@@ -130,3 +133,11 @@ def test_numbers_that_are_said_are_those_that_were_predicted() -> None:
     assert harmonic("x1", 0.7654, 1.98765).amplitude == 0.77
     assert Trial({"plant": constant("x1", 1.0)}, 0.5).scaled(1.0 / 3.0).loads["plant"].force == 0.33  # type: ignore[union-attr]
     assert fastest_motion(DECAY) == pytest.approx(np.sqrt(10.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("nominal", [PAPER, DECAY])
+def test_a_plan_compiles_nothing_of_its_own(nominal: Spec) -> None:
+    planned(nominal, nominal, having(nominal, one=CUBIC), budget=10)
+    if nominal.is_loop:
+        planned(nominal, nominal, having(nominal, one=HARD))
+    assert len(replay_mechanics.signatures) == 1  # type: ignore[attr-defined]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.binned import BINS, binned
+from rthm_analysis.diagnosis.missing.binned import BINS, binned
 
 
 def test_averages_bring_a_law_out_of_noise_that_hides_it() -> None:

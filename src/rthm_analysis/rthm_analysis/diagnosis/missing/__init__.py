@@ -3,6 +3,7 @@
 ============  ===================================================================================
 ``motion``    position and velocity along the recording, noise kept out of the rates
 ``features``  free curves over motion, time and load, as sums of simple shapes
+``binned``      averages of a force over another variable
 ``curves``    which of them predicts data that chose nothing, and by how much
 ``describe``  what was found in words: on what, when, which way, where it was seen
 ============  ===================================================================================

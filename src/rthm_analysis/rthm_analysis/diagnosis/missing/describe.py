@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import CurveFit
-from rthm_analysis.diagnosis.physical.binned import binned
+from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.result import Described
 from rthm_core.compiled import Floats
 
@@ -103,14 +104,13 @@ def _words(
 ) -> str:
     names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
-    when = f" from {interval[0]:.3g} s to {interval[1]:.3g} s" if interval else ""
-    ranges = ", ".join(f"{low:.3g} to {high:.3g} {UNITS[v]}" for v, (low, high) in domain.items())
+    when = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
+    ranges = ", ".join(f"{bare(low)} to {bare(high)} {UNITS[v]}" for v, (low, high) in domain.items())
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
     size = float(np.quantile(np.abs(one.force), 0.995))
-    share = 100.0 * min(one.held_out_share, 1.0)
     return (
-        f"A force of up to {size:.2g} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
-        f"{energy} As a fitted curve it explains {share:.3g} % of the mismatch on unseen data; no kind of "
+        f"A force of up to {bare(size, 2)} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
+        f"{energy} As a fitted curve it explains {percent(min(one.held_out_share, 1.0))} of the mismatch on unseen data; no kind of "
         f"the library does."
     )

@@ -3,11 +3,19 @@
 ===============  ==============================================================================
 ``side``         all of it, as `Part` of the diagnosis
 ``beginning``    free runs, noise, loads between samples, retuned model
+``colours``      noise that has a colour
+``explaining``   from the retuned model to an explanation
+``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured
 ``judged``       errors on data that had no part in any fit or choice
+``remainder``    what is left beyond the noise, where and when
+``confirming``   unseen data confirm an effect or take it away
+``verdict``      whether names were earned
+``locating``     where and when, where nothing was named
+``values``       what was found, with standard deviations
+``fits``         errors of every signal, and of one free run
 ``detection``    what a recording would have shown
 ``rounding``     sensors whose readings lie on a lattice
-``binned``       averages of a force over another variable
 ``curves``       force that the plant lacks, over the variable that explains it best
 ``wire_curves``  the same of a wire
 ``work``         energy of what was found

@@ -14,6 +14,8 @@ CONFIRMED = 4.0
 chance for one parameter.
 """
 
+UNCONFIRMED = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
+
 
 def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without the effects found last that do not help on unseen data, and why they went."""
@@ -25,8 +27,7 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
         if less - error > CONFIRMED:
             break
         block, kind, _ = choice.rounds[-1][0].label
-        words = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
-        refused.append(Refused(block, kind, words))
+        refused.append(Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {UNCONFIRMED}."))
         choice = before
     return replace(physical, choice=choice), tuple(refused)
 

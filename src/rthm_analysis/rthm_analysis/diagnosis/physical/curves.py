@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.binned import binned
+from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_force
 from rthm_analysis.diagnosis.result import Curve, Physics

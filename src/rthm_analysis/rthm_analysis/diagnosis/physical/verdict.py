@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.judged import (
     Simulated,
     held_out_squares,
@@ -162,9 +163,10 @@ class Judgement:
         if not self.names or self.earned:
             return ()
         worst = max(one.rms / one.loudness for one in self.left["explained"])
-        said = (
-            f"fitted to the first two thirds, it removed {100.0 * self.gone:.3g} % of the mismatch in the "
-            f"last, which left {worst:.3g} times the noise: not enough for a name"
+        labels = [tried[0].label for tried in self.physical.choice.rounds]
+        names = " and ".join(kind.replace("_", " ") for _, kind, _ in labels)
+        words = (
+            f"{names.capitalize()}: fitted to the first two thirds, it removed {percent(max(self.gone, 0.0))} of "
+            f"the mismatch in the last, which left {bare(worst)} times the noise: not enough for a name."
         )
-        rounds = self.physical.choice.rounds
-        return tuple(Refused(tried[0].label[0], tried[0].label[1], said) for tried in rounds)
+        return tuple(Refused(block, kind, words) for block, kind, _ in labels)

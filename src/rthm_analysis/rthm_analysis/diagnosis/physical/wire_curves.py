@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.binned import binned
+from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats

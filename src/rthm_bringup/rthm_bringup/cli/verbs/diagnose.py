@@ -42,7 +42,7 @@ def verb(
     nominal = spec_named(spec) if spec else recording.known_spec()
     with status("reading") as say:
         found = diagnose(recording, nominal, say)
-    lines = [*_lines(found), *_not_planned(found, next_test)]
+    lines = [*_lines(found), *_not_patched(found, patched), *_not_planned(found, next_test)]
     with ExitStack() as every:  # what cannot be written keeps nothing else from being written
         if report:
             from rthm_analysis.report.diagnosis import write_diagnosis
@@ -53,6 +53,14 @@ def verb(
                 every.callback(path.write_text, text, encoding="utf-8")
         every.callback(put, found.as_dict(), lines, json)
     return 1 if found.verdict in ("improved", "unexplained") else 0
+
+
+def _not_patched(found: Diagnosis, patched: Path | None) -> list[str]:
+    if patched is None or found.patched:
+        return []
+    if found.verdict == "unexplained":
+        return [f"{patched} is not written: nothing was found that the spec could be patched with."]
+    return [f"{patched} is not written: in a free run the patched spec does worse than the one given."]
 
 
 def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:

@@ -108,9 +108,9 @@ def _words(
     ranges = ", ".join(f"{bare(low)} to {bare(high)} {UNITS[v]}" for v, (low, high) in domain.items())
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
-    size = float(np.quantile(np.abs(one.force), 0.995))
+    size = bare(float(np.quantile(np.abs(one.force), 0.995)), 2)
+    share = percent(min(one.held_out_share, 1.0))
     return (
-        f"A force of up to {bare(size, 2)} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
-        f"{energy} As a fitted curve it explains {percent(min(one.held_out_share, 1.0))} of the mismatch on unseen data; no kind of "
-        f"the library does."
+        f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}.{energy} "
+        f"As a fitted curve it explains {share} of the mismatch on unseen data; no kind of the library does."
     )

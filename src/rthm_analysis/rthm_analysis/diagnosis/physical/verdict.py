@@ -165,8 +165,9 @@ class Judgement:
         worst = max(one.rms / one.loudness for one in self.left["explained"])
         labels = [tried[0].label for tried in self.physical.choice.rounds]
         names = " and ".join(kind.replace("_", " ") for _, kind, _ in labels)
+        gone = percent(max(self.gone, 0.0))
         words = (
-            f"{names.capitalize()}: fitted to the first two thirds, it removed {percent(max(self.gone, 0.0))} of "
-            f"the mismatch in the last, which left {bare(worst)} times the noise: not enough for a name."
+            f"{names.capitalize()}: fitted to the first two thirds, it removed {gone} of the mismatch in the "
+            f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)

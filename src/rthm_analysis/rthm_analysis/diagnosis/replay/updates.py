@@ -43,8 +43,8 @@ def readings_only(evidence: Evidence) -> Evidence:
         kept, way = _readings(measured[:, k])
         if kept is not None:
             notes.append(
-                f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; what was "
-                f"{way} between them is left out."
+                f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; "
+                f"what was {way} between them is left out."
             )
             measured[~kept, k] = np.nan
     return (

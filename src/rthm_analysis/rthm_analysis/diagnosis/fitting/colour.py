@@ -145,7 +145,7 @@ def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[flo
     own[free, np.arange(free.size)] = 1.0
     highest = at[moving].max(initial=0.0)
     tail = np.where(at > highest, (at / at[-1]) ** -6.0, 0.0)
-    base = np.column_stack([np.ones_like(at), *([tail] if highest else []), own])
+    base = np.column_stack([np.ones_like(at), *([tail] if highest and tail.any() else []), own])
     plain, _ = _likeliest(base, power, lines)
     shapes = [1.0 / (2.0 - 2.0 * np.cos(at) + corner**2) for corner in CORNERS.tolist()]
     fits = [_likeliest(np.column_stack([base, shape]), power, lines) for shape in shapes]

@@ -28,5 +28,8 @@ the loop. ``python -m benchmarks.concealed`` makes the table of the first part.
 ``plan``        which cases the table has
 ``score``       one diagnosis against its truth
 ``table``       all scores in words
+``runner``      cases one after the other, resumable; for both parts
+``page``        the page of both parts
+``open``        the second part: an open world
 ==============  ==========================================================================================
 """

@@ -55,8 +55,11 @@ def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     reach = float(np.nanmax(np.abs(evidence.measured[:, evidence.channels.index(channel)])))
     if start is None and reach > FAR and abs(gain) < 1.0:
         return _position(evidence, channel, 1.0 / gain, "what the known force asks for")
-    load = Channel("load", channel.place)
-    return replace(evidence, load=evidence.load / gain), [factor_fault(load, gain)]
+    told = factor_fault(Channel("load", channel.place), gain)
+    if start is None and told.kind == "unit":
+        other = f" It may as well be the motion that is {1.0 / gain:.4g} times what it should be."
+        told = replace(told, words=told.words + other)
+    return replace(evidence, load=evidence.load / gain), [told]
 
 
 def _force_ratios(evidence: Evidence, spec: Spec) -> dict[str, float]:

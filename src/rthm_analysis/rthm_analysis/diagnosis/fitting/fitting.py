@@ -85,6 +85,8 @@ class Fitting:
     doubt : float
         Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
         model is wrong, data count less against what the spec states.
+    asked : set
+        Combinations of effects that were fitted.
 
     Attributes
     ----------
@@ -100,6 +102,7 @@ class Fitting:
     doubt: float = 1.0
     colours: tuple[Colour, ...] = ()
     cores: Cores = field(default_factory=Cores)
+    asked: set[frozenset[tuple[str, str, str]]] = field(default_factory=set)
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@
 ``refining``      fits of the promising ones: the better they do, the longer
 ``told_wires``    wires whose own force tells what they do
 ``pairing``       effects that are found together only
-``simplifying``   whether every effect is needed, and whether fewer would do
+``simplifying``   whether every effect is needed, and whether a plainer one would do
 ``replacing``     other kinds in the place of one, beside all others that were found
 ``pieces``        effects of which combinations are made
 ``subsets``       what every combination would leave

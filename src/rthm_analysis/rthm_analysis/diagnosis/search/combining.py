@@ -58,7 +58,8 @@ def _other(fitting: Fitting, choice: Choice) -> Choice | None:
         asked = promised(fitting, choice)
     except np.linalg.LinAlgError:
         return None
-    for pieces in asked:
+    for labels, pieces in asked.items():
+        fitting.asked.add(labels)
         fitted = _fitted(fitting, choice, pieces)
         if fitted is not None and _cost(fitting, choice, fitted) < least:
             found, least = (pieces, fitted), _cost(fitting, choice, fitted)

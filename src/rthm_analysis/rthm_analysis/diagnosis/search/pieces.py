@@ -1,4 +1,4 @@
-"""Effects of which combinations are made: those that were found, every plain kind beside them, and tones."""
+"""Effects of which combinations are made: those that were found, and what could be beside them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
-from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_analysis.diagnosis.search.judging import CLOSE, Choice
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
@@ -19,17 +19,17 @@ from rthm_core.errors import InputError
 
 @dataclass(frozen=True)
 class Piece:
-    """An effect that a combination may have: one that is there, or a plain kind or a tone that is not.
+    """An effect that a combination may have.
 
     Attributes
     ----------
     start : Start
         Of what is not there, with the trial's size.
     index : int or None
-        Place among the effects that are there.
+        Place among the effects that are there; None of what is not.
     columns : (c, s k) array
-        Change of the prediction with its parameters; of a plain kind that is not there, with its size over
-        the trial's; of a tone, with that in phase with the trial and with that a quarter of a period ahead.
+        Change of the prediction with its parameters; of what is not there, with its size over the trial's; of
+        a tone that is not there, with that in phase with the trial and with that a quarter of a period ahead.
     whole : (s k,) array
         What it does now.
     """
@@ -43,6 +43,11 @@ class Piece:
     def rubs_at(self) -> str | None:
         """Place where it is dry friction, of which there can only be one."""
         return self.start.added.place if self.start.added.kind in FRICTION else None
+
+    @property
+    def bends(self) -> bool:
+        """Whether it is not there, and more than its size has to be found."""
+        return self.index is None and not is_plain(self.start) and len(self.columns) == 1
 
     @property
     def stays(self) -> bool:
@@ -73,7 +78,7 @@ def pieces_of(fitting: Fitting, choice: Choice, columns: Floats) -> list[Piece]:
     columns : (p, s k) array
         Projected, of all parameters of the best model.
     """
-    return [*_present(choice, columns), *_plain(fitting, choice), *_tones(fitting, choice)]
+    return [*_present(choice, columns), *_others(fitting, choice), *_tones(fitting, choice)]
 
 
 def is_plain(start: Start) -> bool:
@@ -91,17 +96,22 @@ def _present(choice: Choice, columns: Floats) -> Iterator[Piece]:
         yield Piece(start, index, columns[[places[key] for key in start.free]], scale @ columns[sizes])
 
 
-def _plain(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
-    """Plain kinds beside the effects that are there."""
+def _others(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
+    """What could be beside the effects that are there, each linear in its size.
+
+    Near the noise these are the plain kinds: what others are like depends on more than their size, and no
+    start has it right.
+    """
     experiment, there = fitting.experiment, {tried[0].label for tried in choice.rounds}
     motion = experiment.motion(choice.best.model.spec, fitting.windows)
-    starts: dict[tuple[str, str, str], Start] = {}
+    starts: dict[object, Start] = {}
     for start in candidates(choice.base.model.spec, experiment.evidence, motion, fitting.sigma):
-        if is_plain(start) and start.label not in there:
-            starts.setdefault(start.label, start)
+        plain = is_plain(start)
+        if start.label not in there and start.amplitude and (plain or fitting.doubt > CLOSE):
+            starts.setdefault(start.label if plain else len(starts), start)
     changes = fitting.cores.each(lambda start: _change(fitting, choice, start), starts.values())
     for start, change in zip(starts.values(), changes, strict=True):
-        if change is not None and np.isfinite(change).all() and change.any():
+        if change is not None:
             yield Piece(start, None, change[None], np.zeros_like(change))
 
 
@@ -117,12 +127,7 @@ def _tones(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
     both = [s for start in starts if start.label not in there for s in (start, _ahead(start, 0.5 * np.pi))]
     changes = fitting.cores.each(lambda start: _change(fitting, choice, start), both)
     for start, change, ahead in zip(both[::2], changes[::2], changes[1::2], strict=True):
-        if (
-            change is not None
-            and ahead is not None
-            and np.isfinite(change).all()
-            and np.isfinite(ahead).all()
-        ):
+        if change is not None and ahead is not None:
             yield Piece(start, None, np.stack([change, ahead]), np.zeros_like(change))
 
 
@@ -137,12 +142,13 @@ def _ahead(start: Start, phase: float) -> Start:
 
 
 def _change(fitting: Fitting, choice: Choice, start: Start) -> Floats | None:
-    """Change of the prediction with a plain kind; None where it cannot be beside what is there."""
+    """Change of the prediction with an effect; None where it makes none, or cannot be beside the others."""
     model = _grown(choice.best.model, start) or start.added_to(choice.best.model)
     try:
-        return fitting.projected(choice.best.residual - fitting.residual(model))
+        change = fitting.projected(choice.best.residual - fitting.residual(model))
     except InputError:
         return None
+    return change if np.isfinite(change).all() and change.any() else None
 
 
 def _grown(model: Model, start: Start) -> Model | None:

@@ -1,15 +1,13 @@
-"""Ask of every effect that was added whether it is needed, and whether fewer would do."""
+"""Ask of every effect that was added whether it is needed, and whether a plainer one would do."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
-from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, Tried, better, doubt, merit
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, companions
+from rthm_analysis.diagnosis.search.judging import Choice, Tried, better, doubt
 from rthm_analysis.diagnosis.search.refining import FINISHING
 from rthm_analysis.diagnosis.search.replacing import model_of, plainer
-from rthm_core.errors import InputError
 
 PRUNING = 8
 """Steps of a fit without an effect that may be needless."""
@@ -17,9 +15,7 @@ PRUNING = 8
 
 def simplified(fitting: Fitting, choice: Choice) -> Choice:
     """The same, or fewer or plainer effects that predict unseen data as well."""
-    needed = _without_the_needless(fitting, choice)
-    simpler = _reconsidered(fitting, needed)
-    return plainer(fitting, needed if simpler is needed else _without_the_needless(fitting, simpler))
+    return plainer(fitting, _without_the_needless(fitting, choice))
 
 
 def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
@@ -40,31 +36,3 @@ def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
         fewer = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
         return _without_the_needless(fitting, fewer)
     return choice
-
-
-def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
-    """Look for one companion of each effect that would make the others needless.
-
-    A flexible kind that came first may have imitated what two plain ones do together.
-    """
-    others = [tried[0] for tried in choice.rounds]
-    if len(others) < 2 or (others[0].label[1] not in FLEXIBLE and fitting.doubt < CLOSE):
-        return choice
-    if len(others) == 2:  # the second was the best companion of the first
-        others = others[1:]
-    best = choice
-    for kept in reversed(others):
-        if fitting.budget.spent:
-            break
-        fitting.progress("looking for a simpler explanation")
-        model = kept.start.added_to(choice.base.model)
-        try:
-            alone = fitting.fit(model)
-            tried = companions(fitting, alone)
-        except (InputError, np.linalg.LinAlgError):
-            continue
-        if tried and merit(tried[0].fitted) < merit(best.best) - CLEAR:
-            first = Tried(kept.start, alone, float(alone.left_out.sum()))
-            best = Choice(choice.base, tried[0].fitted, [[first], tried], choice.limits)
-            fitting.doubt = doubt(fitting, best.best)
-    return best

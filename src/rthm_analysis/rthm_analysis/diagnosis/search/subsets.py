@@ -13,16 +13,23 @@ from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain, pieces_of
 from rthm_core.compiled import Floats
 
+Labels = frozenset[tuple[str, str, str]]
+"""Block, kind and place of the effects of a combination."""
+
 MOST = 3
 """Most effects of a combination."""
 
-PLAIN, ANY = 2, 2
+PLAIN, ANY = 2, 3
 """Combinations of plain kinds that are worth a fit, which is soon done, and others."""
 
 REACH = 0.3
 """Part of the squared error, beside what the present effects leave, up to which a combination may become the
 best, where that is far from the noise: what it would leave is counted as if everything were linear, and is
 less once it is fitted."""
+
+
+RIDGE = 1e-9
+"""Part by which products of columns with themselves are larger, so that equal columns share a size."""
 
 
 class Left(NamedTuple):
@@ -33,8 +40,8 @@ class Left(NamedTuple):
     sizes: list[Floats]
 
 
-def promised(fitting: Fitting, choice: Choice) -> list[list[Piece]]:
-    """Combinations other than the present one that would leave least, each with its largest effect first.
+def promised(fitting: Fitting, choice: Choice) -> dict[Labels, list[Piece]]:
+    """Combinations that were not asked yet and would leave least, each with its largest effect first.
 
     Raises
     ------
@@ -47,10 +54,14 @@ def promised(fitting: Fitting, choice: Choice) -> list[list[Piece]]:
     here = fitting.projected(best.residual)
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
     reach = REACH if fitting.doubt > CLOSE else 0.0
-    found = sorted(_worth_it(tables, fitting.doubt, reach), key=lambda one: one.error)
-    plain = [one for one in found if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
-    others = [one for one in found if one not in plain][:ANY]
-    return [_largest_first(pieces, one) for one in (*plain, *others)]
+    least: dict[Labels, Left] = {}
+    for one in sorted(_worth_it(tables, fitting.doubt, reach), key=lambda one: one.error):
+        labels = frozenset(pieces[i].start.label for i in one.some)
+        if labels not in fitting.asked:
+            least.setdefault(labels, one)
+    plain = [key for key, one in least.items() if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
+    others = [key for key in least if key not in plain][:ANY]
+    return {key: _largest_first(pieces, least[key]) for key in (*plain, *others)}
 
 
 def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
@@ -69,9 +80,10 @@ def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
 
 
 def _can_be(pieces: list[Piece], some: tuple[int, ...]) -> bool:
-    """Whether effects can stand beside each other, without those that have to stay."""
+    """Whether effects can stand beside each other; of what could be anything only one is looked for."""
     rubbed = [place for i in some if (place := pieces[i].rubs_at) is not None]
-    return len(set(rubbed)) == len(rubbed) and all(i in some for i, one in enumerate(pieces) if one.stays)
+    alone = len(set(rubbed)) == len(rubbed) and sum(pieces[i].bends for i in some) <= 1
+    return alone and all(i in some for i, one in enumerate(pieces) if one.stays)
 
 
 def _largest_first(pieces: list[Piece], left: Left) -> list[Piece]:
@@ -94,29 +106,27 @@ class _Tables:
     """
 
     def __init__(self, known: Floats, precision: Floats, here: Floats, pieces: list[Piece]) -> None:
-        columns = np.vstack([known, *(one.columns for one in pieces), *(one.whole for one in pieces), here])
-        self.products = columns @ columns.T
-        self.pieces, self.known, self.precision = pieces, known.shape[0], precision
-        ends = self.known + np.cumsum([0, *(len(one.columns) for one in pieces)])
-        self.places = [range(int(a), int(b)) for a, b in pairwise(ends)]
+        columns = np.vstack([*(one.columns for one in pieces), *(one.whole for one in pieces), here])
+        self.pieces = pieces
+        ends = np.cumsum([0, *(len(one.columns) for one in pieces)])
+        self.places = [list(range(int(a), int(b))) for a, b in pairwise(ends)]
         self.wholes = int(ends[-1])
+        shared = columns @ known.T
+        whole = known @ known.T + np.diag(precision)
+        self.products = columns @ columns.T - shared @ np.linalg.pinv(whole, hermitian=True) @ shared.T
+        self.products[np.diag_indices_from(self.products)] *= 1.0 + RIDGE
 
     def left(self, some: tuple[int, ...]) -> tuple[float, list[Floats] | None]:
         """Squared error that a combination leaves, and the factors on the columns of each of its pieces.
 
         None where one of them would have to be negative and cannot.
         """
-        own = [*range(self.known), *(i for one in some for i in self.places[one])]
-        target = np.zeros(len(self.products))
-        target[-1] = 1.0
-        for i, one in enumerate(self.pieces):
-            target[self.wholes + i] = float(one.index is not None and i not in some)
-        seen = self.products @ target
-        matrix = self.products[np.ix_(own, own)]
-        matrix[range(self.known), range(self.known)] += self.precision
-        size = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-        found = np.linalg.lstsq(matrix / np.outer(size, size), seen[own] / size, rcond=1e-10)[0] / size
-        ends = np.cumsum([self.known, *(len(self.places[i]) for i in some)])
+        own = [i for one in some for i in self.places[one]]
+        gone = [i for i, one in enumerate(self.pieces) if one.index is not None and i not in some]
+        target = [-1, *(self.wholes + i for i in gone)]
+        seen = self.products[:, target].sum(axis=1)
+        found = np.linalg.solve(self.products[np.ix_(own, own)], seen[own])
+        ends = np.cumsum([0, *(len(self.places[i]) for i in some)])
         sizes = [found[a:b] for a, b in pairwise(ends)]
         possible = all(self.pieces[i].may_have(size) for i, size in zip(some, sizes, strict=True))
-        return float(target @ seen - found @ seen[own]), sizes if possible else None
+        return float(seen[target].sum() - found @ seen[own]), sizes if possible else None

@@ -46,6 +46,14 @@ cover."""
 MOST = 0.05
 """Part of the samples; a signal with more is of another kind, and nothing is said."""
 
+BETWEEN = 0.6
+"""Part of the size of a spike from which samples stand between noise and spikes: where they are half as many as
+spikes, it is noise of heavy tails.
+"""
+
+SEVERAL, ALONE = 3, 2.0
+"""Spikes that show what they are by their number; how much larger fewer have to be."""
+
 HALF = 0.3
 """Part of a spike from which what came before it explains it."""
 
@@ -149,7 +157,10 @@ def _spikes(values: Floats) -> list[Stretch]:
         for one in stretches((size > least) & known)
         if one[1] - one[0] <= LONGEST and _returns(whole, one, float(size[one[0] : one[1]].max()))
     ]
-    return found if len(found) <= MOST * values.size else []
+    middling = np.count_nonzero((size > BETWEEN * least) & (size <= least) & known)
+    if len(found) < SEVERAL:
+        found = [one for one in found if (size / least)[one[0] : one[1]].max() > ALONE]
+    return found if 2 * middling <= len(found) <= MOST * values.size else []
 
 
 def _returns(values: Floats, one: Stretch, size: float) -> bool:

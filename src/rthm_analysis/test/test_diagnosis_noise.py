@@ -1,0 +1,92 @@
+"""What counts as noise of a sensor: its colour, its readings, and what is left beyond it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of, whitened_from
+from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
+from rthm_analysis.diagnosis.replay.updates import readings_only
+
+from .plain import recorded
+
+COUNT = 6000
+TIME = np.arange(COUNT) * 0.005
+MOTION = 100.0 * np.sin(2.5 * TIME)
+
+
+def wandering(rng: np.random.Generator, memory: float, share: float) -> np.ndarray:
+    """White noise of power 1, and one of standard deviation `share` that forgets in `memory` samples."""
+    pole, rows = np.exp(-1.0 / memory), np.empty(COUNT)
+    state = share * rng.normal()
+    for i, drive in enumerate(share * np.sqrt(1.0 - pole**2) * rng.normal(size=COUNT)):
+        state = pole * state + drive
+        rows[i] = state
+    return rng.normal(size=COUNT) + rows
+
+
+def test_white_noise_has_no_colour_whatever_is_left_of_the_motion() -> None:
+    rng = np.random.default_rng(0)
+    for left in (0.0, 1.0, 30.0):
+        noise = rng.normal(size=COUNT) + left * np.sin(2.5 * TIME + 1.0)
+        assert colour_of(noise, noise + MOTION, 1.0).is_white
+
+
+@pytest.mark.parametrize("memory", [5.0, 20.0, 60.0])
+def test_a_colour_is_found_and_taken_out(memory: float) -> None:
+    noise = wandering(np.random.default_rng(1), memory, 3.0)
+    colour = colour_of(noise, noise + MOTION, 1.0)
+    assert abs(colour.level - np.hypot(1.0, 3.0)) < 1.0
+    white = whitened_from(noise[:, None] / colour.innovation, [colour], np.array([0]))[:, 0]
+    assert abs(white.std() - 1.0) < 0.05
+    assert slow_power(white)[0] < 2.0 < 20.0 < slow_power(noise)[0]
+
+
+def test_whitening_starts_anew_with_each_run() -> None:
+    errors, colour = np.ones((6, 1)), Colour(0.9, 0.5, 1.0, 2.0)
+    rows = whitened_from(errors, [colour], np.array([0, 3]))[:, 0]
+    assert rows[0] == rows[3] == 1.0
+    assert np.array_equal(rows[:3], rows[3:])
+
+
+def test_what_shows_in_one_part_of_a_recording_is_seen_there() -> None:
+    errors = np.random.default_rng(2).normal(size=COUNT)
+    assert not remainder_of(errors, 4000).parts.size
+    errors[4400:4700] += 1.0
+    left = remainder_of(errors, 4000)
+    assert not left.in_train and left.in_held_out
+    assert left.parts.min() >= 4400 - COUNT / 30 and left.parts.max() <= 4700 + COUNT / 30
+
+
+def test_noise_that_grows_is_no_remainder() -> None:
+    errors = np.random.default_rng(3).normal(size=COUNT) * np.linspace(1.0, 3.0, COUNT)
+    left = remainder_of(errors, 4000)
+    assert not left.in_held_out and not left.parts.size
+    assert 2.0 < left.loudness < 3.0
+
+
+def slower(values: np.ndarray, how: str) -> np.ndarray:
+    if how == "repeated":
+        return np.repeat(values[::5], 5, axis=0)[: len(values)]
+    at = np.arange(len(values))
+    return np.stack([np.interp(at, at[::5], column[::5]) for column in values.T], axis=1)
+
+
+@pytest.mark.parametrize("how", ["repeated", "interpolated"])
+def test_samples_that_are_no_readings_count_as_not_measured(how: str) -> None:
+    evidence = recorded(duration=10.0)
+    found = readings_only(replace(evidence, measured=slower(evidence.measured, how)))
+    assert 0.15 < np.isfinite(found.measured).mean() < 0.45
+    assert len(found.notes) == 2 and how in found.notes[0]
+
+
+def test_a_coarse_sensor_and_a_rig_at_rest_have_readings_only() -> None:
+    evidence = recorded(duration=10.0)
+    coarse = replace(evidence, measured=np.round(evidence.measured / 2e-3) * 2e-3)
+    resting = evidence.measured.copy()
+    resting[1000:] = resting[1000]
+    for one in (evidence, coarse, replace(evidence, measured=resting)):
+        assert readings_only(one) is one

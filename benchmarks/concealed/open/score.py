@@ -12,6 +12,7 @@ wrong
     true. Equivalent through the recorded channels, and so not wrong:
 
     - the gain or unit of the load of a plant alone, and its mass, damping and stiffness by one factor;
+    - friction that differs with the direction, and dry friction beside a constant force;
     - a constant force on a plant alone, and an offset of its position or load;
     - another sign, unit or delay of position or load, where a plant alone has no other channel;
     - another test's spec of a plant alone, and other mass, damping, stiffness;

@@ -35,6 +35,9 @@ SHARE = 0.3
 ABOVE = 3.0
 """Mains over the plant's highest natural frequency, from which the plant itself hardly moves so fast."""
 
+SLOWEST = 0.9
+"""Periods of the mains from sample to sample; with more, any slow line may be its alias."""
+
 SHORTEST = 20.0
 """Periods of the mains in a recording."""
 
@@ -60,7 +63,7 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     for column, channel in enumerate(seen.channels):
         for mains in MAINS:
             aliased = _aliased(mains, 1.0 / step)
-            if aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
+            if step * mains > SLOWEST or aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
                 continue
             line = _line(seen, column, aliased, mains)
             if line is None or _is_motion(seen, column, line, step):
@@ -136,11 +139,11 @@ def _amplitude(time: Floats, values: Floats, frequency: float) -> float:
 def _wave(time: Floats, values: Floats, frequency: float) -> Floats:
     """The wave itself, its amplitude and phase changing slowly: through a window as wide as a quarter."""
     turn = np.exp(-2j * np.pi * frequency * time)
-    fast = values - _mean(values, max(round(1.0 / frequency / max(float(time[1] - time[0]), 1e-12)), 1))
-    slow = _basis(time)
-    left = (slow * turn.conj()[:, None]).view()
-    columns = np.hstack([left.real, left.imag])
-    return np.asarray(columns @ np.linalg.lstsq(columns, fast, rcond=None)[0])
+    width = max(round(1.0 / frequency / max(float(time[1] - time[0]), 1e-12)), 1)
+    waves = _basis(time) * turn.conj()[:, None]
+    columns = np.hstack([waves.real, waves.imag])
+    fast = np.column_stack([one - _mean(one, width) for one in (*columns.T, values)])[width:-width]
+    return np.asarray(columns @ np.linalg.lstsq(fast[:, :-1], fast[:, -1], rcond=None)[0])
 
 
 def _basis(time: Floats) -> Floats:

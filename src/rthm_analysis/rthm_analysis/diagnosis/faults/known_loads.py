@@ -31,9 +31,6 @@ FAR = 20.0
 STARTED = 0.05
 """Relative distance from the spec's start, over a unit's factor, up to which the start tells the unit."""
 
-START = 3
-"""Samples whose mean is the start."""
-
 
 def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     """Check a plain recording, in which no commands tell signs and units.
@@ -91,10 +88,10 @@ def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | N
     """Recorded over specified start; None where the spec starts at zero, or it is another start."""
     assert spec.plant is not None
     nominal = spec.plant.initial_position[0]
-    values = evidence.measured[:START, evidence.channels.index(channel)]
-    if nominal == 0.0 or not np.isfinite(values).all():
+    first = float(evidence.measured[0, evidence.channels.index(channel)])
+    if nominal == 0.0 or not np.isfinite(first):
         return None
-    ratio = float(values.mean()) / nominal
+    ratio = first / nominal
     factor = known_factor(ratio, "position")
     return factor if factor is not None and abs(ratio / factor - 1.0) < STARTED else None
 

@@ -47,8 +47,8 @@ MOST = 0.05
 """Part of the samples; a signal with more is of another kind, and nothing is said."""
 
 BETWEEN = 0.6
-"""Part of the size of a spike from which samples stand between noise and spikes: where they are half as many as
-spikes, it is noise of heavy tails.
+"""Part of the size of a spike from which samples stand between noise and spikes: where they are half as many
+as spikes, it is noise of heavy tails.
 """
 
 SEVERAL, ALONE = 3, 2.0

@@ -111,6 +111,7 @@ def _words(
     size = bare(float(np.quantile(np.abs(one.force), 0.995)), 2)
     share = percent(min(one.held_out_share, 1.0))
     return (
-        f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}.{energy} "
-        f"As a fitted curve it explains {share} of the mismatch on unseen data; no kind of the library does."
+        f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
+        f"{energy} As a fitted curve it explains {share} of the mismatch on unseen data; no kind of the "
+        "library does."
     )

@@ -12,8 +12,9 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
-from rthm_analysis.diagnosis.physical.colours import coloured
+from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.replay.between import ways
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
@@ -25,6 +26,9 @@ from rthm_core.spec import Spec
 
 NEAR = 10.0
 """Squared error per sample, in units of the noise, from which longer windows would only drift further."""
+
+LOUDER = 0.7
+"""Noise of a channel once more is known, over that before, below which motion had been taken for noise."""
 
 AGAIN = 4
 """Steps of a fit that shows whether another way fits."""
@@ -62,7 +66,8 @@ def begin(
     progress : callable
         Told what is being done, in words.
     """
-    parts = [Experiment(seen.first(train), first, between=way) for way in ways(seen)]
+    budget = Budget()
+    parts = [Experiment(seen.first(train), first, between=way, budget=budget) for way in ways(seen)]
     runs, noise = _runs(seen, settled, train, parts[0])
     for part in parts[1:]:
         part.begin_at(seen.stamps_ns[runs.first(train).start])
@@ -71,6 +76,10 @@ def begin(
     for part in parts:
         fitting = fitting_of(part, runs.first(train), noise, settled, progress)
         nominal = fitting.fit(settled)
+        while not begun and np.any(noise_of(fitting, nominal).level < LOUDER * noise.level):
+            noise = noise_of(fitting, nominal)
+            fitting = fitting_of(part, runs.first(train), noise, settled, progress)
+            nominal = fitting.fit(settled)
         near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
         begun.append(Begun(runs, noise, fitting, nominal, near))
     best = min(begun, key=lambda one: one.retuned.squares)
@@ -173,6 +182,13 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         if doubt(fitting, fitting.fit(settled)) > NEAR:
             return runs, noise
         longer *= 2.0
+
+
+def noise_of(fitting: Fitting, fitted: Fitted) -> Noise:
+    """White noise of the channels that a fitted model leaves, the initial states fitted, too."""
+    evidence = fitting.experiment.evidence
+    left = left_by(fitting, fitted)
+    return white_noise(noise_levels(left, evidence.measured))
 
 
 def noise_left(experiment: Experiment, spec: Spec, runs: Windows) -> Noise:

@@ -24,12 +24,7 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
     The force of a wire jumps with every command, and a wire that is slightly wrong leaves jumps that look
     like noise which wanders. So what the predicted force itself explains is taken out of its residual.
     """
-    plain = replace(fitting, colours=())
-    evidence = fitting.experiment.evidence
-    shape = evidence.measured.shape
-    with np.errstate(divide="ignore"):
-        errors = plain.projected(plain.residual(fitted.model)).reshape(shape)
-        left = errors * np.where(fitting.weight > 0.0, 1.0 / fitting.weight, np.nan)
+    evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
     colours: list[Colour] = []
     for k, channel in enumerate(evidence.channels):
         error = left[:, k]
@@ -40,6 +35,14 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
             continue
         colours.append(colour_of(error, evidence.measured[:, k], noise.colours[k].level))
     return Noise(tuple(colours))
+
+
+def left_by(fitting: Fitting, fitted: Fitted) -> Floats:
+    """What a fitted model leaves (s, k), in the units of the channels, the initial states fitted, too."""
+    plain = replace(fitting, colours=())
+    errors = plain.projected(plain.residual(fitted.model)).reshape(fitting.weight.shape)
+    with np.errstate(divide="ignore"):
+        return errors * np.where(fitting.weight > 0.0, 1.0 / fitting.weight, np.nan)
 
 
 def _without(error: Floats, force: Floats) -> Floats:

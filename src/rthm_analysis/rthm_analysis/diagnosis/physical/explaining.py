@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, slow_powe
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
-from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
+from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, doubt, merit
 from rthm_analysis.diagnosis.search.refining import FINISHING
 
@@ -46,7 +46,7 @@ def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Be
 
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
-    if doubt(fitting, fitted) > UNFINISHED:
+    if doubt(fitting, fitted) > CLOSE:
         return False
     errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
     allowed = [SLOW if white else COLOURED for white in fitting.whites]
@@ -58,7 +58,7 @@ def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | Non
     reached = at_noise(fitting, choice.best)
     if plain is None:
         plain = plain_fit(fitting, begun)
-    if reached and merit(choice.best) < merit(plain) - CLEAR:
+    if fitting.budget.spent or (reached and merit(choice.best) < merit(plain) - CLEAR):
         fitting.doubt = doubt(fitting, choice.best)
         return choice
     found = _beyond_plain(fitting, plain)

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
-from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.physical.verdict import Judgement, drives_earned
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
@@ -58,8 +58,9 @@ def physical_part(physical: Physical) -> Part:
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]
+    driven = _driven_wrong(physical)
     curves = _described(judged) if left else ()
-    located = {one.block for one in physics}
+    located = {one.block for one in physics} | ({"motor"} if driven else set())
     if left and not judged.earned:
         located |= located_without_names(physical, judged)
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
@@ -76,8 +77,12 @@ def physical_part(physical: Physical) -> Part:
         ),
         changes={name: one.value for name, one in retuned.items()} if keeps else {},
         effects=(*_effects(physical, judged), *(rounded_section(one) for one in rounded)),
-        unexplained=_left_over(physical, judged) if left else (),
-        notes=(*physical.evidence.notes, *_on_the_load(physical)),
+        unexplained=(*driven, *(_left_over(physical, judged) if left else ())),
+        notes=(
+            *physical.evidence.notes,
+            *_on_the_load(physical),
+            *filter(None, [physical.fitting.budget.note]),
+        ),
         described=curves,
         traces=tuple(traces),
         refused=(*unconfirmed, *judged.refused),
@@ -158,7 +163,18 @@ def _energy(physical: Physical, model: Model, index: int) -> float:
     return wire_work(physical.experiment, physical.windows, spec, without)
 
 
+def _driven_wrong(physical: Physical) -> tuple[str, ...]:
+    """What is said of motors that do what no kind does."""
+    if not physical.drives or drives_earned(physical):
+        return ()
+    return (
+        "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
+    )
+
+
 def _drive_physics(physical: Physical) -> list[Physics]:
+    if not drives_earned(physical):
+        return []
     found = []
     for i, tried in enumerate(physical.drives):
         fitted = physical.drives[-1][0].fitted
@@ -239,7 +255,7 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
 def _effects(physical: Physical, judged: Judgement) -> tuple[dict[str, object], ...]:
     """Sections for the patched spec."""
     sections = []
-    if physical.drives:
+    if drives_earned(physical):
         model = physical.drives[-1][0].fitted.model
         for i, one in enumerate(model.added):
             told = settled_by_plant(physical, model.name(i), one).items()

@@ -15,10 +15,11 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.beginning import (
+    LOUDER,
     Begun,
     begin,
     choose_again,
-    noise_left,
+    noise_of,
     with_noise,
 )
 from rthm_analysis.diagnosis.physical.colours import coloured
@@ -33,9 +34,6 @@ from rthm_core.spec import Spec
 
 TRAIN = 2.0 / 3.0
 """Part of a recording from its start that fits and choices may see."""
-
-QUIETER = 0.7
-"""Noise of a channel once physics is known, over that before, below which physics was taken for noise."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,8 @@ def diagnose_physical(
     begun, choice = chosen(begun, seen, settled, train)
     begun, choice = choose_again(begun, others, choice)
     noise = _noise_left(begun, choice.best)
-    if np.any(noise.level < QUIETER * begun.noise.level) and not begun.noise.is_white:
+    spent = begun.fitting.budget.spent
+    if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
         begun, choice = chosen(with_noise(begun, noise), seen, settled, train)
         noise = _noise_left(begun, choice.best)
     part = begun.fitting.experiment
@@ -126,5 +125,4 @@ def diagnose_physical(
 def _noise_left(begun: Begun, best: Fitted) -> Noise:
     """Noise that shows once physics is known: never more than what was weighed by."""
     fitting = begun.fitting
-    white = noise_left(fitting.experiment, best.model.spec, fitting.windows)
-    return begun.noise.smaller(coloured(fitting, best, white))
+    return begun.noise.smaller(coloured(fitting, best, noise_of(fitting, best)))

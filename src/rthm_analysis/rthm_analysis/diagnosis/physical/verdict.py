@@ -171,3 +171,12 @@ class Judgement:
             f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)
+
+
+def drives_earned(physical: Physical) -> bool:
+    """Whether the effects found in the motors bring these to the noise, or nearly all of the way there."""
+    if not physical.drives:
+        return False
+    first, last = physical.drives[0][-1].fitted, physical.drives[-1][0].fitted
+    noise = max(last.residual.size, 1)
+    return last.squares < FLOOR**2 * noise or last.squares - noise < (1.0 - NEARLY) * (first.squares - noise)

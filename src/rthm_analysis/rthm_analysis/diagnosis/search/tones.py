@@ -10,6 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
 from rthm_analysis.diagnosis.replay.model import Added
+from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_analysis.diagnosis.search.starts import Start
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 PADDING = 4
+FASTER = 10.0
+"""Highest tone over the frequency of the recorded motion, where that is fast."""
+
 HIGHEST = 400.0
 """rad/s; faster tones are not looked for."""
 
@@ -38,7 +42,7 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
     even = np.arange(0.0, time[-1], step)
     count = PADDING * even.size
     omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
-    band = (omega > 2.0 * np.pi / time[-1]) & (omega < HIGHEST)
+    band = (omega > 2.0 * np.pi / time[-1]) & (omega < max(HIGHEST, FASTER * 2.0 * np.pi / period(evidence)))
     spectra = []
     for column in residual.T:
         known = np.isfinite(column)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 200e6
+LIMIT = 260e6
 """Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
 
 

@@ -21,6 +21,7 @@ from rthm_analysis.diagnosis.replay.resolution import (
     can_be_sharper,
     longest_interval,
     substeps,
+    worth,
 )
 from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -204,7 +205,7 @@ class Experiment:
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),
         )  # fmt: skip
         x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
-        return Motion(x, v, force, seen), steps * points.time.size + time.size
+        return Motion(x, v, force, seen), worth(spec) * steps * points.time.size + time.size
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""

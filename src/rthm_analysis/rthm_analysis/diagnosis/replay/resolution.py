@@ -23,6 +23,9 @@ MOST_SUBSTEPS = 50
 KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 """Laws with kinks that the replay does not locate."""
 
+COSTLY = {("wire", "bouc_wen"): 10}
+"""Laws that take more than others: of how many steps a step with one is worth."""
+
 LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
 
@@ -45,6 +48,11 @@ def longest_interval(spec: Spec, *, sharp: bool) -> int:
 def can_be_sharper(spec: Spec) -> bool:
     """Whether a sharp grid is a finer one: where a wire remembers the path of a motor that takes its time."""
     return _remembers(spec) and drive_speed(spec) > 0.0
+
+
+def worth(spec: Spec) -> int:
+    """Work of a step, in those of most models."""
+    return max((COSTLY.get((e.block, e.kind), 1) for e in spec.effects), default=1)
 
 
 def substeps(spec: Spec, mechanics: Mechanics, longest: float) -> int:

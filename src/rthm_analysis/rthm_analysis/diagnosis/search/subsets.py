@@ -22,10 +22,11 @@ MOST = 3
 PLAIN, ANY = 2, 3
 """Combinations of plain kinds that are worth a fit, which is soon done, and others."""
 
-REACH = 0.3
+REACH, NEAR = 0.3, 0.1
 """Part of the squared error, beside what the present effects leave, up to which a combination may become the
-best, where that is far from the noise: what it would leave is counted as if everything were linear, and is
-less once it is fitted."""
+best: what it would leave is counted as if everything were linear, and is less once it is fitted. Near the
+noise, of a plain combination that stands for what could imitate it.
+"""
 
 
 RIDGE = 1e-9
@@ -53,15 +54,21 @@ def promised(fitting: Fitting, choice: Choice) -> dict[Labels, list[Piece]]:
     pieces = pieces_of(fitting, choice, columns)
     here = fitting.projected(best.residual)
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
-    reach = REACH if fitting.doubt > CLOSE else 0.0
+    reach = REACH if fitting.doubt > CLOSE else NEAR if _may_imitate(choice) else 0.0
     least: dict[Labels, Left] = {}
     for one in sorted(_worth_it(tables, fitting.doubt, reach), key=lambda one: one.error):
         labels = frozenset(pieces[i].start.label for i in one.some)
         if labels not in fitting.asked:
             least.setdefault(labels, one)
     plain = [key for key, one in least.items() if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
-    others = [key for key in least if key not in plain][:ANY]
+    rest = [key for key in least if key not in plain][:ANY]
+    others = rest if fitting.doubt > CLOSE or not plain else []
     return {key: _largest_first(pieces, least[key]) for key in (*plain, *others)}
+
+
+def _may_imitate(choice: Choice) -> bool:
+    """Whether any of what is there has enough freedom to stand for plain kinds."""
+    return not all(is_plain(tried[0].start) for tried in choice.rounds)
 
 
 def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:

@@ -72,7 +72,7 @@ PLANT: dict[str, tuple[Values, tuple[str, ...], str]] = {
     "rubbing_seal": (lambda s, T: [s.v, *_interval(s, T)], (*VARYING, *DAMPERS), "vt"),
     "interval_friction": (lambda s, T: _band(s), RUBS, "xv"),
     "asymmetric_friction": (
-        lambda s, T: [s.sign() * s.rng.uniform(0.3, 0.9)], (*RUBS, "constant_load"), "v"),  # the same in motion
+        lambda s, T: [s.sign() * s.rng.uniform(0.3, 0.9)], (*RUBS, "constant_load"), "v"),
     "growing_friction": (lambda s, T: [T], RUBS, "vt"),
     "wedge_friction": (lambda s, T: [s.x], RUBS, "xv"),
     "stepping_friction": (lambda s, T: [_instant(s, T)], RUBS, "vt"),

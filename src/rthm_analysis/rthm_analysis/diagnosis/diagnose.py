@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 
 FEWEST_SAMPLES = 200
 
-FEWEST_PERIODS = 1.5
-"""Periods of the fastest motion of the plant; a shorter recording does not show what is periodic."""
-
 
 def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] | None = None) -> Diagnosis:
     """Find out where simulation and recording differ, which physics was left out, and how sure that is.
@@ -88,22 +85,6 @@ def _check(recording: Recording, spec: Spec) -> None:
             f"{recording.path} has {samples} samples of plant/state, but a diagnosis needs at least "
             f"{FEWEST_SAMPLES}; record longer, or sample faster."
         )
-    period = _shortest_period(spec)
-    if recording.duration < FEWEST_PERIODS * period:
-        raise InputError(
-            f"{recording.path} lasts {recording.duration:.3g} s, but a diagnosis needs at least "
-            f"{FEWEST_PERIODS:.2g} periods of the fastest motion of the plant in the spec, which takes "
-            f"{period:.3g} s; record longer."
-        )
-
-
-def _shortest_period(spec: Spec) -> float:
-    """Period in s of the fastest motion of the plant alone; 0 where it has no stiffness."""
-    assert spec.plant is not None
-    n = len(spec.plant.dofs)
-    mass, stiffness = (np.reshape(values, (n, n)) for values in (spec.plant.mass, spec.plant.stiffness))
-    fastest = float(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real.max())
-    return 2.0 * np.pi / fastest**0.5 if fastest > 0.0 else 0.0
 
 
 def _stopped(parts: list[Part], spec: Spec, mended: Mended) -> Diagnosis:

@@ -16,9 +16,9 @@ class ExtraDelay(Effect):
     @classmethod
     def describe(cls, block: str, place: str, values: Mapping[str, float | str]) -> str:
         """Return the words with value and place filled in."""
-        delay = float(values["delay"])
-        said = super().describe(block, place, {"delay": abs(delay)})
-        return said.replace(" later ", " earlier ") if delay < 0.0 else said
+        delay = cls._text("delay", values["delay"], block)
+        said = super().describe(block, place, {"delay": delay.removeprefix("-")})
+        return said.replace(" later ", " earlier ") if delay.startswith("-") else said
 
 
 @register

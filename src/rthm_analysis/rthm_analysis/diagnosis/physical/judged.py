@@ -10,7 +10,9 @@ from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
 
 STILL = 3.0
 """Standard deviation of a signal, over its noise, below which it stands still."""
@@ -25,12 +27,38 @@ class Simulated:
 
 
 def simulate_all(physical: Physical, fitted: Fitted) -> Simulated:
-    """Run a fitted model over the whole recording, from initial states that the training part gave."""
-    correction = physical.fitting.state_correction(fitted)
+    """Run a fitted model over the whole recording.
+
+    A run over everything begins in the state that the training part gave. Short runs begin in states that fit
+    each of them: what is recorded at their starts alone is too noisy, or too coarse, to begin from.
+    """
     runs = physical.windows
-    for column, by in enumerate(correction):
+    for column, by in enumerate(physical.fitting.state_correction(fitted)):
         runs = runs.moved(column, float(by))
-    return Simulated(fitted, physical.experiment.predicted(fitted.model.spec, runs))
+    spec = fitted.model.spec
+    predicted = physical.experiment.predicted(spec, runs)
+    if runs.length is None or not np.isfinite(predicted).all():
+        return Simulated(fitted, predicted)
+    begun = physical.experiment.predicted(spec, _fitted_states(physical, spec, predicted))
+    return Simulated(fitted, begun if np.isfinite(begun).all() else predicted)
+
+
+def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows:
+    """Runs that begin in states which fit each of them, by one step from where they begin now."""
+    runs, measured = physical.windows, physical.evidence.measured
+    weight = np.where(np.isfinite(measured), 1.0 / physical.noise.sigma, 0.0)
+    left = np.nan_to_num(measured - predicted) * weight
+    size = 1e-3 * (float(np.nanstd(measured[:, 0])) or 1.0)
+    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    changes = np.stack([(one - predicted) * weight / size for one in moved], axis=2)
+    if not np.isfinite(changes).all():
+        return runs
+    ends = np.append(runs.start[1:], measured.shape[0])
+    steps = [
+        np.linalg.lstsq(changes[a:b].reshape(-1, changes.shape[2]), left[a:b].ravel(), rcond=1e-10)[0]
+        for a, b in zip(runs.start, ends, strict=True)
+    ]
+    return Windows(runs.start, runs.state + np.stack(steps), runs.length)
 
 
 def spread(physical: Physical, channel: int) -> float:

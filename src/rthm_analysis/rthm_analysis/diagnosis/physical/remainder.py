@@ -43,8 +43,8 @@ class Remainder:
         Of the noise of the unseen part over that of the training part, at least 1.
     parts : (p, 2) array
         Start and end (samples) of the parts in which something is left.
-    tolerance : float
-        Power of the slow residual from which something is left.
+    allowed : (float, float)
+        Power of the slow residual of both parts from which something is left.
     """
 
     train: float
@@ -52,17 +52,17 @@ class Remainder:
     rms: float
     loudness: float
     parts: Floats
-    tolerance: float = SLOW
+    allowed: tuple[float, float] = (SLOW, SLOW)
 
     @property
     def in_train(self) -> bool:
         """Whether something is left in the training part."""
-        return self.train > self.tolerance
+        return self.train > self.allowed[0]
 
     @property
     def in_held_out(self) -> bool:
         """Whether something is left in the unseen part."""
-        return self.held_out > self.tolerance
+        return self.held_out > self.allowed[1]
 
 
 def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remainder:
@@ -77,22 +77,35 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
     tolerance : float
         Power of the slow residual from which something is left.
     """
+    errors = _clipped(errors)
     edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
     power = [slow_power(errors[a:b]) for a, b in pairwise(edges)]
     left = [
         (int(a), int(b))
         for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
-        if count and ratio > 1.0 + max(tolerance - 1.0, CHANCE * np.sqrt(2.0 / count))
+        if count and ratio > _allowed(tolerance, count)
     ]
     held = errors[train:]
+    (before, count), (after, unseen) = slow_power(errors[:train]), slow_power(held)
     return Remainder(
-        slow_power(errors[:train])[0],
-        slow_power(held)[0],
+        before,
+        after,
         float(np.sqrt(np.nanmean(np.square(held)))) if np.isfinite(held).any() else 0.0,
         float(np.sqrt(max(1.0, _fast_power(held)))),
         np.array(left, dtype=float).reshape(-1, 2),
-        tolerance,
+        (_allowed(tolerance, count), _allowed(tolerance, unseen)),
     )
+
+
+def _allowed(tolerance: float, count: int) -> float:
+    """Power of so many averages from which something is left: beyond chance, and beyond the arithmetic."""
+    return 1.0 + max(tolerance - 1.0, CHANCE * float(np.sqrt(2.0 / max(count, 1))))
+
+
+def _clipped(errors: Floats) -> Floats:
+    """Errors without the tails of noise that has heavy ones."""
+    limit = CLIPPED * 1.4826 * float(np.nanmedian(np.abs(errors))) if np.isfinite(errors).any() else 0.0
+    return np.clip(errors, -limit, limit)
 
 
 def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:

@@ -26,6 +26,9 @@ DRIFT = 5.0
 HALF_WIDTH = 12
 """Samples on either side from which the state at the start of a window is estimated."""
 
+CURVED = 0.08
+"""Part of a period that these samples reach at most: over more of it no motion is a parabola."""
+
 
 @dataclass(frozen=True)
 class Windows:
@@ -117,11 +120,16 @@ def period(evidence: Evidence) -> float:
     return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
 
 
+def _step(evidence: Evidence) -> float:
+    return float(evidence.time[-1]) / max(evidence.time.size - 1, 1)
+
+
 def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
     """Position and velocity at a sample, from parabolas through its neighbours."""
     assert spec.plant is not None
     dofs = spec.plant.dofs
-    low, high = max(sample - HALF_WIDTH, 0), min(sample + HALF_WIDTH + 1, evidence.time.size)
+    width = min(HALF_WIDTH, max(2, int(CURVED * period(evidence) / _step(evidence))))
+    low, high = max(sample - width, 0), min(sample + width + 1, evidence.time.size)
     t = evidence.time[low:high] - evidence.time[sample]
     state = np.zeros(2 * len(dofs))
     for column, channel in enumerate(evidence.channels):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +44,7 @@ def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) ->
 
 def _finite(starts: Iterator[Start]) -> Iterator[Start]:
     """Starts whose numbers exist: a dof that does not move has none."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"), suppress(ZeroDivisionError):
         for start in starts:
             if all(isinstance(v, str) or np.isfinite(v) for v in start.added.parameters.values()):
                 yield start

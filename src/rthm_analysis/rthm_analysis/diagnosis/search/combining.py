@@ -87,9 +87,11 @@ def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece]) -> Fitted | N
     """
     done = finished_by_itself(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
     tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
+    if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
+        return None
     plain = [i for i, one in enumerate(pieces) if is_plain(one.start)]
-    earned = np.isfinite(done.error) and all(is_identified(done.fitted, i) for i in plain)
-    return done.fitted if earned and all(lasts(fitting, done.fitted, i) for i in tones) else None
+    far = doubt(fitting, done.fitted) > CLOSE  # the standard deviations are then those of what is left
+    return done.fitted if far or all(is_identified(done.fitted, i) for i in plain) else None
 
 
 def _rebased(fitting: Fitting, fitted: Fitted, last: Start) -> Fitted:

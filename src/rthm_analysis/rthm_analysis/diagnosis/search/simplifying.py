@@ -31,8 +31,9 @@ def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
         except np.linalg.LinAlgError:  # without the effect the model diverges
             continue
         last = choice.rounds[index][0]
-        earned = not is_plain(last.start) or is_identified(choice.best, index)
-        if earned and better(Tried(last.start, choice.best, last.error), alone):
+        absent = doubt(fitting, alone) < CLOSE and is_plain(last.start)
+        absent = absent and not is_identified(choice.best, index)
+        if not absent and better(Tried(last.start, choice.best, last.error), alone):
             continue
         rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
         fitting.doubt = doubt(fitting, alone)

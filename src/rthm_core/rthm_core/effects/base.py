@@ -82,7 +82,7 @@ class Effect:
     secondary
         Parameters without which it is still this kind, whether they are identified or not.
     plainer
-        Kinds that do as well where the others are not identified.
+        Kinds that it may stand for: the first that predicts unseen data as well takes its place.
     """
 
     kind: ClassVar[str]

@@ -90,7 +90,7 @@ def relaxing(p: Values, seen: Seen) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Plainer:
-    """A plainer kind of the same block, for where some parameters of another are not identified.
+    """A plainer kind of the same block that another may stand for: it is named where it does as well.
 
     Attributes
     ----------

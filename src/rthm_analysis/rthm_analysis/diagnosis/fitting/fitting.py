@@ -6,7 +6,8 @@ effort on them. All sums of squares are in units of the noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -147,6 +148,16 @@ class Fitting:
     def rebase(self, model: Model) -> None:
         """Take the sensitivities to the initial states at a model that is nearer to the recording."""
         self._bases = self.bases(self.states(model, self.residual(model)))
+
+    @contextmanager
+    def based_on(self, model: Model) -> Iterator[None]:
+        """Take the sensitivities to the initial states at another model for a while."""
+        before = self._bases
+        self.rebase(model)
+        try:
+            yield
+        finally:
+            self._bases = before
 
     def states(self, model: Model, here: Floats) -> Floats:
         """Change of the prediction with the initial states (2 n, s k), over the noise."""

@@ -51,9 +51,7 @@ def choose(
     begun : Choice, optional
         What was found before, to go on with.
     """
-    choice = begun or Choice(base, base)
-    if len(choice.rounds) == 1 and fitting.doubt > WRONG:
-        choice = _paired(fitting, choice, choice.rounds[0])
+    choice = _together(fitting, begun, begun.rounds[0]) if begun and begun.rounds else Choice(base, base)
     scores: list[Screened] = []
     while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(choice.best)
@@ -66,17 +64,16 @@ def choose(
         choice.best = tried[0].fitted
         if stop(fitting.doubt):
             return choice
-        if len(choice.rounds) == 1 and fitting.doubt > WRONG:
-            choice = _paired(fitting, choice, told or tried)
+        choice = _together(fitting, choice, told or tried)
     return compared(fitting, simplified(fitting, combined(fitting, choice)))
 
 
-def _paired(fitting: Fitting, choice: Choice, firsts: list[Tried]) -> Choice:
-    """The same, or several effects where a single one comes nowhere near the noise."""
-    together = combined(fitting, choice)
-    if fitting.doubt < WRONG:
-        return together
-    choice = together
+def _together(fitting: Fitting, choice: Choice, firsts: list[Tried]) -> Choice:
+    """The same, or several effects at once where those that were found do not come near the noise."""
+    if fitting.doubt > CLOSE:
+        choice = combined(fitting, choice)
+    if len(choice.rounds) != 1 or fitting.doubt < WRONG:
+        return choice
     rounds = paired(fitting, choice.base, firsts, choice.rounds[0])
     return replace(choice, best=rounds[-1][0].fitted, rounds=rounds) if rounds else choice
 

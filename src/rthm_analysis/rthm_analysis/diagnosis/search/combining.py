@@ -17,8 +17,9 @@ from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.doubted_tones import TONE, lasts
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
-from rthm_analysis.diagnosis.search.refining import finished, unfitted
-from rthm_analysis.diagnosis.search.replacing import model_of
+from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, unfitted
+from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
+from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.subsets import promised
 
 AGAIN = 2
@@ -27,8 +28,9 @@ AGAIN = 2
 
 def combined(fitting: Fitting, choice: Choice) -> Choice:
     """Leave what was found for another combination that predicts unseen data clearly better."""
-    for _ in range(AGAIN):
-        other = _other(fitting, choice) if _questionable(fitting, choice) else None
+    for again in range(AGAIN):
+        asks = _questionable(fitting, choice) and not (again and fitting.budget.spent)
+        other = _other(fitting, choice) if asks else None
         if other is None:
             break
         choice = other
@@ -39,9 +41,7 @@ def _questionable(fitting: Fitting, choice: Choice) -> bool:
     """Whether another combination may do better: not where one plain effect leaves noise and no more."""
     starts = [tried[0].start for tried in choice.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
-    return (
-        bool(starts) and not fitting.budget.spent and not (alone and doubt(fitting, choice.best) < UNFINISHED)
-    )
+    return bool(starts) and not (alone and doubt(fitting, choice.best) < UNFINISHED)
 
 
 def _cost(fitting: Fitting, choice: Choice, fitted: Fitted) -> float:
@@ -81,18 +81,31 @@ def _model(choice: Choice, pieces: list[Piece]) -> Model:
 
 
 def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece]) -> Fitted | None:
-    """A combination, fitted to its end; None where it diverges, or has a tone that does not last."""
-    before = fitting.doubt
-    done = finished(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
-    fitting.doubt = before
+    """A combination, fitted to its end.
+
+    None where it diverges, has a plain kind that may as well be absent, or a tone that does not last.
+    """
+    done = finished_by_itself(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
     tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
-    lasting = np.isfinite(done.error) and all(lasts(fitting, done.fitted, i) for i in tones)
-    return done.fitted if lasting else None
+    if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
+        return None
+    plain = [i for i, one in enumerate(pieces) if is_plain(one.start)]
+    far = doubt(fitting, done.fitted) > CLOSE  # the standard deviations are then those of what is left
+    return done.fitted if far or all(is_identified(done.fitted, i) for i in plain) else None
+
+
+def _rebased(fitting: Fitting, fitted: Fitted, last: Start) -> Fitted:
+    """The same fitted again, with the sensitivities to the initial states of a model that is nearer."""
+    fitting.doubt = doubt(fitting, fitted)
+    fitting.experiment.sharpen(fitted.model.spec)
+    fitting.rebase(fitted.model)
+    again = finished(fitting, unfitted(last, fitted, fitted.model))
+    return again.fitted if np.isfinite(again.error) else fitted
 
 
 def _chosen(fitting: Fitting, choice: Choice, pieces: list[Piece], fitted: Fitted) -> Choice:
     """The choice of a combination: its effects one by one, beside the kinds that were compared with them."""
-    fitting.doubt = doubt(fitting, fitted)
+    fitted = _rebased(fitting, fitted, pieces[-1].start)
     others = {tried[0].label: tried[1:] for tried in choice.rounds}
     last = choice.rounds[-1][0]
     whole = Choice(choice.base, fitted, [[Tried(one.start, fitted, 0.0)] for one in pieces], choice.limits)

@@ -154,6 +154,20 @@ def fit_further(
         return tried
 
 
+def finished_by_itself(fitting: Fitting, tried: Tried) -> Tried:
+    """Fit to the end what may be far from the model before: with its own sensitivities to the initial states.
+
+    The doubt stays that of the model before.
+    """
+    before = fitting.doubt
+    done = finished(fitting, tried)
+    if np.isfinite(done.error) and fitting.doubt < WRONG:
+        with fitting.based_on(done.fitted.model):
+            done = finished(fitting, unfitted(done.start, done.fitted, done.fitted.model))
+    fitting.doubt = before
+    return done
+
+
 def finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tried:
     """Fit an effect that was chosen to its end, from columns that are still known."""
     done = fit_further(fitting, tried, known, FINISHING, FINISHED)

@@ -77,16 +77,14 @@ def _ends(one: Added, key: str, parameter: Parameter) -> bool:
 
 
 def _plainer_starts(start: Start, best: Fitted, index: int) -> Iterator[Start]:
-    """Starts of kinds that an effect holds, and of those that do as well where it is not identified."""
+    """Starts of the plainer kinds that an effect may stand for."""
     values = {k: v for k, v in best.model.effect_values(index).items() if not isinstance(v, str)}
-    identified = is_identified(best, index)
     for one in start.added.law.plainer:
-        if one.grows or not identified:
-            parameters: dict[str, float | str] = dict(one.values(values))
-            added = replace(start.added, kind=one.kind, parameters=parameters)
-            scales = {name: abs(float(value)) for name, value in parameters.items()}
-            signed = any(isinstance(q, Quantity) and q.lowest is None for q in added.law.parameters.values())
-            yield Start(added, tuple(parameters), tuple(parameters), scales, signed)
+        parameters: dict[str, float | str] = dict(one.values(values))
+        added = replace(start.added, kind=one.kind, parameters=parameters)
+        scales = {name: abs(float(value)) for name, value in parameters.items()}
+        signed = any(isinstance(q, Quantity) and q.lowest is None for q in added.law.parameters.values())
+        yield Start(added, tuple(parameters), tuple(parameters), scales, signed)
 
 
 def compared(fitting: Fitting, choice: Choice) -> Choice:

@@ -72,7 +72,9 @@ def _may_imitate(choice: Choice) -> bool:
 
 
 def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
-    """Combinations that would leave no more than the present one does, about."""
+    """Combinations that would leave no more than the present one does, about; far from the noise, plain ones
+    whatever they leave.
+    """
     pieces = tables.pieces
     present = tuple(i for i, one in enumerate(pieces) if one.index is not None)
     count = sum(len(pieces[i].columns) for i in present)
@@ -82,7 +84,8 @@ def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
             if some != present and _can_be(pieces, some):
                 left, sizes = tables.left(some)
                 left += doubt * price(count, sum(len(pieces[i].columns) for i in some))
-                if sizes is not None and left < now:
+                anyway = doubt > CLOSE and all(is_plain(pieces[i].start) for i in some)
+                if sizes is not None and (left < now or anyway):
                     yield Left(left, some, sizes)
 
 

@@ -53,7 +53,7 @@ def physical_part(physical: Physical) -> Part:
     judged = Judgement(physical, runs)
     if not judged.earned:
         runs = runs | {"explained": runs["retuned"]}
-    retuned = retuned_values(physical)
+    retuned = _determined(retuned_values(physical))
     left = not judged.at_noise
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces = _named(physical, judged)
@@ -88,6 +88,11 @@ def physical_part(physical: Physical) -> Part:
         refused=(*unconfirmed, *judged.refused),
         free_run=free_runs(physical, runs),
     )
+
+
+def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:
+    """Those values that the recording determines."""
+    return {name: one for name, one in retuned.items() if one.std < max(abs(one.value), abs(one.nominal))}
 
 
 def _helps(judged: Judgement) -> bool:

@@ -64,7 +64,20 @@ class Law:
 def law_with(recording: Recording, spec: Spec, used: Used) -> Law:
     """Law with the compensator of the spec, from the samples used."""
     said = used.predicted(spec)
-    return Law(spec, _at_commands(recording, used, said), _reproduced(recording, spec, used, said))
+    found = _reproduced(recording, spec, used, said)
+    return Law(spec, _at_commands(recording, used, _as_told(recording, spec, used, said)), found)
+
+
+def _as_told(recording: Recording, spec: Spec, used: Used, said: Predicted) -> Predicted:
+    """Terms of commands whose recorded F_d is that of the reference, not the predicted one: what a prediction
+    adds to it then counts with x1.
+    """
+    told = np.where((used.recorded >= 0)[:, None], _efforts(recording, spec, used), np.nan)
+    columns = zip(told.T, used.force.T, strict=True)
+    if not all(_same(one, reference) for one, reference in columns):
+        return said
+    added = (said.force - used.force) / believed_stiffness(spec)
+    return Predicted(said.position + added, used.force)
 
 
 def other_law(recording: Recording, spec: Spec, used: Used) -> Law | None:
@@ -181,7 +194,7 @@ def _reproduced(recording: Recording, spec: Spec, used: Used, said: Predicted, f
     """Whether the commands are those predicted, from the command `first` on, with some k_tot."""
     rows = (np.arange(used.time.size) >= first) & (used.recorded >= 0)
     chosen = Used(*(column[rows] for column in used.__dict__.values()))
-    some = Predicted(said.position[rows], said.force[rows])
+    some = _as_told(recording, spec, chosen, Predicted(said.position[rows], said.force[rows]))
     position, told = _at_commands(recording, chosen, some), _efforts(recording, spec, chosen)
     compliances = (1.0 / believed_stiffness(spec)).tolist()
     for actuator, compliance in enumerate(compliances):

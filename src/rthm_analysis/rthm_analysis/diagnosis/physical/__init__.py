@@ -9,6 +9,7 @@
 ``drives``       motors, whose position is measured
 ``judged``       errors on data that had no part in any fit or choice
 ``remainder``    what is left beyond the noise, where and when
+``contradicted``  errors of one channel that another denies
 ``confirming``   unseen data confirm an effect or take it away
 ``verdict``      whether names were earned
 ``locating``     where and when, where nothing was named

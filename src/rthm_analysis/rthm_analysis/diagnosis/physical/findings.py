@@ -29,6 +29,7 @@ from rthm_analysis.diagnosis.result import (
     Mismatch,
     Part,
     Physics,
+    Retuned,
     Trace,
     Value,
 )

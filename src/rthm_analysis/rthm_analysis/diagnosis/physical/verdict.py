@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.judged import (
     Simulated,
     held_out_squares,
@@ -23,6 +24,9 @@ from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
 
 FLOOR = 1.3
 """Error on unseen data over the noise, up to which a model is at the noise (contract)."""
+
+WANDERS = 4.0
+"""The same where another channel denies that the error is motion: it is the sensor's own noise."""
 
 EXPLAINS = 0.85
 """Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
@@ -90,12 +94,17 @@ class Judgement:
 
         A model without anything fitted owes all of it; one with fitted values is as good as they are sure.
         """
-        left = self.left["explained"]
-        if any(not np.isfinite(one.rms) or one.rms > FLOOR * one.loudness for one in left):
-            return False
+        return all(self._channel_at_noise(k) for k in range(len(self.left["explained"])))
+
+    def _channel_at_noise(self, channel: int) -> bool:
+        one, predicted = self.left["explained"][channel], self.runs["explained"].predicted
+        low = bool(np.isfinite(one.rms)) and one.rms <= FLOOR * one.loudness
         if self.names or self.tuned:
-            return all(one.train < TRAINED or self._mostly_gone(k) for k, one in enumerate(left))
-        return not any(one.in_train or one.in_held_out or one.parts.size for one in left)
+            return low and (one.train < TRAINED or self._mostly_gone(channel))
+        if low and not (one.in_train or one.in_held_out or one.parts.size):
+            return True
+        wanders = bool(np.isfinite(one.rms)) and one.rms <= WANDERS * one.loudness
+        return wanders and denied(self.physical, predicted, self.left["explained"], channel)
 
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""

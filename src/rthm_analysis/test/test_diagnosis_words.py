@@ -107,9 +107,9 @@ def test_what_is_not_explained_names_nothing() -> None:
 
 
 def test_links_and_blocks_that_compute_are_told_with_their_digits() -> None:
-    early = links.sentence("tau4", "extra_delay", Value(-0.002, 1e-6, "s"), 0.9999, shifted=False)
+    early = links.sentence("tau4", "extra_delay", Value(-0.002, 1e-6, "s"), 0.9999)
     assert "arrive 2.0000 +- 0.0010 ms earlier than the spec says" in early and "99.99 %" in early
-    lost = links.sentence("tau2", "loss", Value(0.0123, 0.001, "1"), 0.5, shifted=False)
+    lost = links.sentence("tau2", "loss", Value(0.0123, 0.001, "1"), 0.5)
     assert "1.23 +- 0.10 % never arrive" in lost
     wrong = computed.wrong("controller", "actuator.stiffness", 40.0, Value(44.25, 1e-13, "N/m"), 1.0, "")
     assert "actuator.stiffness = 44.25 N/m; the spec says 40 N/m (+10.62 %)" in wrong

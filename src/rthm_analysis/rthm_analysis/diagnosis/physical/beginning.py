@@ -20,7 +20,7 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
-from rthm_analysis.diagnosis.search.judging import ENOUGH, Choice, doubt
+from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, Choice, doubt
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -125,25 +125,32 @@ def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Beg
     if fitting.doubt < UNFINISHED:
         return begun, choice
     for other in others:
-        if other.runs.length != begun.runs.length:
-            break
-        there = _best_there(other.fitting, choice)
-        if there is not None and _explains_most(fitting, there, choice.best):
+        there = _best_there(other, choice)
+        if there is None:
+            continue
+        alike = other.runs.length == begun.runs.length
+        at_noise = doubt(other.fitting, there) < CLOSE
+        if at_noise or (alike and _explains_most(fitting, there, choice.best)):
             again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
-            if again.best.squares < choice.best.squares:
+            if not alike or again.best.squares < choice.best.squares:
                 return other, again
     return begun, choice
 
 
-def _best_there(fitting: Fitting, choice: Choice) -> Fitted | None:
-    """Fit of what was chosen, all of it or the first effect alone; None where both diverge.
+def _best_there(other: Begun, choice: Choice) -> Fitted | None:
+    """Fit of what was chosen, all of it or one effect beside the nominal model; None where all diverge.
 
-    What came after the first effect may have made up for the wrong way.
+    Everything else may have made up for the wrong way.
     """
-    found = []
-    for model in [choice.best.model, *(tried[0].fitted.model for tried in choice.rounds[:1])]:
+    best, found = choice.best.model, []
+    alone = []
+    for i, tried in enumerate(choice.rounds):
+        start = tried[0].start
+        added = replace(start.added, parameters=best.effect_values(i))
+        alone.append(replace(start, added=added).added_to(other.nominal.model))
+    for model in [best, *alone]:
         with suppress(np.linalg.LinAlgError):
-            found.append(fitting.fit(model, most=AGAIN))
+            found.append(other.fitting.fit(model, most=AGAIN))
     return min(found, key=lambda fitted: fitted.squares, default=None)
 
 

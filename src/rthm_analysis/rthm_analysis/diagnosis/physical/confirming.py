@@ -8,6 +8,7 @@ from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_a
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
 
 CONFIRMED = 4.0
 """Squared error on unseen data, in units of the noise, that an effect must remove: two standard deviations of
@@ -22,6 +23,8 @@ removes nearly everything.
 CONTACTS, CURVED = ("clearance", "end_stop"), ("cubic_stiffness", "quadratic_stiffness")
 
 PATCHING = "beside a curved spring it did little but bend the curve of that spring"
+
+IMITATES = "it can imitate others, and with it, too, more than the noise is left"
 
 UNCONFIRMED = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
 
@@ -40,6 +43,16 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
         why = PATCHING if patches else UNCONFIRMED
         refused.append(Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}."))
         choice = before
+    return replace(physical, choice=choice), tuple(refused)
+
+
+def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without the effects found last that can imitate others: above the noise they say nothing."""
+    choice, refused = physical.choice, []
+    while choice.rounds and choice.rounds[-1][0].label[1] in FLEXIBLE:
+        block, kind, _ = choice.rounds[-1][0].label
+        refused.append(Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {IMITATES}."))
+        choice = _without_last(choice)
     return replace(physical, choice=choice), tuple(refused)
 
 

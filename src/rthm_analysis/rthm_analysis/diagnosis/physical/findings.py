@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from rthm_analysis.diagnosis.missing.describe import described, told
-from rthm_analysis.diagnosis.physical.confirming import confirmed
+from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
@@ -46,14 +46,13 @@ UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed
 
 def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
-    physical, unconfirmed = confirmed(physical)
-    choice = physical.choice
-    fitted = {"nominal": physical.nominal, "retuned": choice.base, "explained": choice.best}
-    simulated = physical.fitting.cores.each_in_parts(partial(simulate_all, physical), fitted.values())
-    runs = dict(zip(fitted, simulated, strict=True))
-    judged = Judgement(physical, runs)
-    if not judged.earned:
-        runs = runs | {"explained": runs["retuned"]}
+    physical, refused = confirmed(physical)
+    judged = _judged(physical)
+    if judged.names and not judged.at_noise:
+        physical, imitating = plain_only(physical)
+        refused = (*refused, *imitating)
+        judged = _judged(physical) if imitating else judged
+    runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
     retuned = _determined(retuned_values(physical))
     left = not judged.at_noise
     rounded = rounded_sensors(physical, runs["explained"].predicted)
@@ -86,9 +85,17 @@ def physical_part(physical: Physical) -> Part:
         ),
         described=curves,
         traces=tuple(traces),
-        refused=(*unconfirmed, *judged.refused),
+        refused=(*refused, *judged.refused),
         free_run=free_runs(physical, runs),
     )
+
+
+def _judged(physical: Physical) -> Judgement:
+    """The models simulated over the whole recording, ready to be judged."""
+    choice = physical.choice
+    fitted = {"nominal": physical.nominal, "retuned": choice.base, "explained": choice.best}
+    simulated = physical.fitting.cores.each_in_parts(partial(simulate_all, physical), fitted.values())
+    return Judgement(physical, dict(zip(fitted, simulated, strict=True)))
 
 
 def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:

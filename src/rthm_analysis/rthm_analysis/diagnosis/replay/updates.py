@@ -37,9 +37,10 @@ FEWEST = 200
 def readings_only(evidence: Evidence) -> Evidence:
     """Evidence in which samples that are no readings of the sensor count as not measured, and notes."""
     measured, notes = evidence.measured.copy(), list(evidence.notes)
-    for k, channel in enumerate(evidence.channels):
-        if channel.family == "motor":
-            continue
+    motors_last = sorted(enumerate(evidence.channels), key=lambda one: one[1].family == "motor")
+    for k, channel in motors_last:
+        if channel.family == "motor" and len(notes) == len(evidence.notes):
+            break  # a motor may stand still from command to command; it is no slow sensor by itself
         kept, way = _readings(measured[:, k])
         if kept is not None:
             notes.append(

@@ -30,11 +30,6 @@ from rthm_core.schedule import Schedule
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-UNNAMED = 0.01
-"""Error over the noise floor of a block that computes below which nothing is made of what has no name: a rig
-that hardly moves makes rounding large against its steps.
-"""
-
 ROUNDING = 3e-6
 """Error of one step, over the size of the step, that needs no explanation."""
 
@@ -123,8 +118,7 @@ def _numerical_part(
     size = max(float(np.sqrt(np.mean(ticks.force[known] ** 2))) if known.any() else 0.0, 1e-12)
     mismatch = float(np.sqrt(np.mean(off[known] ** 2))) / (FLOOR * size) if known.any() else 0.0
     limits = _numerical_limits(unseen, nominal, enough)
-    strange = found.left > 10.0 * enough and mismatch > UNNAMED
-    blocks = (Mismatch("numerical", mismatch, bool(found.names) or strange),)
+    blocks = (Mismatch("numerical", mismatch, bool(found.names) or found.left > 10.0 * enough),)
     if not found.names:
         left = (
             (words.not_one("numerical", FLOOR * mismatch, FLOOR * mismatch),) if blocks[0].significant else ()

@@ -47,9 +47,7 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     return min(good, key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
-def described(
-    one: CurveFit, interval: tuple[float, float] | None, block: str = "plant", share: float | None = None
-) -> Described:
+def described(one: CurveFit, interval: tuple[float, float] | None) -> Described:
     """A free curve as a finding."""
     variable = one.feature.depends_on[0]
     values = {"x": one.at.x, "v": one.at.v}
@@ -58,10 +56,10 @@ def described(
     takes = _takes(one)
     domain = {name: _range(values[name]) for name in one.feature.depends_on if name in values}
     symmetry = _symmetry(at, force) if over is not None else "neither"
-    words = _words(one, symmetry, takes, interval, domain, force)
+    words = _words(one, symmetry, takes, interval, domain)
     return Described(
-        block, one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
-        one.share if share is None else share, one.held_out_share, at, force, std, words,
+        "plant", one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
+        one.share, one.held_out_share, at, force, std, words,
     )  # fmt: skip
 
 
@@ -100,7 +98,6 @@ def _words(
     takes: bool,
     interval: tuple[float, float] | None,
     domain: dict[str, tuple[float, float]],
-    force: Floats,
 ) -> str:
     names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")

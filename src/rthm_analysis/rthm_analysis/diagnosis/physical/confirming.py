@@ -39,9 +39,7 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
         patches = less - error < SMALL_PART * less and _patches(choice)
         if less - error > CONFIRMED and not patches:
             break
-        block, kind, _ = choice.rounds[-1][0].label
-        why = PATCHING if patches else UNCONFIRMED
-        refused.append(Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}."))
+        refused.append(_last_refused(choice, PATCHING if patches else UNCONFIRMED))
         choice = before
     return replace(physical, choice=choice), tuple(refused)
 
@@ -50,16 +48,19 @@ def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without the effects found last that can imitate others: above the noise they say nothing."""
     choice, refused = physical.choice, []
     while choice.rounds and choice.rounds[-1][0].label[1] in FLEXIBLE:
-        block, kind, _ = choice.rounds[-1][0].label
-        refused.append(Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {IMITATES}."))
+        refused.append(_last_refused(choice, IMITATES))
         choice = _without_last(choice)
     return replace(physical, choice=choice), tuple(refused)
 
 
+def _last_refused(choice: Choice, why: str) -> Refused:
+    block, kind, _ = choice.rounds[-1][0].label
+    return Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}.")
+
+
 def _patches(choice: Choice) -> bool:
     """Whether the last effect is a contact beside a curved spring on the same dof: it may patch its curve."""
-    (block, kind, place), *_ = (tried[0].label for tried in reversed(choice.rounds))
-    others = [tried[0].label for tried in choice.rounds[:-1]]
+    *others, (block, kind, place) = (tried[0].label for tried in choice.rounds)
     springs = [(block, spring, place) for spring in CURVED]
     return block == "plant" and kind in CONTACTS and any(one in springs for one in others)
 

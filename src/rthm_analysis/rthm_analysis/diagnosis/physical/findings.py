@@ -62,7 +62,7 @@ def physical_part(physical: Physical) -> Part:
     curves = _described(judged) if left else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
     if left and not judged.earned:
-        located |= located_without_names(physical, judged)
+        located |= located_without_names(physical)
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
     return Part(
         blocks=_mismatches(physical, runs, located),
@@ -111,19 +111,16 @@ def _helps(judged: Judgement) -> bool:
 
 def _described(judged: Judgement) -> tuple[Described, ...]:
     """The force that is left, as a curve, where unseen data confirm one."""
-    name = "explained" if judged.earned else "retuned"
-    if not any(one.in_train for one in judged.left[name]):
+    if not any(one.in_train for one in judged.left_over):
         return ()
-    curves = judged.curves if judged.earned or not judged.names else judged.curves_without
-    one = told(curves)
+    one = told(judged.curves if judged.earned else judged.curves_without)
     return () if one is None else (described(one, when(judged)),)
 
 
 def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
     """What is left of each signal, and since when."""
-    name = "explained" if judged.earned else "retuned"
     said = []
-    for channel, one in zip(physical.evidence.channels, judged.left[name], strict=True):
+    for channel, one in zip(physical.evidence.channels, judged.left_over, strict=True):
         if one.rms > 1.0 and (one.in_train or one.in_held_out or one.parts.size):
             text = (
                 f"{channel.signal}: on unseen data the error is {bare(one.rms)} times the noise, "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.physical.remainder import slow_power
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 
@@ -17,15 +17,14 @@ is where something is missing: what the smoothing of that motion leaves is less.
 """
 
 
-def located_without_names(physical: Physical, judged: Judgement) -> set[str]:
+def located_without_names(physical: Physical) -> set[str]:
     """Blocks in which something is missing: the wires whose own force says so, else the plant."""
-    fitting = physical.fitting
-    alone = fitting.wires_alone
+    alone = physical.fitting.wires_alone
     if not alone.forces:
         return {"plant"}
     model = physical.choice.base.model
     columns = alone.residual(model).reshape(-1, len(alone.forces))
-    if any(slow_power(column)[0] > max(WIRE, SLOW) for column in columns.T):
+    if any(slow_power(column)[0] > WIRE for column in columns.T):
         return {"wire"}
     return {"plant"}
 
@@ -33,8 +32,7 @@ def located_without_names(physical: Physical, judged: Judgement) -> set[str]:
 def when(judged: Judgement) -> tuple[float, float] | None:
     """Interval in s in which the recording differs; None: throughout, or where nobody can tell."""
     physical = judged.physical
-    name = "explained" if judged.earned else "retuned"
-    parts = [one.parts for one in judged.left[name] if one.parts.size]
+    parts = [one.parts for one in judged.left_over if one.parts.size]
     if not parts:
         return None
     rows = np.concatenate(parts)

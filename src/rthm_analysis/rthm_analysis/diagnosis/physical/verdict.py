@@ -40,7 +40,6 @@ SHARE = 0.03
 YARDSTICK = 0.6
 """Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
 
-
 TRAINED = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
@@ -66,6 +65,11 @@ class Judgement:
     def left(self) -> dict[str, tuple[Remainder, ...]]:
         """By model and channel: what is left."""
         return {name: remainders(self.physical, run.predicted) for name, run in self.runs.items()}
+
+    @property
+    def left_over(self) -> tuple[Remainder, ...]:
+        """By channel: what is left of the model that is told, without effects that were not earned."""
+        return self.left["explained" if self.earned else "retuned"]
 
     @cached_property
     def squares(self) -> dict[str, float]:

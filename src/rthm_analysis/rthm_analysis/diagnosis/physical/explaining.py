@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, slow_powe
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
-from rthm_analysis.diagnosis.search.choosing import choose
+from rthm_analysis.diagnosis.search.choosing import choose, is_lost
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, doubt, merit
 from rthm_analysis.diagnosis.search.refining import FINISHING
 
@@ -58,7 +58,8 @@ def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | Non
     reached = at_noise(fitting, choice.best)
     if plain is None:
         plain = plain_fit(fitting, begun)
-    if fitting.budget.spent or (reached and merit(choice.best) < merit(plain) - CLEAR):
+    ahead = merit(choice.best) < merit(plain) - CLEAR
+    if fitting.budget.spent or (ahead and (reached or is_lost(fitting, choice))):
         fitting.doubt = doubt(fitting, choice.best)
         return choice
     found = _beyond_plain(fitting, plain)
@@ -129,12 +130,15 @@ def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
 
 
 def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
-    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell."""
+    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell.
+
+    Where they show nothing, the choice stays as it is.
+    """
     fitting, closer, near = begun.fitting, short.fitting, short.retuned
     closer.doubt = doubt(closer, near)
     again = choose(closer, near, lambda left: left < WRONG)
     if closer.doubt >= WRONG:
-        return begun, choose(fitting, begun.retuned, begun=choice)
+        return begun, choice
     whole = _over_the_whole(fitting, again.best.model)
     if whole is not None and doubt(fitting, whole) < WRONG:
         fitting.doubt = doubt(fitting, whole)

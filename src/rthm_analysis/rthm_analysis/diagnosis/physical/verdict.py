@@ -157,13 +157,14 @@ class Judgement:
     def earned(self) -> bool:
         """Whether the effects that were added may be named.
 
-        At the noise they may. Above it, only plain kinds may: together they must remove most of the mismatch,
-        each of them some of it, and what they leave must not be a curve that they should have been.
+        At the noise they may. Above it, only plain kinds of what moves may: together they must remove most of
+        the mismatch, each of them some of it, and what they leave must not be a curve that they should have
+        been.
         """
         if self.at_noise or not self.names:
             return self.names
-        kinds = [tried[0].label[1] for tried in self.physical.choice.rounds]
-        if any(kind in FLEXIBLE for kind in kinds) or self.gone < EXPLAINS:
+        labels = [tried[0].label for tried in self.physical.choice.rounds]
+        if any(_imitates(block, kind) for block, kind, _ in labels) or self.gone < EXPLAINS:
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
         if any(share < SHARE * whole for share in self.shares):
@@ -184,6 +185,11 @@ class Judgement:
             f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)
+
+
+def _imitates(block: str, kind: str) -> bool:
+    """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
+    return kind in FLEXIBLE or block.startswith("sensor.")
 
 
 def drives_earned(physical: Physical) -> bool:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 260e6
+LIMIT = 200e6
 """Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
+
+PER_REPLAY = 5e3
+"""Steps that what a replay needs beside its steps takes as long as."""
 
 
 @dataclass
@@ -22,9 +25,9 @@ class Budget:
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def charge(self, steps: float) -> None:
-        """Count some work."""
+        """Count a replay of so many steps."""
         with self._lock:
-            self.used += steps
+            self.used += steps + PER_REPLAY
 
     @property
     def spent(self) -> bool:

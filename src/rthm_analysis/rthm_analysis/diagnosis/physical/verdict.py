@@ -20,10 +20,7 @@ from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
-
-FLOOR = 1.3
-"""Error on unseen data over the noise, up to which a model is at the noise (contract)."""
+from rthm_analysis.diagnosis.search.judging import FLOOR
 
 WANDERS = 4.0
 """The same where another channel denies that the error is motion: it is the sensor's own noise."""
@@ -163,8 +160,7 @@ class Judgement:
         """
         if self.at_noise or not self.names:
             return self.names
-        labels = [tried[0].label for tried in self.physical.choice.rounds]
-        if any(_imitates(block, kind) for block, kind, _ in labels) or self.gone < EXPLAINS:
+        if self.physical.choice.imitates or self.gone < EXPLAINS:
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
         if any(share < SHARE * whole for share in self.shares):
@@ -185,11 +181,6 @@ class Judgement:
             f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)
-
-
-def _imitates(block: str, kind: str) -> bool:
-    """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
-    return kind in FLEXIBLE or block.startswith("sensor.")
 
 
 def drives_earned(physical: Physical) -> bool:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 200e6
+LIMIT = 160e6
 """Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
+
+FURTHER = 50e6
+"""Steps that a second question, which is asked of a few kinds only, may take in any case."""
 
 PER_REPLAY = 5e3
 """Steps that what a replay needs beside its steps takes as long as."""
@@ -28,6 +31,10 @@ class Budget:
         """Count a replay of so many steps."""
         with self._lock:
             self.used += steps + PER_REPLAY
+
+    def allow(self, more: float) -> None:
+        """Let at least some more be done."""
+        self.limit = max(self.limit, self.used + more)
 
     @property
     def spent(self) -> bool:

@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
+    FLEXIBLE,
     UNFINISHED,
     Choice,
     Tried,
@@ -19,7 +20,7 @@ from rthm_analysis.diagnosis.search.judging import (
     doubt,
     relevant,
 )
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, let_go, paired
+from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.replacing import compared
@@ -84,7 +85,7 @@ def is_lost(fitting: Fitting, choice: Choice) -> bool:
     left, before = doubt(fitting, choice.best), doubt(fitting, choice.base)
     if left < WRONG:
         return False
-    if any(tried[0].label[1] in FLEXIBLE for tried in choice.rounds) and left > FAR:
+    if choice.imitates and left > FAR:
         return True
     return left - 1.0 > LOST * (before - 1.0)
 

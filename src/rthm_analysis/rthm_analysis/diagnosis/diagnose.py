@@ -11,7 +11,7 @@ import numpy as np
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
-from rthm_analysis.diagnosis.faults import Mended, mend
+from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.names import check_names
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 FEWEST_SAMPLES = 200
+
+STOPPED = "Nothing else was looked for."
 
 
 def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] | None = None) -> Diagnosis:
@@ -61,9 +63,12 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
     here = as_run(parts, spec)
     say("checking the recording itself")
     mended = mend(gather(recording, here), here)
-    parts.append(Part(faults=mended.faults, notes=mended.notes))
     if any(fault.kind == "wrong_spec" for fault in mended.faults):
-        return _stopped(parts, spec, mended)
+        return _stopped(spec, mended)
+    if mended.moved and spec.is_loop:
+        parts[-1] = diagnose_computed(with_motion(recording, mended.evidence), as_run(parts[:-1], spec))
+        here = as_run(parts, spec)
+    parts.append(Part(faults=mended.faults, notes=mended.notes))
     physical = diagnose_physical(readings_only(mended.evidence), here, command_before(parts, spec), say)
     parts.append(physical_part(physical))
     say("putting it into words")
@@ -87,12 +92,10 @@ def _check(recording: Recording, spec: Spec) -> None:
         )
 
 
-def _stopped(parts: list[Part], spec: Spec, mended: Mended) -> Diagnosis:
-    """Answer for a spec that is not that of this test: what comes after would be about two different rigs."""
-    wrong = next(fault for fault in mended.faults if fault.kind == "wrong_spec")
-    parts.append(Part(unexplained=(wrong.words,)))
-    again = "Diagnose again with the spec of this test; nothing else was looked for."
-    return replace(joined(parts, spec), next_experiment=again)
+def _stopped(spec: Spec, mended: Mended) -> Diagnosis:
+    """Answer for a spec that is not that of this test: everything else would be about two different rigs."""
+    only = Part(faults=mended.faults, notes=mended.notes, unexplained=(STOPPED,))
+    return replace(joined([only], spec), next_experiment="Diagnose again with the spec of this test.")
 
 
 def _next(found: Diagnosis, physical: Physical, spec: Spec, patched: Spec) -> Next:

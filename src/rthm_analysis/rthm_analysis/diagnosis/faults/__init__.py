@@ -24,6 +24,6 @@
 ===============  ==============================================================================
 """
 
-from rthm_analysis.diagnosis.faults.mending import Mended, mend
+from rthm_analysis.diagnosis.faults.mending import Mended, mend, with_motion
 
-__all__ = ["Mended", "mend"]
+__all__ = ["Mended", "mend", "with_motion"]

@@ -4,7 +4,9 @@ the last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
 from rthm_analysis.diagnosis.faults.delays import find_delays
@@ -17,7 +19,11 @@ from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
+
+SCALED = ("sign", "unit", "swapped")
+"""Faults that change every sample of a signal."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,32 @@ class Mended:
     evidence: Evidence
     faults: tuple[Fault, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def moved(self) -> bool:
+        """Whether positions or velocities are others than recorded throughout."""
+        sensors = ("sensor.position", "sensor.velocity")
+        return any(one.kind in SCALED and one.block in sensors for one in self.faults)
+
+
+def with_motion(recording: Recording, evidence: Evidence) -> Recording:
+    """The recording with the positions and velocities of its plant as they should have been.
+
+    Parameters
+    ----------
+    recording : Recording
+    evidence : Evidence
+        Of it, corrected; what was left out of it stays as recorded.
+    """
+    plant = recording.plant
+    fields = {"position": plant.position.copy(), "velocity": plant.velocity.copy()}
+    for column, channel in enumerate(evidence.channels):
+        if channel.family in fields:
+            values, at = evidence.measured[:, column], plant.names.index(channel.place)
+            fields[channel.family][:, at] = np.where(
+                np.isfinite(values), values, fields[channel.family][:, at]
+            )
+    return replace(recording, tables=recording.tables | {"plant/state": replace(plant, **fields)})
 
 
 def mend(evidence: Evidence, spec: Spec) -> Mended:

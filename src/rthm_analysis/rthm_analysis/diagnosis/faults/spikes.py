@@ -54,6 +54,9 @@ as spikes, it is noise of heavy tails.
 SEVERAL, ALONE = 3, 2.0
 """Spikes that show what they are by their number; how much larger fewer have to be."""
 
+FAR = 4.0
+"""How much larger than need be several spikes are in the middle that no noise with heavy tails makes."""
+
 HALF = 0.3
 """Part of a spike from which what came before it explains it."""
 
@@ -158,8 +161,11 @@ def _spikes(values: Floats) -> list[Stretch]:
         if one[1] - one[0] <= LONGEST and _returns(whole, one, float(size[one[0] : one[1]].max()))
     ]
     middling = np.count_nonzero((size > BETWEEN * least) & (size <= least) & known)
+    heights = [float((size / least)[a:b].max()) for a, b in found]
     if len(found) < SEVERAL:
-        found = [one for one in found if (size / least)[one[0] : one[1]].max() > ALONE]
+        found = [one for one, height in zip(found, heights, strict=True) if height > ALONE]
+    elif np.median(heights) > FAR:
+        middling = 0
     return found if 2 * middling <= len(found) <= MOST * values.size else []
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
@@ -29,18 +30,26 @@ UNCONFIRMED = "it helped in the first two thirds of the recording, and unseen da
 
 
 def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
-    """The same without the effects found last that do not help on unseen data, and why they went."""
+    """The same without the effects found last that do not help on unseen data, and why they went.
+
+    Each must help beside those before it, and all together.
+    """
     choice, refused = physical.choice, []
+    nothing = _left_by(physical, choice.base)
     while choice.rounds:
         before = _without_last(choice)
-        error = held_out_squares(physical, simulate_all(physical, choice.best).predicted)
-        less = held_out_squares(physical, simulate_all(physical, before.best).predicted)
+        error, less = _left_by(physical, choice.best), _left_by(physical, before.best)
         patches = less - error < SMALL_PART * less and _patches(choice)
-        if less - error > CONFIRMED and not patches:
+        if min(less, nothing) - error > CONFIRMED and not patches:
             break
         refused.append(_last_refused(choice, PATCHING if patches else UNCONFIRMED))
         choice = before
     return replace(physical, choice=choice), tuple(refused)
+
+
+def _left_by(physical: Physical, fitted: Fitted) -> float:
+    """Squared error on unseen data, in units of the noise."""
+    return held_out_squares(physical, simulate_all(physical, fitted).predicted)
 
 
 def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:

@@ -1,53 +1,100 @@
-"""Errors of one channel that another channel of the same dof denies: no motion made them."""
+"""Errors of one channel that another channel of the same dof denies: no motion and no force made them."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.judged import errors_of
-from rthm_analysis.diagnosis.physical.remainder import SAMPLES, Remainder
+from rthm_analysis.diagnosis.physical.remainder import SAMPLES
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_core.compiled import Floats
+from rthm_core.substructure import interface, substructure
 
-PARTNER = {"position": "velocity", "velocity": "position"}
+PARTNERS = {"position": ("velocity", "force"), "velocity": ("position",), "force": ("position",)}
+"""Signals of the same dof in which errors of a signal would show."""
 
 LOUD = 4.0
-"""Power over the noise that a motion behind the errors would have in the other channel, which shows none."""
+"""Power that errors would have in the other channel, over that of its noise, from which it can deny them."""
+
+HALF, SURE = 0.5, 3.0
+"""Part of what errors would make of the other channel that it shows at most where it denies them; standard
+deviations by which that must be sure.
+"""
+
+WORTH = 0.1
+"""Part of the averages of an error that count as independent of each other."""
 
 
-def denied(physical: Physical, predicted: Floats, left: tuple[Remainder, ...], channel: int) -> bool:
-    """Whether what is left of a position or velocity is no motion, since the other of the two shows nothing.
+def denied(physical: Physical, predicted: Floats, channel: int) -> bool:
+    """Whether what is left of a position or velocity is no motion, since another signal of the dof does not
+    show it; or what is left of a force no force, since the plant does not move by it.
 
     Such errors are the sensor's own: noise that wanders within the band of the motion, where its spectrum
     cannot be told.
     """
-    evidence = physical.evidence
-    here = evidence.channels[channel]
-    other = next(
-        (
-            k
-            for k, one in enumerate(evidence.channels)
-            if one.place == here.place and one.family == PARTNER.get(here.family)
-        ),
-        None,
+    here = physical.evidence.channels[channel]
+    dof = _dof(physical, here)
+    return any(
+        _denied_by(physical, predicted, (channel, other), dof)
+        for other, one in enumerate(physical.evidence.channels)
+        if one.family in PARTNERS.get(here.family, ()) and _dof(physical, one) == dof
     )
-    if other is None or left[other].in_train or left[other].in_held_out:
-        return False
+
+
+def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof: int) -> bool:
+    """Whether the second of two channels would show what the first leaves, and does not."""
+    evidence, (channel, other) = physical.evidence, pair
+    families = evidence.channels[channel].family, evidence.channels[other].family
     step = float(np.median(np.diff(evidence.time))) * SAMPLES
-    slow = _averages(np.nan_to_num(evidence.measured[:, channel] - predicted[:, channel]))
-    white = np.random.default_rng(0).normal(size=slow.size) * physical.noise.sigma[channel] / np.sqrt(SAMPLES)
-    scale = SAMPLES / float(physical.noise.sigma[other]) ** 2
-    shown, chance = (_shown(one, here.family, step) * scale for one in (slow, white))
-    seen = _averages(np.nan_to_num(errors_of(physical, predicted)[:, other]))
-    return shown - 2.0 * chance > LOUD * max(1.0, float(np.mean(np.square(seen))) * SAMPLES)
+    left = evidence.measured - predicted
+    here, there = (_averages(np.nan_to_num(left[:, k])) for k in pair)
+    noise = np.random.default_rng(0).normal(size=here.size) * physical.noise.sigma[channel] / np.sqrt(SAMPLES)
+    response = _response(physical, families, dof, 2.0 * np.pi * np.fft.rfftfreq(here.size, step))
+    shown, chance = (_shown(one, families, step, response) for one in (here, noise))
+    power, usual = float(shown @ shown), float(chance @ chance)
+    if power - 2.0 * usual < LOUD * here.size * float(physical.noise.sigma[other]) ** 2 / SAMPLES:
+        return False
+    part = float(there @ shown) / power
+    spread = float(np.sqrt(np.mean(np.square(there - part * shown)) / (WORTH * power)))
+    return part + SURE * spread < HALF
 
 
-def _shown(slow: Floats, family: str, step: float) -> float:
-    """Power of what errors of a position or velocity would make of the other, were they motion."""
-    if family == "position":
-        return float(np.mean(np.square(np.gradient(slow, step))))
+def _dof(physical: Physical, channel: Channel) -> int:
+    """Dof of the plant at which a channel is, or on which its actuator acts."""
+    assert physical.spec.plant is not None
+    if channel.family == "force":
+        names = physical.spec.loop().actuator.names
+        return int(interface(physical.spec).plant[names.index(channel.place)])
+    return physical.spec.plant.dofs.index(channel.place)
+
+
+def _response(physical: Physical, families: tuple[str, str], dof: int, omega: Floats) -> Floats:
+    """Response (f,) of the second signal to the first, where one is a force.
+
+    Of a dof that is held by its wires to a force on it, m/N; of the force of its wires to its motion, N/m.
+    """
+    spec = physical.spec
+    assert spec.plant is not None
+    if "force" not in families:
+        return np.ones(omega.size)
+    held, wire = interface(spec).plant, np.array(spec.k_tot)
+    if families[1] == "force":
+        return np.full(omega.size, float(wire[held == dof].sum()))
+    plant = substructure(spec.plant)
+    stiffness = plant.stiffness.copy()
+    stiffness[held, held] += wire
+    at = omega[:, None, None]
+    return np.asarray(np.linalg.inv(stiffness - at**2 * plant.mass + 1j * at * plant.damping)[:, dof, dof])
+
+
+def _shown(slow: Floats, families: tuple[str, str], step: float, response: Floats) -> Floats:
+    """What errors of a signal would make of another."""
+    if "force" in families:
+        return np.fft.irfft(np.fft.rfft(slow - slow.mean()) * response, slow.size)
+    if families[0] == "position":
+        return np.asarray(np.gradient(slow, step))
     moved, at = np.cumsum(slow - slow.mean()) * step, np.arange(slow.size)
-    return float(np.mean(np.square(moved - np.polyval(np.polyfit(at, moved, 2), at))))
+    return np.asarray(moved - np.polyval(np.polyfit(at, moved, 2), at))
 
 
 def _averages(values: Floats) -> Floats:

@@ -75,6 +75,18 @@ def _simple(begun: Begun, near: Begun | None, found: tuple[Begun, Choice]) -> tu
     return explained, replace(choice, imitating=left)
 
 
+def going_on(begun: Begun, choice: Choice) -> tuple[Begun, Choice] | None:
+    """The same effects judged by a smaller noise, and what that shows beside them; None without any that are
+    still at the noise.
+    """
+    whole = _over_the_whole(begun.fitting, choice.best.model) if choice.rounds else None
+    if whole is None or doubt(begun.fitting, whole) > FLOOR**2:
+        return None
+    begun.fitting.doubt = doubt(begun.fitting, whole)
+    led = Choice(begun.retuned, whole, choice.rounds, choice.limits, choice.imitating)
+    return begun, choose(begun.fitting, begun.retuned, begun=led)
+
+
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
     if doubt(fitting, fitted) > CLOSE:

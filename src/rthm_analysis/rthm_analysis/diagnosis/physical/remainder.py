@@ -22,8 +22,13 @@ SAMPLES = 16
 PARTS = 30
 """Parts of a recording that are looked at one by one for when something happens."""
 
-CHANCE = 8.0
-"""Standard deviations of a part's power that no clean recording reaches in any of its parts."""
+CHANCE, UNLIKELY = 8.0, 1e-7
+"""Standard deviations of a part's power that no clean recording reaches in any of its parts; of few
+averages, whose power is far from normal, the chance that is small enough for that.
+"""
+
+BLURRED = 2.0
+"""How much larger chance is where the noise has a colour: its estimate leaves some of it."""
 
 CLIPPED = 6.0
 """Typical sizes beyond which a difference is a jump, not noise."""
@@ -99,7 +104,11 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
 
 def _allowed(tolerance: float, count: int) -> float:
     """Power of so many averages from which something is left: beyond chance, and beyond the arithmetic."""
-    return 1.0 + max(tolerance - 1.0, CHANCE * float(np.sqrt(2.0 / max(count, 1))))
+    from scipy.special import chdtri
+
+    some = max(count, 1)
+    chance = max(CHANCE * float(np.sqrt(2.0 / some)), float(chdtri(some, UNLIKELY)) / some - 1.0)
+    return 1.0 + max(tolerance - 1.0, chance * (1.0 if tolerance == SLOW else BLURRED))
 
 
 def _clipped(errors: Floats) -> Floats:

@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.physical.beginning import (
 )
 from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
-from rthm_analysis.diagnosis.physical.explaining import chosen
+from rthm_analysis.diagnosis.physical.explaining import chosen, going_on
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -111,7 +111,8 @@ def diagnose_physical(
     noise = _noise_left(begun, choice.best)
     spent = begun.fitting.budget.spent
     if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
-        begun, choice = chosen(with_noise(begun, noise), seen, settled, train)
+        begun = with_noise(begun, noise)
+        begun, choice = going_on(begun, choice) or chosen(begun, seen, settled, train)
         noise = _noise_left(begun, choice.best)
     part = begun.fitting.experiment
     experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)

@@ -22,17 +22,19 @@ from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import FLOOR
 
-WANDERS = 4.0
+WANDERS = 2.0
 """The same where another channel denies that the error is motion: it is the sensor's own noise."""
 
-EXPLAINS = 0.85
-"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
+EXPLAINS, ALONE = 0.85, 0.75
+"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise; that
+one must which is alone, and so has less freedom.
+"""
 
 NEARLY = 0.98
 """Part of the mismatch with which they are named whatever shape the little has that they leave."""
 
-SHARE = 0.03
-"""Part of the mismatch that each of them must remove."""
+SHARE, LEAST = 0.03, 0.01
+"""Part of the mismatch that each of them must remove; where together they remove nearly all of it."""
 
 YARDSTICK = 0.6
 """Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
@@ -105,7 +107,7 @@ class Judgement:
         if low and not (one.in_train or one.in_held_out or one.parts.size):
             return True
         wanders = bool(np.isfinite(one.rms)) and one.rms <= WANDERS * one.loudness
-        return wanders and denied(self.physical, predicted, self.left["explained"], channel)
+        return wanders and denied(self.physical, predicted, channel)
 
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""
@@ -160,12 +162,13 @@ class Judgement:
         """
         if self.at_noise or not self.names:
             return self.names
-        if self.physical.choice.imitates or self.gone < EXPLAINS:
+        choice, nearly = self.physical.choice, self.gone > NEARLY
+        if choice.imitates or self.gone < (EXPLAINS if len(choice.rounds) > 1 else ALONE):
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
-        if any(share < SHARE * whole for share in self.shares):
+        if any(share < (LEAST if nearly else SHARE) * whole for share in self.shares):
             return False
-        return self.gone > NEARLY or not self.curves or self.curves[0].held_out_share < YARDSTICK
+        return nearly or not self.curves or self.curves[0].held_out_share < YARDSTICK
 
     @cached_property
     def refused(self) -> tuple[Refused, ...]:

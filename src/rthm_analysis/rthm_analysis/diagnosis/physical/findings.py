@@ -48,7 +48,7 @@ def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
     physical, refused = confirmed(physical)
     judged = _judged(physical)
-    if judged.names and not judged.at_noise:
+    if judged.names and not judged.earned:
         physical, imitating = plain_only(physical)
         refused = (*refused, *imitating)
         judged = _judged(physical) if imitating else judged
@@ -144,7 +144,7 @@ def _on_the_load(physical: Physical) -> tuple[str, ...]:
 
 
 def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace]]:
-    """Effects that were earned, and those of them that do not matter."""
+    """Effects that were earned, and those of them that do not matter; above the noise these say nothing."""
     choice, found, traces = physical.choice, [], []
     if not judged.earned:
         return [], []
@@ -154,8 +154,8 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         values = values_of(choice.best, i)
         energy = _energy(physical, choice.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(choice.rounds) > 1 and share < TRACE * whole:
-            traces.append(Trace(one.block, one.kind, share, words))
+        if len(choice.rounds) > 1 and 0.0 <= share < TRACE * whole:
+            traces += [Trace(one.block, one.kind, share, words)] if judged.at_noise else []
         else:
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
     return found, traces

@@ -33,8 +33,11 @@ one must which is alone, and so has less freedom.
 NEARLY = 0.98
 """Part of the mismatch with which they are named whatever shape the little has that they leave."""
 
-SHARE, LEAST = 0.03, 0.01
-"""Part of the mismatch that each of them must remove; where together they remove nearly all of it."""
+ALL = 0.999
+"""Part of the mismatch with which kinds are named that can imitate others."""
+
+SHARE = 0.03
+"""Part of the mismatch that each of them must remove where together they do not remove nearly all of it."""
 
 YARDSTICK = 0.6
 """Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
@@ -156,19 +159,23 @@ class Judgement:
     def earned(self) -> bool:
         """Whether the effects that were added may be named.
 
-        At the noise they may. Above it, only plain kinds of what moves may: together they must remove most of
-        the mismatch, each of them some of it, and what they leave must not be a curve that they should have
-        been.
+        At the noise they may. Above it, plain kinds of what moves may that remove nearly all of the mismatch;
+        or most of it, each of them some, and leave no curve that they should have been. Kinds that can
+        imitate others may where next to nothing is left.
         """
         if self.at_noise or not self.names:
             return self.names
-        choice, nearly = self.physical.choice, self.gone > NEARLY
-        if choice.imitates or self.gone < (EXPLAINS if len(choice.rounds) > 1 else ALONE):
+        choice = self.physical.choice
+        if choice.imitates and not (self.gone > ALL and choice.of_the_rig):
+            return False
+        if self.gone > NEARLY:
+            return True
+        if self.gone < (EXPLAINS if len(choice.rounds) > 1 else ALONE):
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
-        if any(share < (LEAST if nearly else SHARE) * whole for share in self.shares):
+        if any(share < SHARE * whole for share in self.shares):
             return False
-        return nearly or not self.curves or self.curves[0].held_out_share < YARDSTICK
+        return not self.curves or self.curves[0].held_out_share < YARDSTICK
 
     @cached_property
     def refused(self) -> tuple[Refused, ...]:

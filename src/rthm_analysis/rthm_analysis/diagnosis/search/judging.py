@@ -91,6 +91,11 @@ class Choice:
         """Whether any of its effects can imitate others."""
         return any(imitates(*tried[0].label[:2]) for tried in self.rounds)
 
+    @property
+    def of_the_rig(self) -> bool:
+        """Whether none of its effects is a sensor's."""
+        return not any(tried[0].label[0].startswith("sensor.") for tried in self.rounds)
+
 
 def imitates(block: str, kind: str) -> bool:
     """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""

@@ -25,6 +25,7 @@ from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
 from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.ros import leader, reach
 
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
@@ -65,8 +66,8 @@ class Conductor:
     ----------
     watch
         Called all the time while something is awaited; what it raises ends the waiting.
-    domain
-        Domain of the nodes.
+    domain, namespace
+        Of the nodes.
 
     Attributes
     ----------
@@ -76,11 +77,13 @@ class Conductor:
         How far a run in simulated time has come, s.
     """
 
-    def __init__(self, watch: Callable[[], None], domain: int) -> None:
+    def __init__(self, watch: Callable[[], None], domain: int, namespace: str = NAMESPACE) -> None:
         self.watch = watch
+        self._namespace, self._word = namespace, leader.new_word()
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node("run", namespace=NAMESPACE, context=self._context)
+        self._node = rclpy.create_node(leader.NODE, namespace=namespace, context=self._context)
+        reach.enforce(domain)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._clients: dict[tuple[str, str], Any] = {}
@@ -123,6 +126,10 @@ class Conductor:
             lambda: time.time_ns() >= wall, remaining + 10.0, lambda: "The clock of this host stands."
         )
 
+    def nodes(self) -> list[tuple[str, str]]:
+        """Names and namespaces of all nodes that are known, the leader's own included."""
+        return list(self._node.get_node_names_and_namespaces())
+
     def is_managed(self, name: str) -> bool:
         """Whether a node of this name offers lifecycle services now."""
         return bool(self._client(name, "change_state").service_is_ready())
@@ -142,15 +149,26 @@ class Conductor:
     def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup.
 
+        From before it is activated until it is deactivated, a node answers to this leader alone.
+
         Raises
         ------
         RefusedError
             When one of them refuses, once all have answered.
         """
+        names = list(names)
+        if step in ("activate", "deactivate"):
+            self._lock(names, closed=step == "activate")
         request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
                 raise RefusedError(f"{name} refused to {step}", name)
+
+    def _lock(self, names: list[str], closed: bool) -> None:
+        """Lock nodes to this leader, or open them; a driver of somebody else's may have no lock."""
+        value = leader.lock_of(self._word) if closed else self._word
+        request = SetParameters.Request(parameters=[_parameter(leader.PARAMETER, value)])
+        self._ask(dict.fromkeys(names, request), "set_parameters", PATIENCE)
 
     def states(self, names: Iterable[str]) -> dict[str, int]:
         """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
@@ -245,7 +263,9 @@ class Conductor:
     def _client(self, name: str, service: str) -> Any:
         if (name, service) not in self._clients:
             kind = SERVICES.get(service, Trigger)
-            self._clients[name, service] = self._node.create_client(kind, f"{NAMESPACE}/{name}/{service}")
+            self._clients[name, service] = self._node.create_client(
+                kind, f"{self._namespace}/{name}/{service}"
+            )
         return self._clients[name, service]
 
 

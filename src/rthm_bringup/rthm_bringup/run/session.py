@@ -15,6 +15,7 @@ from functools import partial
 
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
+from rthm_bringup.run.company import look_at, refuse_company
 from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
@@ -25,6 +26,7 @@ from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
+from rthm_core.ros.leader import NODE as LEADER
 
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
@@ -53,7 +55,8 @@ class Session:
 
     def run(self) -> Ending:
         """Do all of it."""
-        with self._processes, Conductor(self._watch, self._plan.network.domain) as conductor:
+        network = self._plan.network
+        with self._processes, Conductor(self._watch, network.domain, network.namespace) as conductor:
             try:
                 self._connect(conductor)
                 self._begin(conductor)
@@ -69,6 +72,7 @@ class Session:
 
     def _connect(self, conductor: Conductor) -> None:
         """Start and configure all parts, and wait until they are connected."""
+        self._look_around(conductor)
         self._view.phase("starting the nodes")
         own = [role for role in roles.PROGRAMS if role not in self._plan.external]
         own += roles.COORDINATOR if self._plan.virtual else []
@@ -77,10 +81,22 @@ class Session:
         rehearsal = Rehearsal(self._plan.spec)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
+        self._refuse_company(conductor, [*roles.PROGRAMS, *own])
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+
+    def _look_around(self, conductor: Conductor) -> None:
+        """Refuse to begin where another test is, before anything is started."""
+        end = time.monotonic() + look_at(self._plan.network)
+        while time.monotonic() < end:
+            conductor.sleep_until(time.time_ns() + NS // 10)
+            self._refuse_company(conductor, self._plan.external)
+
+    def _refuse_company(self, conductor: Conductor, own: Iterable[str]) -> None:
+        alone = {*roles.PROGRAMS, *roles.COORDINATOR, LEADER}
+        refuse_company(conductor.nodes(), self._plan.network, alone, {*own, LEADER})
 
     def _wait_ready(self, conductor: Conductor) -> None:
         """Wait for all connections; a driver need not listen to commands, nor tell when it uses one."""
@@ -99,7 +115,8 @@ class Session:
     def _start(self, role: str) -> None:
         plan = self._plan
         told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
-        process = Process(role, roles.command(role, plan.spec_file, told), plan.log / f"{role}.log")
+        command = roles.command(role, plan.spec_file, told, plan.network.namespace)
+        process = Process(role, command, plan.log / f"{role}.log")
         environment = without_parents_ros(os.environ, has_wheels())
         self._processes.start(
             process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}

@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.ros import leader
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
 from rthm_core.spec import Spec
@@ -62,6 +63,7 @@ class ManagedNode(PollingNode):
 
     def __init__(self, name: str) -> None:
         super().__init__(name, namespace="/rthm", allow_undeclared_parameters=True)
+        leader.answer_only_to_leader(self)
         self._besides = {*self._parameters, *OWN, *self.further}
         declare_own(self)
         declare_spec(self, self._besides)
@@ -146,7 +148,7 @@ class ManagedNode(PollingNode):
 
     def _check_change(self, changes: list[Parameter]) -> SetParametersResult:
         for change in changes:
-            if self.active:
+            if self.active and change.name != leader.PARAMETER:
                 return _refused(change, "before the node is activated")
             if self.spec is not None and change.name not in self._besides:
                 return _refused(change, "before the node is configured")

@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
+from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.topics import NAMESPACE
 
 
 class Plant(StrEnum):
@@ -47,6 +48,7 @@ def verb(
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
+    namespace: Namespace = NAMESPACE,
     priority: Annotated[
         int | None,
         typer.Option(min=0, max=99, help="Real-time priority of the loop, if the system grants it."),
@@ -67,7 +69,7 @@ def verb(
     if plant is Plant.external:
         parts |= {"plant"}
     test = spec_named(spec)
-    with network_of(domain, network, peers, shared=bool(parts)) as reach:
+    with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(test, out or new_folder(), duration, reach, virtual, parts, priority, wait)
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)

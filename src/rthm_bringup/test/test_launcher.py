@@ -66,6 +66,9 @@ def test_settings_of_the_middleware_are_the_users_on_an_open_network_only(
     assert Path(Network(7, open=True).variables()[PROFILES]).is_file()
     monkeypatch.setenv(PROFILES, "my_own.xml")
     assert Network(7, open=True).variables()[PROFILES] == "my_own.xml"
+    monkeypatch.setenv(PROFILES, str(CLOSED))  # as within another run
+    assert Network(7, open=True).variables()[PROFILES] != str(CLOSED)
+    monkeypatch.setenv(PROFILES, "my_own.xml")
     for network in (Network(7), Network(7, peers=("10.0.0.1",))):
         assert network.variables()[PROFILES] != "my_own.xml"
 

@@ -21,6 +21,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
+from rthm_bringup.run.limits import Broken
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
 from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS
@@ -53,6 +54,14 @@ class StoppedError(Exception):
 
 class RefusedError(StoppedError):
     """A node refused a transition."""
+
+
+class BrokenLimitError(StoppedError):
+    """A limit is broken, and the test has to be aborted."""
+
+    def __init__(self, broken: Broken) -> None:
+        super().__init__(broken.words)
+        self.broken = broken
 
 
 class UnconnectedError(StoppedError):
@@ -129,6 +138,16 @@ class Conductor:
     def nodes(self) -> list[tuple[str, str]]:
         """Names and namespaces of all nodes that are known, the leader's own included."""
         return list(self._node.get_node_names_and_namespaces())
+
+    def rivals(self, topics: Iterable[str]) -> dict[str, list[str]]:
+        """Full names of the nodes that publish each of these topics which has more than one publisher."""
+        found = {}
+        for topic in topics:
+            name = self._node.resolve_topic_name(topic)
+            if self._node.count_publishers(name) > 1:
+                ends = self._node.get_publishers_info_by_topic(name)
+                found[topic] = [f"{end.node_namespace.rstrip('/')}/{end.node_name}" for end in ends]
+        return found
 
     def is_managed(self, name: str) -> bool:
         """Whether a node of this name offers lifecycle services now."""

@@ -131,7 +131,8 @@ class Network:
         """Environment variables that say this to ROS; the user's own count on an open network only."""
         told = {"ROS_DOMAIN_ID": str(self.domain), reach.VARIABLE: self.reach}
         if self.open:
-            told |= {RANGE: "SUBNET", PROFILES: os.environ.get(PROFILES) or str(DISCOVERY)}
+            own = os.environ.get(PROFILES, str(CLOSED))
+            told |= {RANGE: "SUBNET", PROFILES: own if own not in ("", str(CLOSED)) else str(DISCOVERY)}
         else:
             told |= dict.fromkeys(ELSEWHERE, "") | {"SKIP_DEFAULT_XML_FILE": "1", BUILTIN: "DEFAULT"}
             told |= {RANGE: "SYSTEM_DEFAULT", PROFILES: str(CLOSED), reach.PEERS: ""}

@@ -16,10 +16,16 @@ from functools import partial
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.company import look_at, refuse_company
-from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
+from rthm_bringup.run.conductor_node import (
+    BrokenLimitError,
+    Conductor,
+    StoppedError,
+    UnconnectedError,
+)
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
+from rthm_bringup.run.limits import OwnerWatch
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
@@ -145,11 +151,12 @@ class Session:
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""
         self._view.phase("the test runs")
+        owners = OwnerWatch(partial(conductor.rivals, LOOP_TOPICS))
         began, begin = time.monotonic(), self.ending.begin or 0
         if self._plan.virtual:
-            self._watch_time(lambda: conductor.simulated_time, conductor)
+            self._watch_time(lambda: conductor.simulated_time, conductor, owners)
         else:
-            self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
+            self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor, owners)
         self.ending.wall = time.monotonic() - began
         self._wait_complete(conductor)
 
@@ -169,11 +176,13 @@ class Session:
             conductor.sleep_until(time.time_ns() + NS // 20)
         conductor.sleep_until(time.time_ns() + GRACE)
 
-    def _watch_time(self, now: Callable[[], float], conductor: Conductor) -> None:
+    def _watch_time(self, now: Callable[[], float], conductor: Conductor, owners: OwnerWatch) -> None:
         """Wait until the time of the test, in s, is its duration; without end if there is none."""
         duration = self._plan.duration
 
         def over() -> bool:
+            if (broken := owners.broken()) is not None:
+                raise BrokenLimitError(broken)
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 

@@ -23,10 +23,12 @@ from std_srvs.srv import Trigger
 
 from rthm_bringup.run.limits import Broken
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
-from rthm_bringup.topics import NAMESPACE
+from rthm_bringup.topics import CLOCKS, NAMESPACE
 from rthm_core.clock import NS
+from rthm_core.clocks import Exchange, Offset
 from rthm_core.errors import InputError
 from rthm_core.ros import leader, reach
+from rthm_core.ros.wall import wall_ns
 
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
@@ -96,6 +98,7 @@ class Conductor:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._clients: dict[tuple[str, str], Any] = {}
+        self._clocks = self._node.create_publisher(JointState, CLOCKS, 10)
         self.diagnostics: dict[str, dict[str, str]] = {}
         self.simulated_time = 0.0
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 100)
@@ -138,6 +141,28 @@ class Conductor:
     def nodes(self) -> list[tuple[str, str]]:
         """Names and namespaces of all nodes that are known, the leader's own included."""
         return list(self._node.get_node_names_and_namespaces())
+
+    def asker(self, name: str) -> Callable[[Callable[[Exchange], None]], bool]:
+        """Make a function that asks a node for its clock and hands the exchange on; False: it tells none."""
+        client = self._client(name, "clock")
+
+        def ask(take: Callable[[Exchange], None]) -> bool:
+            if not client.service_is_ready():
+                return False
+            asked = wall_ns()
+            answer = client.call_async(Trigger.Request())
+            answer.add_done_callback(lambda future: take(_exchange(asked, future.result().message)))
+            return True
+
+        return ask
+
+    def tell_clocks(self, offsets: Mapping[str, Offset]) -> None:
+        """Publish offsets of clocks, for the recording: position is the offset, effort its uncertainty, s."""
+        message = JointState(name=list(offsets))
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(wall_ns(), NS)
+        message.position = [one.offset for one in offsets.values()]
+        message.effort = [one.uncertainty for one in offsets.values()]
+        self._clocks.publish(message)
 
     def rivals(self, topics: Iterable[str]) -> dict[str, list[str]]:
         """Full names of the nodes that publish each of these topics which has more than one publisher."""
@@ -286,6 +311,11 @@ class Conductor:
                 kind, f"{self._namespace}/{name}/{service}"
             )
         return self._clients[name, service]
+
+
+def _exchange(asked: int, told: str) -> Exchange:
+    received, answered = map(int, told.split())
+    return Exchange(asked, received, answered, wall_ns())
 
 
 def _parameter(name: str, value: Any) -> Parameter:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rthm_core.clocks import Offset
+
 
 @dataclass
 class Ending:
@@ -23,6 +25,10 @@ class Ending:
         Nodes of the loop that the system gave real-time priority.
     diagnostics
         What each node told last, by the name of its status.
+    clocks
+        Offsets of the clocks of parts on other hosts, measured last.
+    unmeasured
+        Parts of somebody else's whose clocks could not be compared.
     """
 
     reason: str | None = None
@@ -30,4 +36,6 @@ class Ending:
     begin: int | None = None
     wall: float | None = None
     realtime: tuple[str, ...] = ()
+    clocks: dict[str, Offset] = field(default_factory=dict)
+    unmeasured: tuple[str, ...] = ()
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -6,11 +6,13 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
+from rthm_core.clocks import LIMIT as CLOCK
+from rthm_core.clocks import Comparison, Exchange, Offset
 from rthm_core.owner import LIMIT as OWNER
 from rthm_core.owner import second_owner
 
-EVERY = 0.1
-"""Time between two looks at the graph, s."""
+EVERY, ASK, TELL = 0.1, 0.05, 0.5
+"""Time between two looks at the graph, two questions for the time, and two messages about clocks, s."""
 
 
 class Broken(NamedTuple):
@@ -30,6 +32,60 @@ class Broken(NamedTuple):
     value: float
     allowed: float
     words: str
+
+
+Ask = Callable[[Callable[[Exchange], None]], bool]
+"""Asks a node for its clock, and hands the exchange on when the answer is there; False: nobody answers."""
+
+
+class ClockWatch:
+    """Compares the clocks of parts on other hosts with the leader's, twenty times a second.
+
+    Parameters
+    ----------
+    asks
+        By the name of the node.
+    limit
+        Largest offset that is allowed, s.
+    tell
+        Told all offsets twice a second.
+    now
+        Time, s.
+    """
+
+    def __init__(
+        self,
+        asks: Mapping[str, Ask],
+        limit: float,
+        tell: Callable[[Mapping[str, Offset]], None],
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._asks, self._limit, self._tell, self._now = asks, limit, tell, now
+        self._compared: dict[str, Comparison] = {}
+        self._next = self._next_told = 0.0
+
+    @property
+    def offsets(self) -> dict[str, Offset]:
+        """Offsets by the last exchanges with each node that answers."""
+        return {name: compared.best() for name, compared in self._compared.items()}
+
+    def look(self) -> None:
+        """Ask, and tell, if it is time."""
+        if self._asks and self._now() >= self._next:
+            self._next = self._now() + ASK
+            for name, ask in self._asks.items():
+                ask(lambda exchange, name=name: self._compared.setdefault(name, Comparison()).add(exchange))
+        if self._compared and self._now() >= self._next_told:
+            self._next_told = self._now() + TELL
+            self._tell(self.offsets)
+
+    def broken(self) -> Broken | None:
+        """Return the limit that an offset breaks, if one certainly does."""
+        for name, one in self.offsets.items():
+            if one.beyond(self._limit):
+                words = _words(name, one, self._limit)
+                return Broken(CLOCK, abs(one.offset), self._limit, words)
+        return None
 
 
 class OwnerWatch:
@@ -58,3 +114,12 @@ class OwnerWatch:
         found = self._publishers()
         words = second_owner(found)
         return Broken(OWNER, max(map(len, found.values())), 1, f"{words}.") if words else None
+
+
+def _words(name: str, one: Offset, limit: float) -> str:
+    found = f"{abs(one.offset) * 1e3:.3f} ms (+- {one.uncertainty * 1e3:.3f} ms)"
+    ahead = "ahead of" if one.offset > 0.0 else "behind"
+    return (
+        f"The clock of {name} is {found} {ahead} this host's, but may be {limit * 1e3:.3g} ms off;"
+        " synchronise the hosts, raise limits.clock, or go on with --allow-clock-offset."
+    )

@@ -25,15 +25,18 @@ from rthm_bringup.run.conductor_node import (
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
-from rthm_bringup.run.limits import OwnerWatch
+from rthm_bringup.run.limits import ClockWatch, OwnerWatch
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
+from rthm_core.clocks import limit_of
 from rthm_core.ros.leader import NODE as LEADER
 
+COMPARING = 2.0
+"""How long the clocks of hosts are compared before a test, s."""
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
@@ -92,6 +95,7 @@ class Session:
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+        self._compare_clocks(conductor)
 
     def _look_around(self, conductor: Conductor) -> None:
         """Refuse to begin where another test is, before anything is started."""
@@ -114,6 +118,27 @@ class Session:
             conductor.set({"recorder": {"awaited": awaited}})
         with suppress(UnconnectedError):
             conductor.wait_ready(self._managed, 5.0)
+
+    def _compare_clocks(self, conductor: Conductor) -> None:
+        """Compare the clocks of parts that run elsewhere, which have to agree before anything moves."""
+        elsewhere = [name for name in self._managed if name in self._plan.external and name != "recorder"]
+        asks = {name: conductor.asker(name) for name in elsewhere}
+        self._clocks = ClockWatch(asks, limit_of(self._plan.spec), conductor.tell_clocks)
+        if not elsewhere:
+            return
+        self._view.phase("comparing clocks")
+        deadline = time.monotonic() + COMPARING
+        while time.monotonic() < deadline:
+            self._clocks.look()
+            conductor.sleep_until(time.time_ns() + NS // 50)
+        self._refuse_clocks()
+
+    def _refuse_clocks(self) -> None:
+        """End the run where a clock is too far off."""
+        self.ending.clocks = self._clocks.offsets
+        broken = self._clocks.broken()
+        if broken is not None and not self._plan.any_clock:
+            raise BrokenLimitError(broken)
 
     def _has_driver(self) -> bool:
         return "plant" not in self._managed
@@ -183,6 +208,8 @@ class Session:
         def over() -> bool:
             if (broken := owners.broken()) is not None:
                 raise BrokenLimitError(broken)
+            self._clocks.look()
+            self._refuse_clocks()
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 

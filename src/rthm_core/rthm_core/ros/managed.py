@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import traceback
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -12,12 +11,14 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
 
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.ros import leader
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
+from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec
 
 
@@ -39,7 +40,7 @@ def refuse_impossible_transitions(node: LifecycleNode) -> None:
 
 def refuse_past(start: int) -> None:
     """Refuse to begin at an instant of the wall clock (ns; 0: any) that has passed, with an InputError."""
-    ago = (time.time_ns() - start) / NS
+    ago = (wall_ns() - start) / NS
     if start and ago > 0.0:
         raise InputError(f"start_time is {start}, {ago:.3f} s ago, but must lie ahead; set a later one.")
 
@@ -71,6 +72,7 @@ class ManagedNode(PollingNode):
         self.active = False
         refuse_impossible_transitions(self)
         self.add_on_set_parameters_callback(self._check_change)
+        self.create_service(Trigger, "~/clock", self._tell_clock)
 
     def configure(self, spec: Spec) -> None:
         """Get ready for tests of this spec."""
@@ -83,6 +85,16 @@ class ManagedNode(PollingNode):
 
     def release(self) -> None:
         """Let go of everything that `configure` took, also if it did not come to its end."""
+
+    def wall_ns(self) -> int:
+        """Nanoseconds since 1970, by the clock of this node."""
+        return wall_ns()
+
+    def _tell_clock(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Service ``~/clock``: when it was asked and when it answers, in ns by the clock of this node."""
+        received = self.wall_ns()
+        response.success, response.message = True, f"{received} {self.wall_ns()}"
+        return response
 
     def value(self, name: str) -> Any:
         """Value of one of the node's own parameters."""

@@ -45,6 +45,13 @@ def verb(
         ),
     ] = "",
     wait: Annotated[float, typer.Option(metavar="S", help="How long to wait for external parts.")] = 300.0,
+    allow_clock_offset: Annotated[
+        bool,
+        typer.Option(
+            "--allow-clock-offset",
+            help="Go on where clocks of hosts differ by more than limits.clock, and correct the analysis.",
+        ),
+    ] = False,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -70,7 +77,9 @@ def verb(
         parts |= {"plant"}
     test = spec_named(spec)
     with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
-        plan = Plan(test, out or new_folder(), duration, reach, virtual, parts, priority, wait)
+        plan = Plan(
+            test, out or new_folder(), duration, reach, virtual, parts, priority, wait, allow_clock_offset
+        )
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)
     return result.status

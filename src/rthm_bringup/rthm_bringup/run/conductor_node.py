@@ -158,11 +158,10 @@ class Conductor:
 
     def tell_clocks(self, offsets: Mapping[str, Offset]) -> None:
         """Publish offsets of clocks, for the recording: position is the offset, effort its uncertainty, s."""
-        message = JointState(name=list(offsets))
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(wall_ns(), NS)
-        message.position = [one.offset for one in offsets.values()]
-        message.effort = [one.uncertainty for one in offsets.values()]
-        self._clocks.publish(message)
+        for name, one in offsets.items():
+            message = JointState(name=[name], position=[one.offset], effort=[one.uncertainty])
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(one.at, NS)
+            self._clocks.publish(message)
 
     def rivals(self, topics: Iterable[str]) -> dict[str, list[str]]:
         """Full names of the nodes that publish each of these topics which has more than one publisher."""

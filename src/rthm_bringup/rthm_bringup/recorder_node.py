@@ -7,6 +7,7 @@ of the loop are taken while it is active; it is closed when the node is deactiva
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import time
@@ -26,7 +27,7 @@ from rthm_bringup.run.intake import Intake
 from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
-from rthm_core.ros import leader, system
+from rthm_core.ros import leader, reach, system
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
@@ -200,6 +201,7 @@ class Recorder(PollingNode):
             return
         counts = self._intake.writer.counts
         values = {"messages": sum(counts.values()), "lost": self._intake.lost} | counts
+        values |= {"reach": os.environ.get(reach.VARIABLE, reach.OPEN)}
         level = DiagnosticStatus.WARN if self._intake.lost else DiagnosticStatus.OK
         status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message="recording")
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]

@@ -58,7 +58,7 @@ class HostClocks:
     nodes: Mapping[str, HostClock] = field(default_factory=dict)
 
     def lead_ns(self, node: str, at_ns: Integers) -> Integers:
-        """Lead of the clock of a node at instants, ns; held before the first comparison and after the last."""
+        """Lead of the clock of a node at instants, ns; held before the first and after the last message."""
         clock = self.nodes.get(node)
         if clock is None:
             return np.zeros(at_ns.shape, dtype=np.int64)

@@ -170,7 +170,7 @@ class Conductor:
             name = self._node.resolve_topic_name(topic)
             if self._node.count_publishers(name) > 1:
                 ends = self._node.get_publishers_info_by_topic(name)
-                found[topic] = [f"{end.node_namespace.rstrip('/')}/{end.node_name}" for end in ends]
+                found[topic] = [_full_name(end.node_namespace, end.node_name) for end in ends]
         return found
 
     def is_managed(self, name: str) -> bool:
@@ -310,6 +310,11 @@ class Conductor:
                 kind, f"{self._namespace}/{name}/{service}"
             )
         return self._clients[name, service]
+
+
+def _full_name(namespace: str, name: str) -> str:
+    """Name of a node on the graph; its endpoints are known a moment before its name."""
+    return "a node without a name" if name.startswith("_NODE_NAME") else f"{namespace.rstrip('/')}/{name}"
 
 
 def _exchange(asked: int, told: str) -> Exchange:

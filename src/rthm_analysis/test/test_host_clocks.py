@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from rthm_analysis.recording import LINKS, read_recording
+from rthm_analysis.energy import energy_of
+from rthm_analysis.recording import LINKS, Recording, read_recording
+from rthm_analysis.recording.synchronised import synchronised
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.spec import shipped_spec
 
 from .conftest import START, Message, joint_state, mcap_file
-from .loop import empty_states, links, stamps
+from .loop import empty_states, links, recorded, stamps
 
 SPEC = shipped_spec()
 WHEN = stamps(SPEC, 4.0)
@@ -60,3 +63,27 @@ def test_what_was_measured_is_told_and_without_it_nothing_is(tmp_path: Path) -> 
         )
     }
     assert timing(tmp_path).as_dict()["hosts"] == {}
+
+
+def behind_a_clock_that_leads(recording: Recording, lead: int) -> Recording:
+    """The same test as the stamps of a numerical node show it whose clock leads by `lead`, ns."""
+    tables, uses = dict(recording.tables), dict(recording.links)
+    for name in ("numerical/state", "numerical/force_reference"):
+        tables[name] = replace(tables[name], stamp_ns=tables[name].stamp_ns + lead)
+    uses["tau2"] = replace(uses["tau2"], use_ns=uses["tau2"].use_ns + lead)
+    uses["tau3"] = replace(uses["tau3"], sample_ns=uses["tau3"].sample_ns + lead)
+    return replace(recording, tables=tables, links=uses)
+
+
+def test_books_of_a_test_over_clocks_that_differ_are_those_of_the_test(tmp_path: Path) -> None:
+    clocks = read_recording(mcap_file(tmp_path / "c.mcap", [*empty_states(SPEC, WHEN), *told(0.003)])).clocks
+    right = read_recording(mcap_file(tmp_path / "x.mcap", recorded(SPEC, 3.0)))
+    seen = behind_a_clock_that_leads(right, 3_000_000)
+    assert synchronised(right) is right
+    books, told_right = energy_of(right, SPEC), energy_of(replace(seen, clocks=clocks), SPEC)
+    np.testing.assert_array_equal(told_right.t, books.t)
+    for name, work in books.works.items():
+        np.testing.assert_array_equal(told_right.works[name], work)
+    wrong = energy_of(seen, SPEC)
+    error = abs(wrong.works["E_num"][-1] - books.works["E_num"][-1])
+    assert error > 0.01 * abs(books.works["E_num"][-1])

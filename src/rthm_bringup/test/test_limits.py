@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 
 from rthm_bringup.run.limits import EVERY, Broken, ClockWatch, OwnerWatch
@@ -29,12 +27,13 @@ def test_the_graph_is_looked_at_ten_times_a_second_whoever_asks() -> None:
 def clocks(offset: float, limit: float, told: list[dict[str, Offset]], time: list[float]) -> ClockWatch:
     """Watch over a node whose clock leads by `offset`, s, and one that does not answer."""
 
-    def ask(take: Callable[[Exchange], None]) -> bool:
+    def ask() -> None:
         at, lead = round(time[0] * NS), round(offset * NS)
-        take(Exchange(at, at + lead + 100_000, at + lead + 100_000, at + 200_000))
-        return True
+        watch.take("plant", Exchange(at, at + lead + 100_000, at + lead + 100_000, at + 200_000))
+        watch.take("stranger", Exchange(at, at + NS, at + NS, at + 200_000))
 
-    return ClockWatch({"plant": ask, "driver": lambda take: False}, limit, told.append, now=lambda: time[0])
+    watch = ClockWatch(("plant", "driver"), limit, ask, told.append, now=lambda: time[0])
+    return watch
 
 
 def test_an_offset_beyond_the_limit_is_told_with_both_figures_and_the_way_out() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from types import TracebackType
@@ -21,15 +21,17 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
-from rthm_bringup.run.limits import Broken
+from rthm_bringup.run.limits import Broken, ClockWatch
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
 from rthm_bringup.topics import CLOCKS, NAMESPACE
 from rthm_core.clock import NS
-from rthm_core.clocks import Exchange, Offset
+from rthm_core.clocks import Offset
 from rthm_core.errors import InputError
-from rthm_core.ros import leader, reach
-from rthm_core.ros.wall import wall_ns
+from rthm_core.ros import leader, reach, system
+from rthm_core.ros.comparing import Asker
 
+PRIORITY = 10
+"""Real-time priority of a leader that compares clocks, below all of the loop."""
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
 
@@ -142,19 +144,16 @@ class Conductor:
         """Names and namespaces of all nodes that are known, the leader's own included."""
         return list(self._node.get_node_names_and_namespaces())
 
-    def asker(self, name: str) -> Callable[[Callable[[Exchange], None]], bool]:
-        """Make a function that asks a node for its clock and hands the exchange on; False: it tells none."""
-        client = self._client(name, "clock")
+    def clock_watch(self, names: Collection[str], limit: float) -> ClockWatch:
+        """Make a watch over the clocks of nodes; it is served when the leader waits.
 
-        def ask(take: Callable[[Exchange], None]) -> bool:
-            if not client.service_is_ready():
-                return False
-            asked = wall_ns()
-            answer = client.call_async(Trigger.Request())
-            answer.add_done_callback(lambda future: take(_exchange(asked, future.result().message)))
-            return True
-
-        return ask
+        Its answers are to be received in time on a busy host, so the leader then asks for priority, too.
+        """
+        watch = ClockWatch(names, limit, lambda: asker.ask(names), self.tell_clocks)
+        asker = Asker(self._node, watch.take)
+        if names:
+            system.prepare(PRIORITY, lock_memory=False)
+        return watch
 
     def tell_clocks(self, offsets: Mapping[str, Offset]) -> None:
         """Publish offsets of clocks, for the recording: position is the offset, effort its uncertainty, s."""
@@ -315,11 +314,6 @@ class Conductor:
 def _full_name(namespace: str, name: str) -> str:
     """Name of a node on the graph; its endpoints are known a moment before its name."""
     return "a node without a name" if name.startswith("_NODE_NAME") else f"{namespace.rstrip('/')}/{name}"
-
-
-def _exchange(asked: int, told: str) -> Exchange:
-    received, answered = map(int, told.split())
-    return Exchange(asked, received, answered, wall_ns())
 
 
 def _parameter(name: str, value: Any) -> Parameter:

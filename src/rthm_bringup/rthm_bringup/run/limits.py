@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NamedTuple
 
 from rthm_core.clocks import LIMIT as CLOCK
@@ -34,19 +34,17 @@ class Broken(NamedTuple):
     words: str
 
 
-Ask = Callable[[Callable[[Exchange], None]], bool]
-"""Asks a node for its clock, and hands the exchange on when the answer is there; False: nobody answers."""
-
-
 class ClockWatch:
     """Compares the clocks of parts on other hosts with the leader's, twenty times a second.
 
     Parameters
     ----------
-    asks
-        By the name of the node.
+    names
+        Nodes that are asked.
     limit
         Largest offset that is allowed, s.
+    ask
+        Asks them all.
     tell
         Told all offsets twice a second.
     now
@@ -55,12 +53,13 @@ class ClockWatch:
 
     def __init__(
         self,
-        asks: Mapping[str, Ask],
+        names: Collection[str],
         limit: float,
+        ask: Callable[[], None],
         tell: Callable[[Mapping[str, Offset]], None],
         now: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._asks, self._limit, self._tell, self._now = asks, limit, tell, now
+        self._names, self._limit, self._ask, self._tell, self._now = names, limit, ask, tell, now
         self._compared: dict[str, Comparison] = {}
         self._next = self._next_told = 0.0
 
@@ -69,12 +68,16 @@ class ClockWatch:
         """Offsets by the last exchanges with each node that answers."""
         return {name: compared.best() for name, compared in self._compared.items()}
 
+    def take(self, name: str, exchange: Exchange) -> None:
+        """Take notice of an exchange with a node."""
+        if name in self._names:
+            self._compared.setdefault(name, Comparison()).add(exchange)
+
     def look(self) -> None:
         """Ask, and tell, if it is time."""
-        if self._asks and self._now() >= self._next:
+        if self._names and self._now() >= self._next:
             self._next = self._now() + ASK
-            for name, ask in self._asks.items():
-                ask(lambda exchange, name=name: self._compared.setdefault(name, Comparison()).add(exchange))
+            self._ask()
         if self._compared and self._now() >= self._next_told:
             self._next_told = self._now() + TELL
             self._tell(self.offsets)

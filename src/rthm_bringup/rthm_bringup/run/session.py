@@ -25,7 +25,7 @@ from rthm_bringup.run.conductor_node import (
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
-from rthm_bringup.run.limits import ClockWatch, OwnerWatch
+from rthm_bringup.run.limits import OwnerWatch
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
@@ -122,8 +122,7 @@ class Session:
     def _compare_clocks(self, conductor: Conductor) -> None:
         """Compare the clocks of parts that run elsewhere, which have to agree before anything moves."""
         elsewhere = [name for name in self._managed if name in self._plan.external and name != "recorder"]
-        asks = {name: conductor.asker(name) for name in elsewhere}
-        self._clocks = ClockWatch(asks, limit_of(self._plan.spec), conductor.tell_clocks)
+        self._clocks = conductor.clock_watch(elsewhere, limit_of(self._plan.spec))
         if not elsewhere:
             return
         self._view.phase("comparing clocks")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 import traceback
 from collections.abc import Callable
 from typing import Any, ClassVar
@@ -11,11 +12,11 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
 
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.ros import leader
+from rthm_core.ros.comparing import Clock
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
 from rthm_core.ros.wall import wall_ns
@@ -72,7 +73,7 @@ class ManagedNode(PollingNode):
         self.active = False
         refuse_impossible_transitions(self)
         self.add_on_set_parameters_callback(self._check_change)
-        self.create_service(Trigger, "~/clock", self._tell_clock)
+        self._clock = Clock(self, lambda: self.wall_ns() - time.time_ns())
 
     def configure(self, spec: Spec) -> None:
         """Get ready for tests of this spec."""
@@ -89,12 +90,6 @@ class ManagedNode(PollingNode):
     def wall_ns(self) -> int:
         """Nanoseconds since 1970, by the clock of this node."""
         return wall_ns()
-
-    def _tell_clock(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        """Service ``~/clock``: when it was asked and when it answers, in ns by the clock of this node."""
-        received = self.wall_ns()
-        response.success, response.message = True, f"{received} {self.wall_ns()}"
-        return response
 
     def value(self, name: str) -> Any:
         """Value of one of the node's own parameters."""

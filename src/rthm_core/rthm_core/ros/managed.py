@@ -73,7 +73,7 @@ class ManagedNode(PollingNode):
         self.active = False
         refuse_impossible_transitions(self)
         self.add_on_set_parameters_callback(self._check_change)
-        self._clock = Clock(self, lambda: self.wall_ns() - time.time_ns())
+        self._told_clock = Clock(self, lambda: self.wall_ns() - time.time_ns())
 
     def configure(self, spec: Spec) -> None:
         """Get ready for tests of this spec."""

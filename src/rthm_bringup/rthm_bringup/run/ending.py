@@ -26,9 +26,7 @@ class Ending:
     diagnostics
         What each node told last, by the name of its status.
     clocks
-        Offsets of the clocks of parts on other hosts, measured last.
-    unmeasured
-        Parts of somebody else's whose clocks could not be compared.
+        Offsets of the clocks of parts that run elsewhere, measured last; None where none was told.
     """
 
     reason: str | None = None
@@ -36,6 +34,5 @@ class Ending:
     begin: int | None = None
     wall: float | None = None
     realtime: tuple[str, ...] = ()
-    clocks: dict[str, Offset] = field(default_factory=dict)
-    unmeasured: tuple[str, ...] = ()
+    clocks: dict[str, Offset | None] = field(default_factory=dict)
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -96,6 +96,8 @@ class Session:
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
         self._compare_clocks(conductor)
+        self._owners = OwnerWatch(partial(conductor.rivals, LOOP_TOPICS))
+        self._refuse_rivals()
 
     def _look_around(self, conductor: Conductor) -> None:
         """Refuse to begin where another test is, before anything is started."""
@@ -132,9 +134,15 @@ class Session:
             conductor.sleep_until(time.time_ns() + NS // 50)
         self._refuse_clocks()
 
+    def _refuse_rivals(self) -> None:
+        """End the run where a topic of the loop has a second publisher."""
+        if (broken := self._owners.broken()) is not None:
+            raise BrokenLimitError(broken)
+
     def _refuse_clocks(self) -> None:
         """End the run where a clock is too far off."""
-        self.ending.clocks = self._clocks.offsets
+        elsewhere = self._plan.external - {"recorder"}
+        self.ending.clocks = dict.fromkeys(sorted(elsewhere)) | self._clocks.offsets
         broken = self._clocks.broken()
         if broken is not None and not self._plan.any_clock:
             raise BrokenLimitError(broken)
@@ -175,12 +183,11 @@ class Session:
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""
         self._view.phase("the test runs")
-        owners = OwnerWatch(partial(conductor.rivals, LOOP_TOPICS))
         began, begin = time.monotonic(), self.ending.begin or 0
         if self._plan.virtual:
-            self._watch_time(lambda: conductor.simulated_time, conductor, owners)
+            self._watch_time(lambda: conductor.simulated_time, conductor)
         else:
-            self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor, owners)
+            self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
         self.ending.wall = time.monotonic() - began
         self._wait_complete(conductor)
 
@@ -200,13 +207,12 @@ class Session:
             conductor.sleep_until(time.time_ns() + NS // 20)
         conductor.sleep_until(time.time_ns() + GRACE)
 
-    def _watch_time(self, now: Callable[[], float], conductor: Conductor, owners: OwnerWatch) -> None:
+    def _watch_time(self, now: Callable[[], float], conductor: Conductor) -> None:
         """Wait until the time of the test, in s, is its duration; without end if there is none."""
         duration = self._plan.duration
 
         def over() -> bool:
-            if (broken := owners.broken()) is not None:
-                raise BrokenLimitError(broken)
+            self._refuse_rivals()
             self._clocks.look()
             self._refuse_clocks()
             self._view.progress(max(0.0, now()), duration)

@@ -68,6 +68,7 @@ class ActuatorNode(PartNode):
         return SafetyMonitor(spec.limits, rest, np.array(spec.k_tot), inputs, end)
 
     def _control(self, at: int, now: int) -> None:
+        self._watch_owners(at)
         z1 = self._plant.take(at)
         if z1 is not None and self._safety.accept(self._plant.topic, at, z1.position, z1.velocity):
             self._controller.latch_state(z1.stamp, z1.position, z1.velocity)
@@ -76,6 +77,12 @@ class ActuatorNode(PartNode):
         self._send(at)
         if self._state_used is not None:
             self._plant.tell(now, self._state_used)
+
+    def _watch_owners(self, at: int) -> None:
+        """Stop when an input has samples of a second publisher (limit ``owner``)."""
+        for port in (self._plant, self._reference):
+            if port.ownership.words:
+                self._safety.trip(at, f"{port.topic} has a second publisher: {port.ownership.words}")
 
     def _hold_reference(self, at: int, now: int) -> None:
         """Tick of Td4."""

@@ -21,5 +21,6 @@ LOOP = {
 }
 """What makes up the test: stamped within it, each from one publisher."""
 
-BESIDE = {"energy": JOINT_STATE, "/diagnostics": DIAGNOSTICS}
+CLOCKS = "clocks"
+BESIDE = {"energy": JOINT_STATE, CLOCKS: JOINT_STATE, "/diagnostics": DIAGNOSTICS}
 """What is said about the test."""

@@ -171,12 +171,12 @@ CHANGES = [
         "limits: {command: 1.0}",
         "limits: {comand: 1.0}",
         "limits.comand (given as 1.0) is not a key of the spec, which knows command, rate, "
-        "force, stale, ramp there; write command.",
+        "force, stale, ramp, clock there; write command.",
     ),
     (
         "limits: {command: 1.0}",
         "limits: 1.0",
-        "limits is 1.0, but must be a section with command, rate, force, stale, ramp; correct it.",
+        "limits is 1.0, but must be a section with command, rate, force, stale, ramp, clock; correct it.",
     ),
     (
         "limits: {command: 1.0}",

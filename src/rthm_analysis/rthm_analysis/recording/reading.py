@@ -11,6 +11,7 @@ import numpy as np
 
 from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
+from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
@@ -57,6 +58,8 @@ class Recording:
         What was missing, damaged or mended, one sentence each.
     diagnostics : dict of dict of str
         What each node last said of itself on ``/diagnostics``: values by name of the status and key.
+    clocks : HostClocks
+        Clocks of other hosts, as they were compared during the test.
     """
 
     path: Path
@@ -68,6 +71,7 @@ class Recording:
     start_ns: int
     notes: tuple[str, ...]
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
+    clocks: HostClocks = field(default_factory=HostClocks)
 
     @property
     def plant(self) -> Table:
@@ -134,6 +138,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         start_ns,
         tuple(bag.notes),
         _diagnostics(bag, namespace),
+        _clocks(bag, namespace),
     )
 
 
@@ -213,6 +218,11 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
     except (InputError, ValueError) as reason:
         bag.note(f"the spec in the bag cannot be used: {reason}")
         return "", None
+
+
+def _clocks(bag: RawBag, namespace: str) -> HostClocks:
+    topic = _topic(bag, namespace, "clocks", _JOINT_STATE)
+    return host_clocks(joint_table(topic)[0] if topic else None)
 
 
 def _diagnostics(bag: RawBag, namespace: str) -> dict[str, dict[str, str]]:

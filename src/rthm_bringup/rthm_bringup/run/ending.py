@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rthm_core.clocks import Offset
+
 
 @dataclass
 class Ending:
@@ -23,6 +25,8 @@ class Ending:
         Nodes of the loop that the system gave real-time priority.
     diagnostics
         What each node told last, by the name of its status.
+    clocks
+        Offsets of the clocks of parts that run elsewhere, measured last; None where none was told.
     """
 
     reason: str | None = None
@@ -30,4 +34,5 @@ class Ending:
     begin: int | None = None
     wall: float | None = None
     realtime: tuple[str, ...] = ()
+    clocks: dict[str, Offset | None] = field(default_factory=dict)
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)

@@ -34,6 +34,8 @@ class Plan:
         Real-time priority that the nodes of the loop ask for; None: their default.
     patience
         How long to wait for the external parts, s.
+    any_clock
+        Whether clocks of other hosts may differ by more than `limits.clock`; the analysis corrects for it.
     """
 
     spec: Spec
@@ -44,6 +46,7 @@ class Plan:
     external: frozenset[str] = field(default_factory=frozenset)
     priority: int | None = None
     patience: float = 300.0
+    any_clock: bool = False
 
     def __post_init__(self) -> None:
         roles.check(self.external)

@@ -15,17 +15,28 @@ from functools import partial
 
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
-from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
+from rthm_bringup.run.company import look_at, refuse_company
+from rthm_bringup.run.conductor_node import (
+    BrokenLimitError,
+    Conductor,
+    StoppedError,
+    UnconnectedError,
+)
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external
+from rthm_bringup.run.limits import OwnerWatch
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
+from rthm_core.clocks import limit_of
+from rthm_core.ros.leader import NODE as LEADER
 
+COMPARING = 2.0
+"""How long the clocks of hosts are compared before a test, s."""
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
@@ -53,7 +64,8 @@ class Session:
 
     def run(self) -> Ending:
         """Do all of it."""
-        with self._processes, Conductor(self._watch, self._plan.network.domain) as conductor:
+        network = self._plan.network
+        with self._processes, Conductor(self._watch, network.domain, network.namespace) as conductor:
             try:
                 self._connect(conductor)
                 self._begin(conductor)
@@ -69,6 +81,7 @@ class Session:
 
     def _connect(self, conductor: Conductor) -> None:
         """Start and configure all parts, and wait until they are connected."""
+        self._look_around(conductor)
         self._view.phase("starting the nodes")
         own = [role for role in roles.PROGRAMS if role not in self._plan.external]
         own += roles.COORDINATOR if self._plan.virtual else []
@@ -77,10 +90,25 @@ class Session:
         rehearsal = Rehearsal(self._plan.spec)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
+        self._refuse_company(conductor, [*roles.PROGRAMS, *own])
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+        self._compare_clocks(conductor)
+        self._owners = OwnerWatch(partial(conductor.rivals, LOOP_TOPICS))
+        self._refuse_rivals()
+
+    def _look_around(self, conductor: Conductor) -> None:
+        """Refuse to begin where another test is, before anything is started."""
+        end = time.monotonic() + look_at(self._plan.network)
+        while time.monotonic() < end:
+            conductor.sleep_until(time.time_ns() + NS // 10)
+            self._refuse_company(conductor, self._plan.external)
+
+    def _refuse_company(self, conductor: Conductor, own: Iterable[str]) -> None:
+        alone = {*roles.PROGRAMS, *roles.COORDINATOR, LEADER}
+        refuse_company(conductor.nodes(), self._plan.network, alone, {*own, LEADER})
 
     def _wait_ready(self, conductor: Conductor) -> None:
         """Wait for all connections; a driver need not listen to commands, nor tell when it uses one."""
@@ -93,13 +121,40 @@ class Session:
         with suppress(UnconnectedError):
             conductor.wait_ready(self._managed, 5.0)
 
+    def _compare_clocks(self, conductor: Conductor) -> None:
+        """Compare the clocks of parts that run elsewhere, which have to agree before anything moves."""
+        elsewhere = [name for name in self._managed if name in self._plan.external and name != "recorder"]
+        self._clocks = conductor.clock_watch(elsewhere, limit_of(self._plan.spec))
+        if not elsewhere:
+            return
+        self._view.phase("comparing clocks")
+        deadline = time.monotonic() + COMPARING
+        while time.monotonic() < deadline:
+            self._clocks.look()
+            conductor.sleep_until(time.time_ns() + NS // 50)
+        self._refuse_clocks()
+
+    def _refuse_rivals(self) -> None:
+        """End the run where a topic of the loop has a second publisher."""
+        if (broken := self._owners.broken()) is not None:
+            raise BrokenLimitError(broken)
+
+    def _refuse_clocks(self) -> None:
+        """End the run where a clock is too far off."""
+        elsewhere = self._plan.external - {"recorder"}
+        self.ending.clocks = dict.fromkeys(sorted(elsewhere)) | self._clocks.offsets
+        broken = self._clocks.broken()
+        if broken is not None and not self._plan.any_clock:
+            raise BrokenLimitError(broken)
+
     def _has_driver(self) -> bool:
         return "plant" not in self._managed
 
     def _start(self, role: str) -> None:
         plan = self._plan
         told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
-        process = Process(role, roles.command(role, plan.spec_file, told), plan.log / f"{role}.log")
+        command = roles.command(role, plan.spec_file, told, plan.network.namespace)
+        process = Process(role, command, plan.log / f"{role}.log")
         environment = without_parents_ros(os.environ, has_wheels())
         self._processes.start(
             process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}
@@ -157,6 +212,9 @@ class Session:
         duration = self._plan.duration
 
         def over() -> bool:
+            self._refuse_rivals()
+            self._clocks.look()
+            self._refuse_clocks()
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 

@@ -192,3 +192,7 @@ class LimitsSpec(Section):
         float | None, Number("s", "age of an input at which the monitor stops the test", above=0.0)
     ] = None
     ramp: Annotated[float | None, Number("s", "time over which commands fade in and out", minimum=0.0)] = None
+    clock: Annotated[
+        float | None,
+        Number("s", "offset between clocks of hosts; by default a tenth of the shortest tau", above=0.0),
+    ] = None

@@ -148,12 +148,15 @@ class Input:
         Messages of the present test, and how many never came.
     refused
         What was wrong with the last message that could not be used.
+    seen
+        Called with every sample as it arrives, also with those before the start.
     """
 
     def __init__(self, ports: Ports, topic: str, names: Sequence[str], link: Link, period: int) -> None:
         self.topic, self.link = topic, link
         self._ports, self._period, self._width = ports, period, len(names)
         self._read = JointStateReader(names).sample
+        self.seen: Callable[[JointSample], None] | None = None
         self._use = TimeReferenceWriter(link.name).bytes
         self.clear()
         self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
@@ -208,8 +211,11 @@ class Input:
             return
         if self._ports.start is None:
             self._ports.start = sample.stamp
-        if sample.stamp >= self._ports.start:
-            self._keep(sample._replace(stamp=sample.stamp - self._ports.start))
+        sample = sample._replace(stamp=sample.stamp - self._ports.start)
+        if self.seen is not None:
+            self.seen(sample)
+        if sample.stamp >= 0:
+            self._keep(sample)
 
     def _keep(self, sample: JointSample) -> None:
         """Put a sample into the inbox; one that comes too late is due now."""

@@ -179,14 +179,14 @@ class SafetyMonitor:
         """End the test if something is broken; what was broken first is told."""
         if broken is None:
             return
-        if self.abort is None:
+        if not self.reason:
             self.abort = Abort(at / NS, *broken[:4])
             self._leave(at, self.abort.words, self.limits.on_abort)
         self._lose(at, broken.bad)
 
     def obey(self, at: int, abort: Abort) -> None:
         """End the test because somebody else says so."""
-        if self.abort is None:
+        if not self.reason:
             self.abort = abort
             self._leave(at, abort.words, self.limits.on_abort)
 
@@ -195,7 +195,7 @@ class SafetyMonitor:
         self._leave(at, reason, RETURN)
 
     def _leave(self, at: int, reason: str, way: str) -> None:
-        if self._way is not None or self.reason:
+        if self.reason:
             return
         self.reason, self._kind = reason, way
         if self._slew is not None:

@@ -258,10 +258,15 @@ class Age:
     def look(self, now: int) -> Broken | None:
         """Judge what is in use at `now`, ns after the start."""
         old, silent = now - self._stamp, now - self._taken
-        if self._stale is not None and silent > self._stale:
-            words = f"{self._topic} has had no fresh sample for {silent / NS:.3f} s"
-            return Broken("stale", silent / NS, self._stale / NS, words, self._bad)
+        if self._stale is not None and (silent > self._stale or self._outlived(old, silent)):
+            seconds = max(old, silent) / NS
+            words = f"{self._topic} has had no fresh sample for {seconds:.3f} s"
+            return Broken("stale", seconds, self._stale / NS, words, self._bad)
         if self._age is not None and old > self._age:
             words = f"{self._topic} is {old / NS:.3f} s old where it is used, allowed is {self._age / NS:g} s"
             return Broken("age", old / NS, self._age / NS, words, self._bad)
         return None
+
+    def _outlived(self, old: int, silent: int) -> bool:
+        """Whether a sample that came in time has become too old since, where both limits are the same."""
+        return self._age == self._stale and old > (self._stale or 0) and 2 * silent > old

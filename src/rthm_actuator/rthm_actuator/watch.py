@@ -9,6 +9,7 @@ import numpy as np
 from rthm_actuator.sensors import FORCE, MOTOR, Channel, Sample, Sensors, known
 from rthm_actuator.supervision import MEASURED, Broken, Following, Frozen, Largest, Step, not_finite
 from rthm_core.clock import to_ns
+from rthm_core.limits import FROZEN_TRAVEL
 from rthm_core.slew import Floats
 from rthm_core.spec import LimitsSpec, Spec
 from rthm_core.substructure import interface
@@ -48,7 +49,7 @@ class Watch:
             self._looks.append(lambda stamp, values, command: step.look(stamp, values))
         self._looks.append(lambda stamp, values, command: self._largest.look(values))
         if executed and limits.frozen is not None:
-            travel = limits.start[0] if limits.start else 0.0
+            travel = FROZEN_TRAVEL * (limits.command or 0.0)
             self._looks.append(Frozen(channels, to_ns(limits.frozen), travel).look)
         if executed and limits.following is not None:
             following = Following(spec.loop().actuator.names, limits.following)

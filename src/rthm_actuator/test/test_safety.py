@@ -154,6 +154,17 @@ def test_a_stopped_test_goes_to_rest_without_waiting() -> None:
     assert np.array_equal(commanded(safety, 3 * NS, REST, REST), REST)
 
 
+def test_what_fails_while_the_motors_go_back_anyway_is_no_abort() -> None:
+    safety = monitor(stale=0.05, ramp=1.0)
+    feed(safety, 2 * NS)
+    commanded(safety, 2 * NS, REST + 0.2)
+    safety.stop(2 * NS, "deactivated")
+    for k in range(260):
+        commanded(safety, 2 * NS + k * 4 * MS, REST)
+    assert safety.abort is None
+    assert safety.at_rest
+
+
 def test_what_stopped_the_monitor_first_is_what_it_tells() -> None:
     safety = monitor(stale=0.05)
     safety.accept(STATE, 0, 0, np.array([math.nan, 0.0]))
@@ -184,6 +195,18 @@ def test_data_that_are_old_where_they_are_used_end_the_test_however_often_they_c
     assert safety.abort is not None
     assert safety.abort.limit == "age"
     assert safety.abort.value == pytest.approx(0.052)
+
+
+def test_a_sample_that_becomes_too_old_because_none_follows_is_called_stale() -> None:
+    safety = monitor(stale=0.05, age=0.05)
+    for k in range(100):
+        at = k * 4 * MS
+        safety.accept(REFERENCE, at, at, REST)
+        if at <= 200 * MS:
+            safety.accept(STATE, at - 20 * MS, at, REST)
+        commanded(safety, at, REST)
+    assert safety.abort is not None
+    assert (safety.abort.limit, safety.abort.at) == ("stale", 0.232)
 
 
 def test_a_sample_from_the_future_ends_the_test() -> None:

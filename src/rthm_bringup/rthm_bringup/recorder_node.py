@@ -23,10 +23,20 @@ from std_srvs.srv import Trigger
 
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run.intake import Intake
-from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
+from rthm_bringup.topics import (
+    BESIDE,
+    DIAGNOSTICS,
+    JOINT_STATE,
+    LOOP,
+    NAMESPACE,
+    SPEC,
+    STRING,
+    TIME_REFERENCE,
+)
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros import system
+from rthm_core.ros.alive import Alive
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
@@ -34,7 +44,7 @@ from rthm_core.ros.process import serving
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TOPICS = LOOP | BESIDE
-TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
+TYPES = {STRING: String, JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
@@ -49,6 +59,7 @@ PARAMETERS: dict[str, tuple[Any, str]] = {
     "priority": (PRIORITY, "real-time priority (SCHED_FIFO) that is asked for; 0: none"),
     "virtual": (False, "whether stamps are simulated time"),
     "autostart": (False, "configure and activate at once"),
+    "silent": ([""], "topics of the loop that have no samples in this test"),
     "awaited": (list(LOOP), "topics that must have a publisher before the test begins"),
 }
 
@@ -62,6 +73,7 @@ class Recorder(PollingNode):
         for name, (value, description) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._alive = Alive(self)
         self._intake: Intake | None = None
         self._observer: Observer | None = None
         self._mailboxes: dict[str, Mailbox] = {}
@@ -142,6 +154,12 @@ class Recorder(PollingNode):
         self._spec = self.create_publisher(String, SPEC, latched)
         self._spec.publish(String(data=text))
 
+    def turn(self) -> None:
+        """Write what has arrived, and say that the recorder is alive."""
+        self.take()
+        if not self._value("virtual"):
+            self._alive.beat()
+
     def take(self) -> None:
         """Write what has arrived, in the order in which it arrived."""
         taken = [(info, topic, data) for topic, box in self._mailboxes.items() for data, info in box.take()]
@@ -190,7 +208,8 @@ class Recorder(PollingNode):
     def _complete(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Service ``~/complete``: whether everything up to the end of the test has arrived."""
         self.take()
-        behind = self._intake.behind(self._periods) if self._intake else ["there is no recording"]
+        due = {topic: period for topic, period in self._periods.items() if topic not in self._value("silent")}
+        behind = self._intake.behind(due) if self._intake else ["there is no recording"]
         response.success, response.message = not behind, ", ".join(behind)
         return response
 
@@ -237,7 +256,7 @@ def main() -> int:
         gc.freeze()
         while rclpy.ok() and node.failure is None:
             executor.spin_once(timeout_sec=TAKE)
-            node.take()
+            node.turn()
     if node.failure is not None:
         print(node.failure, file=sys.stderr)
         return 1

@@ -21,5 +21,6 @@ LOOP = {
 }
 """What makes up the test: stamped within it, each from one publisher."""
 
-BESIDE = {"energy": JOINT_STATE, "/diagnostics": DIAGNOSTICS}
+COMMAND, DRY = "actuator/command", "actuator/command_dry"
+BESIDE = {"energy": JOINT_STATE, "/diagnostics": DIAGNOSTICS, "events": STRING, DRY: JOINT_STATE}
 """What is said about the test."""

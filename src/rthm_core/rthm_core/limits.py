@@ -17,6 +17,8 @@ STEPS = 2.0
 """How much faster than `rate` a measured position may step from sample to sample."""
 FROZEN, HOLD = 0.25, 0.5
 """How long a sensor may not change, and a command be at a limit, s."""
+FROZEN_TRAVEL = 0.001
+"""How far the command moves before a sensor has to: share of `command`; coarse digits stand for less."""
 HEARTBEAT, PATIENT_HEARTBEAT = 0.2, 2.0
 """Longest silence of a node beside a real machine, and beside a simulated one, s."""
 

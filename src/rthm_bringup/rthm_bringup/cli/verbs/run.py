@@ -44,6 +44,14 @@ def verb(
         ),
     ] = "",
     wait: Annotated[float, typer.Option(metavar="S", help="How long to wait for external parts.")] = 300.0,
+    dry_run: Annotated[
+        bool,
+        typer.Option("--dry-run", help="Everything runs, but commands go to actuator/command_dry alone."),
+    ] = False,
+    heartbeat: Annotated[
+        bool,
+        typer.Option("--heartbeat", help="Wait for an operator's heartbeat, without which the test ends."),
+    ] = False,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -55,7 +63,8 @@ def verb(
 ) -> int:
     """Start the nodes of a test, record it and report.
 
-    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input.
+    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input; 3 when
+    the test was aborted. The key a aborts it.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
@@ -68,7 +77,19 @@ def verb(
         parts |= {"plant"}
     test = spec_named(spec)
     with network_of(domain, network, peers, shared=bool(parts)) as reach:
-        plan = Plan(test, out or new_folder(), duration, reach, virtual, parts, priority, wait)
+        plan = Plan(
+            test,
+            out or new_folder(),
+            duration,
+            reach,
+            virtual,
+            parts,
+            priority,
+            wait,
+            hardware=plant is Plant.external,
+            dry_run=dry_run,
+            heartbeat=heartbeat,
+        )
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)
     return result.status

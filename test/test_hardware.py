@@ -194,7 +194,7 @@ def test_a_dry_run_computes_commands_and_sends_none(laboratory: Laboratory) -> N
         ("nan", "finite", "the force sensor of a1 reads not a number"),
         ("step", "step", "the position sensor of x1 steps by"),
         ("frozen", "frozen", "the position sensor of x1 has read"),
-        ("old", "age", "s old where it is used"),
+        ("old", "stale", "plant/state has had no fresh sample"),
         ("silent", "stale", "plant/state has had no fresh sample"),
     ],
 )
@@ -276,3 +276,20 @@ def test_a_controller_that_was_held_up_does_not_catch_up(laboratory: Laboratory)
     assert commands.stamp_ns[stall + 1] - commands.stamp_ns[stall] > 0.15 * NS
     sent = commands.received_ns[stall + 1 :] - commands.received_ns[stall + 1]
     assert np.count_nonzero(sent < 0.08 * NS) <= 2 * 80 // 4
+
+
+def test_a_killed_leader_leaves_motors_at_rest_and_the_way_there_recorded(
+    laboratory: Laboratory, own_processes: Callable[[], list[str]]
+) -> None:
+    options = ("--plant", "external", "--duration", "60")
+    with laboratory.driver(), laboratory.begun(laboratory.spec(), *options) as (run, _):
+        laboratory.wait_until_it_moves(run)
+        run.kill()
+        deadline = time.monotonic() + 30
+        while own_processes() and time.monotonic() < deadline:
+            time.sleep(0.1)
+    recording = read_recording(laboratory.folder / "out" / "bag")
+    assert_no_jump(recording)
+    u_d = recording.tables["actuator/command"].columns("position", ["a1"])[:, 0]
+    assert u_d[-1] == STANDS
+    assert abs(u_d[-60] - STANDS) > 1e-4  # it was on its way

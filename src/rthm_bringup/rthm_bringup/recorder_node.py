@@ -17,6 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -25,6 +26,7 @@ from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run.intake import Intake
 from rthm_bringup.topics import (
     BESIDE,
+    COMMAND,
     DIAGNOSTICS,
     JOINT_STATE,
     LOOP,
@@ -48,6 +50,8 @@ TYPES = {STRING: String, JOINT_STATE: JointState, TIME_REFERENCE: TimeReference,
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
+STILL = 0.3
+"""How long no command may come before the motors count as having stopped, s."""
 TAKE = 0.01
 """Time between two looks at what has arrived, s."""
 
@@ -78,6 +82,7 @@ class Recorder(PollingNode):
         self._observer: Observer | None = None
         self._mailboxes: dict[str, Mailbox] = {}
         self.failure: str | None = None
+        self._commanded = float("-inf")
         self.create_service(Trigger, "~/ready", self._ready)
         self.create_service(Trigger, "~/complete", self._complete)
 
@@ -160,12 +165,18 @@ class Recorder(PollingNode):
         if not self._value("virtual"):
             self._alive.beat()
 
+    def still(self) -> bool:
+        """Whether nobody commands the motors any more: until then what happens to them is recorded."""
+        return self._intake is None or time.monotonic() > self._commanded + STILL
+
     def take(self) -> None:
         """Write what has arrived, in the order in which it arrived."""
         taken = [(info, topic, data) for topic, box in self._mailboxes.items() for data, info in box.take()]
         if self._intake is None:
             return
         try:
+            if any(topic == COMMAND for _, topic, _ in taken):
+                self._commanded = time.monotonic()
             for info, topic, data in sorted(taken, key=lambda one: one[0]["received_timestamp"]):
                 self._intake.take(topic, TOPICS[topic], data, info)
                 if self._observer is not None:
@@ -246,15 +257,17 @@ def periods_of(spec: Spec) -> dict[str, int]:
 
 
 def main() -> int:
-    """Run the node until it is asked to end; 1 when the recording failed."""
+    """Run the node until it is asked to end and the motors have stopped; 1 when the recording failed."""
+    asked: list[int] = []
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     # An exception from Python's handler would abort the executor.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    rclpy.init()
+    signal.signal(signal.SIGTERM, lambda number, frame: asked.append(number))
     node = Recorder()
     with serving(node) as executor:
         node.start()
         gc.freeze()
-        while rclpy.ok() and node.failure is None:
+        while rclpy.ok() and node.failure is None and not (asked and (node.still() or asked[1:])):
             executor.spin_once(timeout_sec=TAKE)
             node.turn()
     if node.failure is not None:

@@ -37,11 +37,12 @@ class Watch:
         self._plan, self._processes, self._ending, self._keys = plan, processes, ending, keys
         self._conductor: Conductor | None = None
         self._heartbeats: Heartbeats | None = None
+        self._begun = False
         self.silent: set[str] = set()
 
     def begin(self, conductor: Conductor, managed: Iterable[str], hardware: bool) -> None:
         """Watch a test that has begun."""
-        self._conductor = conductor
+        self._conductor, self._begun = conductor, True
         limit = kept_limits(self._plan.spec, hardware).heartbeat
         if limit is not None and not self._plan.virtual:
             self._heartbeats = Heartbeats(set(managed) - roles.OBSERVERS, limit)
@@ -58,14 +59,14 @@ class Watch:
             When the test was aborted, by whomever.
         """
         for process in self._processes.dead():
-            if self._conductor is None or process.name not in roles.OBSERVERS:
+            if not self._begun or process.name not in roles.OBSERVERS:
                 raise StoppedError(process.fate())
             self._ending.note(process.fate())
         if self._conductor is not None:
             self._judge(self._conductor)
 
     def end(self) -> None:
-        """Look at nothing any more."""
+        """Abort nothing any more; only processes that die are told."""
         self._conductor = self._heartbeats = None
 
     def _judge(self, conductor: Conductor) -> None:

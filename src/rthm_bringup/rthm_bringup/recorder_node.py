@@ -50,6 +50,8 @@ TYPES = {STRING: String, JOINT_STATE: JointState, TIME_REFERENCE: TimeReference,
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
+PATIENCE = 15.0
+"""How long the recorder goes on for motors that do not stop, s."""
 STILL = 0.3
 """How long no command may come before the motors count as having stopped, s."""
 TAKE = 0.01
@@ -165,9 +167,10 @@ class Recorder(PollingNode):
         if not self._value("virtual"):
             self._alive.beat()
 
-    def still(self) -> bool:
-        """Whether nobody commands the motors any more: until then what happens to them is recorded."""
-        return self._intake is None or time.monotonic() > self._commanded + STILL
+    def still(self, asked: float) -> bool:
+        """Whether the motors have stopped, or do not stop long after the end was `asked` for, s."""
+        now = time.monotonic()
+        return self._intake is None or now > self._commanded + STILL or now > asked + PATIENCE
 
     def take(self) -> None:
         """Write what has arrived, in the order in which it arrived."""
@@ -258,16 +261,16 @@ def periods_of(spec: Spec) -> dict[str, int]:
 
 def main() -> int:
     """Run the node until it is asked to end and the motors have stopped; 1 when the recording failed."""
-    asked: list[int] = []
+    asked: list[float] = []
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     # An exception from Python's handler would abort the executor.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda number, frame: asked.append(number))
+    signal.signal(signal.SIGTERM, lambda number, frame: asked.append(time.monotonic()))
     node = Recorder()
     with serving(node) as executor:
         node.start()
         gc.freeze()
-        while rclpy.ok() and node.failure is None and not (asked and (node.still() or asked[1:])):
+        while rclpy.ok() and node.failure is None and not (asked and node.still(asked[0])):
             executor.spin_once(timeout_sec=TAKE)
             node.turn()
     if node.failure is not None:

@@ -293,3 +293,29 @@ def test_a_killed_leader_leaves_motors_at_rest_and_the_way_there_recorded(
     u_d = recording.tables["actuator/command"].columns("position", ["a1"])[:, 0]
     assert u_d[-1] == STANDS
     assert abs(u_d[-60] - STANDS) > 1e-4  # it was on its way
+
+
+def test_a_simulated_plant_that_is_stopped_ends_the_test(laboratory: Laboratory) -> None:
+    with laboratory.begun(laboratory.spec(), "--duration", "60") as (run, ended):
+        laboratory.wait_until_it_moves(run)
+        os.kill(process(run, "rthm_plant_sim"), signal.SIGSTOP)
+        told = ended()
+    assert_aborted(told, "stale")
+    begins = told.recording.tables["actuator/command"].columns("position", ["a1"])[0, 0]
+    assert_no_jump(told.recording, begins)
+    assert_back_at_rest(told, begins)
+
+
+def test_a_test_in_simulated_time_is_aborted_as_well(laboratory: Laboratory) -> None:
+    spec = laboratory.spec(begins=0.5, position=0.505, stale=0.05)
+    with laboratory.begun(spec, "--virtual", "--duration", "10") as (_, ended):
+        told = ended()
+    assert told.status == 0, told.out  # it never goes that far
+    spec = laboratory.spec(begins=0.5, position=0.495, stale=0.05)
+    with laboratory.begun(spec, "--virtual", "--duration", "10", "--out", str(laboratory.folder / "2")) as (
+        _,
+        ended,
+    ):
+        told = ended()
+    assert_aborted(told, "position")
+    assert "reads 0.5 m, allowed is 0.495 m" in told.json["abort"]["words"]

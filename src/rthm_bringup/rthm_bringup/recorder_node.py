@@ -1,4 +1,4 @@
-"""The recorder: a node that writes every topic of the test to a bag and on which nothing depends.
+"""The recorder: a node that writes every topic of the test to a bag, until the motors have stopped.
 
 Messages stay the bytes they are. The bag is opened, with the spec in it, when the node is configured; samples
 of the loop are taken while it is active; it is closed when the node is deactivated.

@@ -16,13 +16,13 @@ from typing import ClassVar
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor
-from std_msgs.msg import Bool, String
-from std_srvs.srv import Trigger
 
 from rthm_actuator.arming import differences
+from rthm_actuator.outside import Ears, Outside
+from rthm_actuator.overdue import Pulse
 from rthm_actuator.safety import Expected, Rig, SafetyMonitor
 from rthm_actuator.sensors import SENSORS
-from rthm_actuator.supervision import Broken, Pulse
+from rthm_actuator.supervision import Broken
 from rthm_actuator.watch import Watch
 from rthm_core import events
 from rthm_core.clock import NS, Rank, to_ns
@@ -55,11 +55,7 @@ class ActuatorNode(PartNode):
         super().__init__("actuator")
         for name, (value, words) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=words))
-        self._events = self.create_publisher(String, events.TOPIC, 100)
-        self.create_subscription(String, events.TOPIC, self._obey, 100)
-        self.create_subscription(Bool, "abort", self._asked_by_topic, 10)
-        self.create_subscription(Bool, "heartbeat", self._beat, 10)
-        self.create_service(Trigger, "~/abort", self._asked_by_service)
+        self._outside = Outside(self, Ears(self._judge, self._obey, self._beat))
 
     def connect(self, spec: Spec) -> None:
         """Open the topics of the controller."""
@@ -87,6 +83,7 @@ class ActuatorNode(PartNode):
         if not self.value("hardware"):
             self._safety.arm(self._controller.command(0))
         self._told: set[str] = set()
+        self._heard: events.Abort | None = None
         self._position = np.array(spec.plant.initial_position)[interface(spec).plant]
         self._state_used: int | None = None
         self._reference_used: int | None = None
@@ -129,7 +126,7 @@ class ActuatorNode(PartNode):
         except InputError as error:
             self._safety.judge(at, Broken("command", float(np.abs(motors).max()), None, str(error)))
             return
-        self._publish(events.ARMED, events.write_event(events.ARMED, at=at / NS, motor=motors.tolist()))
+        self._tell(events.ARMED, events.write_event(events.ARMED, at=at / NS, motor=motors.tolist()))
 
     def _control(self, at: int, now: int) -> None:
         self._arm(at)
@@ -186,38 +183,27 @@ class ActuatorNode(PartNode):
         assert abort is not None
         if events.ABORT not in self._told:
             self.get_logger().error(f"stopped at {abort.at:.6f} s: {abort.words}")
-            self._publish(events.ABORT, events.write_abort(abort))
+            if self._heard is None:  # else everybody has heard it as well
+                self._tell(events.ABORT, events.write_abort(abort))
+            self._told.add(events.ABORT)
         elif self._safety.at_rest and events.REST not in self._told:
-            self._publish(events.REST, events.write_event(events.REST, at=now / NS))
+            self._tell(events.REST, events.write_event(events.REST, at=now / NS))
 
-    def _publish(self, kind: str, text: str) -> None:
+    def _tell(self, kind: str, text: str) -> None:
         self._told.add(kind)
-        if self.ports.speaking:
-            self._events.publish(String(data=text))
+        self._outside.tell(text)
 
-    def _obey(self, message: String) -> None:
-        """Somebody tells an event: an abort is obeyed, whoever it is."""
-        abort = events.abort_of(events.read_event(message.data))
-        if abort is not None and self.active:
+    def _judge(self, broken: Broken | None) -> None:
+        self._safety.judge(self.ports.now(), broken)
+
+    def _obey(self, abort: events.Abort) -> None:
+        """Another node has aborted the test."""
+        if self._safety.abort is None:
+            self._heard = abort
             self._safety.obey(self.ports.now(), abort)
 
-    def _asked(self, by: str) -> None:
-        if self.active:
-            self._safety.judge(self.ports.now(), Broken("operator", None, None, f"asked for by {by}"))
-
-    def _asked_by_topic(self, message: Bool) -> None:
-        if message.data:
-            self._asked("the topic abort")
-
-    def _asked_by_service(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._asked("the service actuator/abort")
-        response.success = self.active
-        response.message = "the motors go where on_abort says" if self.active else "no test is going on"
-        return response
-
-    def _beat(self, message: Bool) -> None:
-        if self.active:
-            self._pulse.beat(self.ports.now(), message.data)
+    def _beat(self, well: bool) -> None:
+        self._pulse.beat(self.ports.now(), well)
 
     def rest(self) -> None:
         """Bring the motors back to rest when the test ends before its time."""

@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_actuator.supervision import Age, Broken, Hold
+from rthm_actuator.overdue import Age, Hold
+from rthm_actuator.supervision import Broken
 from rthm_actuator.way_back import HOLD, NEEDED, RETURN, UNLOAD, WayBack
 from rthm_core.clock import NS, to_ns
 from rthm_core.errors import InputError, refusal

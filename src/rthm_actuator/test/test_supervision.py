@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rthm_actuator.arming import differences, expected_start
+from rthm_actuator.overdue import Hold, Pulse
 from rthm_actuator.sensors import FORCE, MOTOR, POSITION, VELOCITY, Channel, Sensors
-from rthm_actuator.supervision import Broken, Following, Frozen, Hold, Largest, Pulse, Step, not_finite
+from rthm_actuator.supervision import Broken, Following, Frozen, Largest, Step, not_finite
 from rthm_actuator.watch import Watch
 from rthm_core.clock import NS
 from rthm_core.errors import InputError

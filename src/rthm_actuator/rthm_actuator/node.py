@@ -20,8 +20,9 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rthm_actuator.arming import differences
 from rthm_actuator.outside import Ears, Outside
 from rthm_actuator.overdue import Pulse
-from rthm_actuator.safety import Expected, Rig, SafetyMonitor
+from rthm_actuator.safety import Expected, SafetyMonitor
 from rthm_actuator.sensors import SENSORS
+from rthm_actuator.shaping import Rig
 from rthm_actuator.supervision import Broken
 from rthm_actuator.watch import Watch
 from rthm_core import events

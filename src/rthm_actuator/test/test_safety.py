@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rthm_actuator.safety import Expected, Rig, SafetyMonitor
+from rthm_actuator.safety import Expected, SafetyMonitor
+from rthm_actuator.shaping import Rig
 from rthm_actuator.supervision import Broken
 from rthm_core.clock import NS
 from rthm_core.errors import InputError

@@ -75,12 +75,19 @@ class Laboratory:
                 driver.terminate()
 
     @contextmanager
-    def begun(self, spec: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], Callable[[], Told]]]:
+    def begun(
+        self, spec: Path, *options: str, keyboard: int | None = None
+    ) -> Iterator[tuple[subprocess.Popen[str], Callable[[], Told]]]:
         """A run as a process, and what ends it."""
         json_file = self.folder / "result.json"
         command = [*RUN, str(spec), "--out", str(self.folder / "out"), "--json", str(json_file), *options]
         with subprocess.Popen(
-            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            command,
+            env=self.environment,
+            stdin=keyboard,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         ) as run:
 
             def ended() -> Told:
@@ -218,6 +225,24 @@ def test_a_test_is_aborted_from_outside(laboratory: Laboratory, way: str) -> Non
         operator.terminate()  # it aborts, or its heartbeat ends
         told = ended()
     assert_aborted(told, "heartbeat" if way == "heartbeat" else "operator")
+    assert_no_jump(told.recording)
+    assert_back_at_rest(told)
+
+
+def test_the_key_a_aborts_a_test(laboratory: Laboratory) -> None:
+    hand, keyboard = os.openpty()
+    options = ("--plant", "external", "--duration", "30")
+    with (
+        laboratory.driver(),
+        laboratory.begun(laboratory.spec(), *options, keyboard=keyboard) as (run, ended),
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.write(hand, b"a")
+        told = ended()
+    os.close(hand)
+    os.close(keyboard)
+    assert_aborted(told, "operator")
+    assert told.json["abort"]["words"] == "the key a was pressed"
     assert_no_jump(told.recording)
     assert_back_at_rest(told)
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.recording import Recording, read_recording
+from rthm_analysis.recording.files import read_raw
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
 from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
@@ -28,7 +29,7 @@ OPERATOR = DRIVER.with_name("operator.py")
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
 STANDS = 0.1
 RATE, RAMP = 5.0, 0.5
-LIMITS = {"command": 1.0, "rate": RATE, "force": 50.0, "stale": 0.25, "ramp": RAMP, "heartbeat": 0.5}
+LIMITS = {"command": 1.0, "rate": RATE, "force": 50.0, "stale": 0.5, "ramp": RAMP, "heartbeat": 1.0}
 """A sample that a busy machine holds up is not called stale."""
 
 
@@ -193,6 +194,7 @@ def test_a_dry_run_computes_commands_and_sends_none(laboratory: Laboratory) -> N
     recording = told.recording
     assert "actuator/command" not in recording.tables
     assert np.all(recording.plant.columns("position", ["a1"]) == STANDS)
+    assert len(read_raw(told.json["bag"]).topics["/rthm/actuator/command_dry"]) > 400
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def test_a_clock_that_is_3_ms_ahead_is_refused_before_anything_moves(
     host = told["hosts"]["numerical"]
     assert abs(host["offset"] - 0.003) <= host["uncertainty"] + 1e-5
     assert any(
-        "The clock of numerical is" in words and "ahead of this host's" in words for words in told["problems"]
+        "the clock of numerical is" in words and "ahead of this host's" in words for words in told["problems"]
     )
     assert any("--allow-clock-offset" in words for words in told["problems"])
     assert not list((tmp_path / "out").glob("report.html"))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from rthm_bringup.run.limits import EVERY, Broken, ClockWatch, OwnerWatch
+from rthm_actuator.supervision import Broken
+from rthm_bringup.run.limits import EVERY, ClockWatch, OwnerWatch
 from rthm_core.clock import NS
 from rthm_core.clocks import Exchange, Offset
 
 
 def test_a_second_publisher_breaks_the_limit_owner() -> None:
     watch = OwnerWatch(lambda: {"plant/state": ["/rthm/plant", "/rthm/other"]})
-    words = "plant/state has 2 publishers, /rthm/other and /rthm/plant, but must have one."
+    words = "plant/state has 2 publishers, /rthm/other and /rthm/plant, but must have one"
     assert watch.broken() == Broken("owner", 2, 1, words)
 
 
@@ -45,7 +46,7 @@ def test_an_offset_beyond_the_limit_is_told_with_both_figures_and_the_way_out() 
     assert (broken.limit, broken.allowed) == ("clock", 0.0004)
     assert broken.value == pytest.approx(0.003)
     assert broken.words.startswith(
-        "The clock of plant is 3.000 ms (+- 0.100 ms) behind this host's, but may be 0.4"
+        "the clock of plant is 3.000 ms (+- 0.100 ms) behind this host's, but may be 0.4"
     )
     assert "--allow-clock-offset" in broken.words
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.events import TOPIC as EVENTS
+from rthm_core.events import Abort, abort_of, read_event
 from rthm_core.spec import Spec, read_spec
 
 if TYPE_CHECKING:
@@ -60,6 +62,8 @@ class Recording:
         What each node last said of itself on ``/diagnostics``: values by name of the status and key.
     clocks : HostClocks
         Clocks of other hosts, as they were compared during the test.
+    events : tuple of dict
+        What was told on ``events``, in order (`rthm_core.events`).
     """
 
     path: Path
@@ -72,6 +76,13 @@ class Recording:
     notes: tuple[str, ...]
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
     clocks: HostClocks = field(default_factory=HostClocks)
+    events: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def abort(self) -> Abort | None:
+        """What ended the test before its time; None if nothing did."""
+        aborts = (abort_of(event) for event in self.events)
+        return next((abort for abort in aborts if abort is not None), None)
 
     @property
     def plant(self) -> Table:
@@ -139,6 +150,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         tuple(bag.notes),
         _diagnostics(bag, namespace),
         _clocks(bag, namespace),
+        _events(bag, namespace),
     )
 
 
@@ -223,6 +235,16 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
 def _clocks(bag: RawBag, namespace: str) -> HostClocks:
     topic = _topic(bag, namespace, "clocks", _JOINT_STATE)
     return host_clocks(joint_table(topic)[0] if topic else None)
+
+
+def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:
+    """Everything that was told on ``events``."""
+    topic = _topic(bag, namespace, EVENTS, "std_msgs/msg/String")
+    found = []
+    for message in topic.last_messages(LAST_REPORTS) if topic else []:
+        with suppress(ValueError):
+            found.append(read_event(decode_string(message)))
+    return tuple(event for event in found if event)
 
 
 def _diagnostics(bag: RawBag, namespace: str) -> dict[str, dict[str, str]]:

@@ -10,6 +10,7 @@ from rthm_analysis.energy import EnergyResult, energy_of
 from rthm_analysis.recording import Recording, read_recording
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.errors import InputError
+from rthm_core.events import Abort
 
 if TYPE_CHECKING:
     from rthm_core.engine import Trajectory
@@ -27,6 +28,7 @@ class Gathered:
     timing: TimingResult
     ideal: Trajectory | None
     notes: tuple[str, ...]
+    abort: Abort | None = None
 
     @property
     def spec(self) -> Spec | None:
@@ -34,8 +36,14 @@ class Gathered:
         return self.recording.spec
 
 
-def gather(bag: str | Path) -> Gathered:
-    """Read and analyse a bag; InputError when it cannot be read."""
+def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
+    """Read and analyse a bag; InputError when it cannot be read.
+
+    Parameters
+    ----------
+    abort : Abort, optional
+        What ended the test, where the recording does not tell.
+    """
     recording = read_recording(bag)
     timing = timing_of(recording, recording.spec)
     notes = [*_about_others(recording), *recording.notes, *timing.notes]
@@ -46,7 +54,7 @@ def gather(bag: str | Path) -> Gathered:
         ideal = _ideal(recording, energy)
     except InputError as reason:
         notes.append(str(reason))
-    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)))
+    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)), recording.abort or abort)
 
 
 def _about_others(recording: Recording) -> list[str]:

@@ -18,16 +18,17 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 
-from rthm_bringup.run.limits import Broken, ClockWatch
+from rthm_bringup.run.limits import ClockWatch
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
 from rthm_bringup.topics import CLOCKS, NAMESPACE
+from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.clocks import Offset
 from rthm_core.errors import InputError
-from rthm_core.ros import leader, reach, system
+from rthm_core.ros import alive, leader, reach, system
 from rthm_core.ros.comparing import Asker
 
 PRIORITY = 10
@@ -60,16 +61,22 @@ class RefusedError(StoppedError):
     """A node refused a transition."""
 
 
-class BrokenLimitError(StoppedError):
-    """A limit is broken, and the test has to be aborted."""
-
-    def __init__(self, broken: Broken) -> None:
-        super().__init__(broken.words)
-        self.broken = broken
-
-
 class UnconnectedError(StoppedError):
     """Some connections were not made in time."""
+
+
+class AbortedError(Exception):
+    """The test was aborted.
+
+    Attributes
+    ----------
+    abort : Abort
+        Why.
+    """
+
+    def __init__(self, abort: events.Abort) -> None:
+        super().__init__(abort.words)
+        self.abort = abort
 
 
 class Conductor:
@@ -88,6 +95,12 @@ class Conductor:
         What each node told last on ``/diagnostics``, by the name of its status.
     simulated_time : float
         How far a run in simulated time has come, s.
+    abort : Abort or None
+        What was the first abort that anybody told.
+    rested : bool
+        Whether the controller has told that the motors are where they stay after an abort.
+    beaten
+        Called with the name of every node that says that it is alive.
     """
 
     def __init__(self, watch: Callable[[], None], domain: int, namespace: str = NAMESPACE) -> None:
@@ -103,6 +116,12 @@ class Conductor:
         self._clocks = self._node.create_publisher(JointState, CLOCKS, 10)
         self.diagnostics: dict[str, dict[str, str]] = {}
         self.simulated_time = 0.0
+        self.abort: events.Abort | None = None
+        self.rested = False
+        self.beaten: Callable[[str], None] = lambda name: None
+        self._events = self._node.create_publisher(String, events.TOPIC, 100)
+        self._node.create_subscription(String, events.TOPIC, self._note_event, 100)
+        self._node.create_subscription(String, alive.TOPIC, lambda message: self.beaten(message.data), 100)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 100)
         self._node.create_subscription(Float64, "virtual/time", self._note_time, 10)
 
@@ -200,17 +219,17 @@ class Conductor:
         """
         names = list(names)
         if step in ("activate", "deactivate"):
-            self._lock(names, closed=step == "activate")
+            self._lock(names, step == "activate", seconds)
         request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
                 raise RefusedError(f"{name} refused to {step}", name)
 
-    def _lock(self, names: list[str], closed: bool) -> None:
+    def _lock(self, names: list[str], closed: bool, seconds: float) -> None:
         """Lock nodes to this leader, or open them; a driver of somebody else's may have no lock."""
         value = leader.lock_of(self._word) if closed else self._word
         request = SetParameters.Request(parameters=[_parameter(leader.PARAMETER, value)])
-        self._ask(dict.fromkeys(names, request), "set_parameters", PATIENCE)
+        self._ask(dict.fromkeys(names, request), "set_parameters", seconds)
 
     def states(self, names: Iterable[str]) -> dict[str, int]:
         """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
@@ -260,6 +279,26 @@ class Conductor:
             yield found
         finally:
             self._node.destroy_subscription(subscription)
+
+    @contextmanager
+    def beats(self, topic: str) -> Iterator[list[Bool]]:
+        """List that fills with what an operator's heartbeat says as long as the ``with`` block lasts."""
+        found: list[Bool] = []
+        subscription = self._node.create_subscription(Bool, topic, found.append, 10)
+        try:
+            yield found
+        finally:
+            self._node.destroy_subscription(subscription)
+
+    def tell(self, abort: events.Abort) -> None:
+        """Abort the test: the controller obeys, the recorder writes it down."""
+        self.abort = self.abort or abort
+        self._events.publish(String(data=events.write_abort(abort)))
+
+    def _note_event(self, message: String) -> None:
+        event = events.read_event(message.data)
+        self.abort = self.abort or events.abort_of(event)
+        self.rested = self.rested or event.get("event") == events.REST
 
     def _note(self, message: DiagnosticArray) -> None:
         for status in message.status:

@@ -1,11 +1,11 @@
-"""What the leader itself watches while a test runs, and how it ends the test when a limit is broken."""
+"""Limits that the leader watches on the graph: one publisher for each topic, and clocks that agree."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import NamedTuple
 
+from rthm_actuator.supervision import Broken
 from rthm_core.clocks import LIMIT as CLOCK
 from rthm_core.clocks import Comparison, Exchange, Offset
 from rthm_core.owner import LIMIT as OWNER
@@ -13,25 +13,6 @@ from rthm_core.owner import second_owner
 
 EVERY, ASK, TELL = 0.1, 0.05, 0.5
 """Time between two looks at the graph, two questions for the time, and two messages about clocks, s."""
-
-
-class Broken(NamedTuple):
-    """A limit that is broken, in the words of the contract's ``abort``.
-
-    Attributes
-    ----------
-    limit
-        Its name.
-    value, allowed
-        What was found, and the most that is allowed.
-    words
-        What happened, in one sentence.
-    """
-
-    limit: str
-    value: float
-    allowed: float
-    words: str
 
 
 class ClockWatch:
@@ -116,13 +97,13 @@ class OwnerWatch:
         self._next = self._now() + EVERY
         found = self._publishers()
         words = second_owner(found)
-        return Broken(OWNER, max(map(len, found.values())), 1, f"{words}.") if words else None
+        return Broken(OWNER, max(map(len, found.values())), 1, words) if words else None
 
 
 def _words(name: str, one: Offset, limit: float) -> str:
     found = f"{abs(one.offset) * 1e3:.3f} ms (+- {one.uncertainty * 1e3:.3f} ms)"
     ahead = "ahead of" if one.offset > 0.0 else "behind"
     return (
-        f"The clock of {name} is {found} {ahead} this host's, but may be {limit * 1e3:.3g} ms off;"
-        " synchronise the hosts, raise limits.clock, or go on with --allow-clock-offset."
+        f"the clock of {name} is {found} {ahead} this host's, but may be {limit * 1e3:.3g} ms off;"
+        " synchronise the hosts, raise limits.clock, or go on with --allow-clock-offset"
     )

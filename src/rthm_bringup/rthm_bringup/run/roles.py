@@ -22,6 +22,9 @@ PROGRAMS = {
 LOOP = ("plant", "numerical", "actuator")
 """Nodes that make up the loop; the others watch it."""
 
+OBSERVERS = frozenset({"analysis"})
+"""Nodes that may go without the test being ended."""
+
 COORDINATOR = {"coordinator": "rthm_bringup.run.coordinator_node"}
 """What a run in simulated time has in addition."""
 

@@ -2,12 +2,14 @@
 
     start -> configure -> everybody connected -> agree on the begin -> activate -> wait -> deactivate -> end
 
-However a run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
+An abort ends the waiting: the controller brings the motors to where they stay, then all is ended. However a
+run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -16,27 +18,23 @@ from functools import partial
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.company import look_at, refuse_company
-from rthm_bringup.run.conductor_node import (
-    BrokenLimitError,
-    Conductor,
-    StoppedError,
-    UnconnectedError,
-)
+from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
-from rthm_bringup.run.external import begin_with_driver, wait_for_external
-from rthm_bringup.run.limits import OwnerWatch
+from rthm_bringup.run.external import begin_with_driver, wait_for_external, wait_for_heartbeat
+from rthm_bringup.run.guards import Guards
+from rthm_bringup.run.keys import Keys
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
+from rthm_bringup.run.watch import Watch
+from rthm_bringup.topics import COMMAND
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
-from rthm_core.clocks import limit_of
+from rthm_core.limits import require_limits
 from rthm_core.ros.leader import NODE as LEADER
 
-COMPARING = 2.0
-"""How long the clocks of hosts are compared before a test, s."""
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
 GRACE = NS // 5
@@ -61,20 +59,29 @@ class Session:
         self._processes = Processes()
         self._managed: list[str] = []
         self.ending = Ending()
+        self._keys = Keys()
+        self._watch = Watch(plan, self._processes, self.ending, self._keys)
 
     def run(self) -> Ending:
         """Do all of it."""
         network = self._plan.network
-        with self._processes, Conductor(self._watch, network.domain, network.namespace) as conductor:
+        look = self._watch.look
+        with self._keys, self._processes, Conductor(look, network.domain, network.namespace) as conductor:
             try:
                 self._connect(conductor)
                 self._begin(conductor)
                 self._wait(conductor)
             except StoppedError as stopped:
                 self.ending.reason = self._explained(stopped)
+                self._watch.abort("node", self.ending.reason)
+            except AbortedError:
+                self._view.phase("the test was aborted")
             except KeyboardInterrupt:
                 self.ending.interrupted = True
+            self._watch.end()
+            self.ending.abort = conductor.abort
             with suppress(KeyboardInterrupt):
+                self._come_to_rest(conductor)
                 self._end(conductor)
             self.ending.diagnostics = conductor.diagnostics
         return self.ending
@@ -91,13 +98,17 @@ class Session:
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
         self._refuse_company(conductor, [*roles.PROGRAMS, *own])
+        if self._has_driver():
+            require_limits(self._plan.spec)
+        conductor.set({"actuator": self._manner()})
+        if self._plan.dry_run and "recorder" in self._managed:
+            conductor.set({"recorder": {"silent": [COMMAND]}})
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
-        self._compare_clocks(conductor)
-        self._owners = OwnerWatch(partial(conductor.rivals, LOOP_TOPICS))
-        self._refuse_rivals()
+        self._guards = Guards(self._plan, conductor, self._managed, self.ending)
+        self._guards.begin(self._view)
 
     def _look_around(self, conductor: Conductor) -> None:
         """Refuse to begin where another test is, before anything is started."""
@@ -121,34 +132,20 @@ class Session:
         with suppress(UnconnectedError):
             conductor.wait_ready(self._managed, 5.0)
 
-    def _compare_clocks(self, conductor: Conductor) -> None:
-        """Compare the clocks of parts that run elsewhere, which have to agree before anything moves."""
-        elsewhere = [name for name in self._managed if name in self._plan.external and name != "recorder"]
-        self._clocks = conductor.clock_watch(elsewhere, limit_of(self._plan.spec))
-        if not elsewhere:
-            return
-        self._view.phase("comparing clocks")
-        deadline = time.monotonic() + COMPARING
-        while time.monotonic() < deadline:
-            self._clocks.look()
-            conductor.sleep_until(time.time_ns() + NS // 50)
-        self._refuse_clocks()
-
-    def _refuse_rivals(self) -> None:
-        """End the run where a topic of the loop has a second publisher."""
-        if (broken := self._owners.broken()) is not None:
-            raise BrokenLimitError(broken)
-
-    def _refuse_clocks(self) -> None:
-        """End the run where a clock is too far off."""
-        elsewhere = self._plan.external - {"recorder"}
-        self.ending.clocks = dict.fromkeys(sorted(elsewhere)) | self._clocks.offsets
-        broken = self._clocks.broken()
-        if broken is not None and not self._plan.any_clock:
-            raise BrokenLimitError(broken)
-
     def _has_driver(self) -> bool:
         return "plant" not in self._managed
+
+    def _is_hardware(self) -> bool:
+        return self._plan.hardware or self._has_driver()
+
+    def _manner(self) -> dict[str, bool]:
+        """How the controller treats the plant."""
+        plan = self._plan
+        return {
+            "hardware": self._is_hardware(),
+            "dry_run": plan.dry_run,
+            "heartbeat": plan.heartbeat,
+        }
 
     def _start(self, role: str) -> None:
         plan = self._plan
@@ -162,10 +159,13 @@ class Session:
 
     def _begin(self, conductor: Conductor) -> None:
         """Let the clocks of all nodes start together."""
+        if self._plan.heartbeat:
+            wait_for_heartbeat(conductor, self._plan, self._view)
         self.ending.begin = self._begin_virtual(conductor) if self._plan.virtual else self._agree(conductor)
         self.ending.realtime = tuple(
             p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
         )
+        self._watch.begin(conductor, self._guards, self._managed, self._is_hardware())
 
     def _agree(self, conductor: Conductor) -> int:
         """Begin at an instant of the wall clock; a driver has chosen already at which instants it samples."""
@@ -182,13 +182,14 @@ class Session:
 
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""
-        self._view.phase("the test runs")
+        self._view.phase("the test runs" + (", a: abort" if self._keys.watched else ""))
         began, begin = time.monotonic(), self.ending.begin or 0
         if self._plan.virtual:
             self._watch_time(lambda: conductor.simulated_time, conductor)
         else:
             self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
         self.ending.wall = time.monotonic() - began
+        self._watch.end()
         self._wait_complete(conductor)
 
     def _wait_complete(self, conductor: Conductor) -> None:
@@ -218,29 +219,39 @@ class Session:
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 
-        conductor.wait_until(over, float("inf"), str, every=0.1)
+        conductor.wait_until(over, float("inf"), str)
 
     def _explained(self, stopped: StoppedError) -> str:
         """Sentence with what the node at fault said last, if it is ours."""
         words = [p.last_words() for p in self._processes.living() if p.name == stopped.node]
         return ": ".join([str(stopped), *(word for word in words if word)])
 
-    def _watch(self) -> None:
-        """Stop when a process died."""
-        for process in self._processes.dead():
-            raise StoppedError(process.fate())
+    def _come_to_rest(self, conductor: Conductor) -> None:
+        """After an abort, wait until the controller has brought the motors to where they stay."""
+        conductor.watch = lambda: None
+        dead = [process.fate() for process in self._processes.dead() if process.name not in roles.OBSERVERS]
+        if conductor.abort is not None and dead:
+            self.ending.reason = self.ending.reason or dead[0]
+        if conductor.abort is not None and "actuator" in self._answering():
+            with suppress(StoppedError):
+                conductor.wait_until(lambda: conductor.rested, 1.0 + self._way_back(), str)
+
+    def _way_back(self) -> float:
+        """Longest time that the motors take back to rest, s: a limited rate may take longer than the ramp."""
+        limits = self._plan.spec.limits
+        return 2.0 * (limits.ramp or 0.0) if limits else 0.0
 
     def _end(self, conductor: Conductor) -> None:
         """End the test in good order: the loop first, the recorder last."""
         self._view.phase("ending the test")
-        conductor.watch = lambda: None
+        self._wake_silent()
         alive = self._answering()
         self._deactivate(conductor, [name for name in alive if name == "coordinator"])
         # The controller first: its motors come to rest while the plant still moves.
         self._deactivate(conductor, [name for name in reversed(roles.LOOP) if name in alive])
-        self._deactivate(conductor, [name for name in alive if name == "analysis"])
+        watching = self._deactivate(conductor, [name for name in alive if name == "analysis"])
         self._deactivate(conductor, [name for name in alive if name == "recorder"])
-        if "analysis" in alive and self.ending.begin is not None:
+        if watching and self.ending.begin is not None:
             self._wait_for_analysis(conductor)
         with suppress(StoppedError):
             conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
@@ -253,13 +264,21 @@ class Session:
             with suppress(StoppedError):
                 conductor.wait_until(told.exists, 60.0, str)
 
-    def _answering(self) -> list[str]:
-        dead = {process.name for process in self._processes.dead()}
-        return [name for name in self._managed if name not in dead]
+    def _wake_silent(self) -> None:
+        """Let a recorder that was stopped close its bag; what moves motors stays as it is, and is killed."""
+        for process in self._processes.living():
+            if process.name in self._watch.silent:
+                process.send(signal.SIGCONT if process.name == "recorder" else signal.SIGKILL)
 
-    def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> None:
-        limits = self._plan.spec.limits
-        patience = 5.0 + 2.0 * (limits.ramp or 0.0 if limits else 0.0)
+    def _answering(self) -> list[str]:
+        gone = {process.name for process in self._processes.dead()} | (self._watch.silent - {"recorder"})
+        return [name for name in self._managed if name not in gone]
+
+    def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> list[str]:
+        """Deactivate nodes, one after the other; return those that were."""
+        done = []
         for name in names:
             with suppress(StoppedError):
-                conductor.step("deactivate", [name], patience)
+                conductor.step("deactivate", [name], 5.0 + self._way_back())
+                done.append(name)
+        return done

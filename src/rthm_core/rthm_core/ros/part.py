@@ -16,6 +16,7 @@ from std_srvs.srv import Trigger
 from rthm_core.clock import NS, to_ns
 from rthm_core.ros import system
 from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.alive import Alive
 from rthm_core.ros.diagnostics import Diagnostics
 from rthm_core.ros.granted import Grants
 from rthm_core.ros.managed import ManagedNode
@@ -58,6 +59,7 @@ class PartNode(ManagedNode):
         self._granted = system.Granted(0, False)
         self._next_report = 0
         self._given_up = False
+        self._alive = Alive(self)
         self.create_service(Trigger, "~/ready", self._ready)
 
     @abstractmethod
@@ -82,6 +84,7 @@ class PartNode(ManagedNode):
             self._autostart()
         elif not self.loop.turn():
             return
+        self._alive.beat()
         self._report()
 
     def wall_ns(self) -> int:

@@ -153,6 +153,8 @@ class Input:
         What was wrong with the last message that could not be used.
     ownership
         Tells samples of a second publisher, which are not used.
+    seen
+        Called with every sample as it arrives, also with those before the start.
     """
 
     def __init__(
@@ -162,6 +164,7 @@ class Input:
         self._ports, self._period, self._width = ports, period, len(names)
         self._spacing = spacing or period
         self._read = JointStateReader(names).sample
+        self.seen: Callable[[JointSample], None] | None = None
         self._use = TimeReferenceWriter(link.name).bytes
         self.clear()
         self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
@@ -217,10 +220,13 @@ class Input:
             return
         if self._ports.start is None:
             self._ports.start = sample.stamp
-        if sample.stamp < self._ports.start:
+        if not self.ownership.accept(info["publication_sequence_number"], sample.stamp):
             return
-        if self.ownership.accept(info["publication_sequence_number"], sample.stamp):
-            self._keep(sample._replace(stamp=sample.stamp - self._ports.start))
+        sample = sample._replace(stamp=sample.stamp - self._ports.start)
+        if self.seen is not None:
+            self.seen(sample)
+        if sample.stamp >= 0:
+            self._keep(sample)
 
     def _keep(self, sample: JointSample) -> None:
         """Put a sample into the inbox; one that comes too late is due now."""

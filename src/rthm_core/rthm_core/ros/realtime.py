@@ -75,7 +75,7 @@ class RealTime:
         if self._ports.start is None:
             self._executor.spin_once(timeout_sec=LONGEST_WAIT / NS)
             return True
-        due = self._agenda.next().at
+        due = self._due()
         left = due - self.now()
         if left > self._margin:
             self._executor.spin_once(timeout_sec=min(left - self._margin, LONGEST_WAIT) / NS)
@@ -90,10 +90,15 @@ class RealTime:
         """Go on without the executor, and so without anything arriving, until `done`, at most `seconds`."""
         end = self.now() + to_ns(seconds)
         while not done() and self.now() < end:
-            due = self._agenda.next().at
+            due = self._due()
             time.sleep(max(min(due, end) - self.now(), 0) / NS)
             if self.now() >= due:
                 self._meet(due)
+
+    def _due(self) -> int:
+        """Instant of the next event that is worth doing."""
+        self._agenda.skip(self.now())
+        return self._agenda.next().at
 
     def _meet(self, due: int) -> None:
         """Do all events of this instant."""

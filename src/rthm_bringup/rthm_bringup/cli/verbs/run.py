@@ -52,6 +52,14 @@ def verb(
             help="Go on where clocks of hosts differ by more than limits.clock, and correct the analysis.",
         ),
     ] = False,
+    dry_run: Annotated[
+        bool,
+        typer.Option("--dry-run", help="Everything runs, but commands go to actuator/command_dry alone."),
+    ] = False,
+    heartbeat: Annotated[
+        bool,
+        typer.Option("--heartbeat", help="Wait for an operator's heartbeat, without which the test ends."),
+    ] = False,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -64,7 +72,8 @@ def verb(
 ) -> int:
     """Start the nodes of a test, record it and report.
 
-    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input.
+    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input; 3 when
+    the test was aborted. The key a aborts it.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
@@ -78,7 +87,18 @@ def verb(
     test = spec_named(spec)
     with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(
-            test, out or new_folder(), duration, reach, virtual, parts, priority, wait, allow_clock_offset
+            test,
+            out or new_folder(),
+            duration,
+            reach,
+            virtual,
+            parts,
+            priority,
+            wait,
+            allow_clock_offset,
+            hardware=plant is Plant.external,
+            dry_run=dry_run,
+            heartbeat=heartbeat,
         )
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)

@@ -12,10 +12,22 @@ import pytest
 
 from rthm_analysis.recording import read_recording
 from rthm_bringup.run.environment import Network
+from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 DRIVER = Path(__file__).parent / "programs" / "driver.py"
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Path:
+    """The paper's test with limits; the driver pulls with no force where the spec begins with 3 N."""
+    limits = LimitsSpec(
+        command=1.0, rate=20.0, force=50.0, stale=0.5, ramp=0.2, start=(0.1, 4.0), heartbeat=1.0
+    )
+    file = tmp_path / "rig.yaml"
+    file.write_text(write_spec(shipped_spec().model_copy(update={"limits": limits})))
+    return file
 
 
 def test_the_driver_imports_nothing_of_the_project() -> None:
@@ -23,9 +35,19 @@ def test_the_driver_imports_nothing_of_the_project() -> None:
 
 
 def test_a_small_publisher_replaces_the_plant(
-    environment: dict[str, str], network: Network, tmp_path: Path
+    environment: dict[str, str], network: Network, tmp_path: Path, rig: Path
 ) -> None:
-    options = ["--plant", "external", "--duration", "2", "--out", str(tmp_path / "out"), "--json", "-"]
+    options = [
+        str(rig),
+        "--plant",
+        "external",
+        "--duration",
+        "2",
+        "--out",
+        str(tmp_path / "out"),
+        "--json",
+        "-",
+    ]
     with subprocess.Popen([sys.executable, str(DRIVER), "600"], env=environment) as driver:
         done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
         driver.terminate()
@@ -43,17 +65,10 @@ def test_a_small_publisher_replaces_the_plant(
 
 
 def test_names_that_the_spec_does_not_know_are_refused(
-    environment: dict[str, str], network: Network, tmp_path: Path
+    environment: dict[str, str], network: Network, tmp_path: Path, rig: Path
 ) -> None:
-    spec = tmp_path / "spec.yaml"
-    text = subprocess.run(
-        [sys.executable, "-c", "from rthm_core.spec import *; print(write_spec(shipped_spec()))"],
-        check=True,
-        capture_output=True,
-        text=True,
-    ).stdout
-    spec.write_text(text.replace('"x1"', '"head"'))
-    options = [str(spec), "--plant", "external", "--duration", "2", "--out", str(tmp_path / "out")]
+    rig.write_text(rig.read_text().replace('"x1"', '"head"'))
+    options = [str(rig), "--plant", "external", "--duration", "2", "--out", str(tmp_path / "out")]
     with subprocess.Popen([sys.executable, str(DRIVER), "600"], env=environment) as driver:
         done = subprocess.run([*RUN, *options], env=environment, capture_output=True, text=True, check=False)
         driver.terminate()

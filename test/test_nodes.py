@@ -15,6 +15,10 @@ import numpy as np
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
@@ -22,6 +26,7 @@ from sensor_msgs.msg import JointState, TimeReference
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.environment import Network
+from rthm_bringup.run.question import ACTIVE, CHANGES, INACTIVE
 from rthm_core.clock import NS
 from rthm_core.schedule import Schedule, newest
 from rthm_core.spec import parameters, shipped_spec, spec_from_parameters, write_spec
@@ -143,7 +148,9 @@ def test_every_link_keeps_its_delay_and_the_samples_of_the_schedule(graph: Graph
     assert [ns(state.header.stamp) - begin for state in states] == [k * 1_200_000 for k in range(2001)]
     commanded = [ns(command.header.stamp) - begin for command in commands]
     at_ticks = [at for at in commanded if at % 4_000_000 == 0]  # a late reference is used between two
-    assert at_ticks == [k * 4_000_000 for k in range(601)]
+    left_out = 601 - len(at_ticks)  # where the host was busy
+    assert left_out <= int(graph.facts("actuator")["Td3 missed deadlines"])
+    assert sorted({*at_ticks} | {k * 4_000_000 for k in range(601)}) == [k * 4_000_000 for k in range(601)]
     schedule = Schedule(shipped_spec())
     for name, heard in uses.items():
         link, late = schedule.links[name], int(graph.facts(RECEIVERS[name])[f"{name} late"])
@@ -153,7 +160,7 @@ def test_every_link_keeps_its_delay_and_the_samples_of_the_schedule(graph: Graph
         assert all(use - stamp >= link.delay_ns for use, stamp in zip(at, sample, strict=True))
         assert sample == sorted(sample)
         # A sample that came in time is used as the schedule says; where the host was busy, some were late.
-        assert USES[name] - late <= len(heard) <= max(USES[name], len(commands))
+        assert USES[name] - late - left_out <= len(heard) <= max(USES[name], len(commands))
         if name in ("tau1", "tau2"):
             period = schedule.td3 if name == "tau1" else schedule.td2
             expected = [scheduled(schedule, name, period, use) for use in at]
@@ -165,8 +172,8 @@ def test_a_command_names_what_the_controller_used(graph: Graph) -> None:
     graph.configure(("actuator",))
     commands = graph.listen(JointState, "actuator/command")
     graph.wait(1.0)
-    graph.activate(0.1, ("actuator",))
-    graph.wait(20.0, lambda: len(commands) == 26)
+    begin = graph.activate(0.1, ("actuator",))
+    graph.wait(20.0, lambda: len(commands) and ns(commands[-1].header.stamp) == begin + 100_000_000)
     first = commands[0]
     assert first.name == ["a1"]
     assert first.effort[0] == pytest.approx(-3.0)
@@ -188,7 +195,7 @@ def test_samples_of_any_client_drive_the_controller_from_the_first_one_on(graph:
         state.header.stamp.sec, state.header.stamp.nanosec = divmod(begin + k * 1_200_000, NS)
         feed.publish(state)
         graph.wait(0.001)
-    graph.wait(20.0, lambda: len(commands) == 101)
+    graph.wait(20.0, lambda: commands and ns(commands[-1].header.stamp) == begin + 400_000_000)
     assert ns(commands[0].header.stamp) == begin
     assert commands[0].position[0] == pytest.approx(0.5 - 3.0 / 40.0)
     assert commands[-1].position[0] == pytest.approx(0.25 - 3.0 / 40.0)
@@ -211,7 +218,7 @@ def test_the_death_of_the_numerical_node_brings_the_motors_back_to_rest(graph: G
     positions = np.array([command.position[0] for command in commands])
     assert positions[-1] == positions[0] == pytest.approx(0.425)
     assert np.abs(positions).max() <= 1.0
-    assert np.abs(np.diff(positions)).max() <= 20.0 * 0.004 * (1 + 1e-9)
+    assert np.abs(np.diff(positions)).max() <= 20.0 * 0.004 * (1 + 1e-9)  # also where a tick was left out
     graph.processes["actuator"].terminate()
     status, said = graph.ended("actuator")
     assert status == 0
@@ -234,6 +241,27 @@ def test_deactivation_in_the_middle_brings_the_motors_back_to_rest_first(graph: 
     assert commands[-1].position[0] == pytest.approx(0.425)
     graph.conductor.step("deactivate", ("numerical", "plant"))
     graph.conductor.step("cleanup", LOOP)
+
+
+def test_while_a_test_runs_a_node_answers_only_to_its_leader(graph: Graph) -> None:
+    graph.start(priority=0)
+    graph.configure()
+    graph.activate(600.0)
+    stranger = graph.client.create_client(ChangeState, "/rthm/actuator/change_state")
+    stranger.wait_for_service(20.0)
+    for step in ("deactivate", "cleanup"):
+        asked = stranger.call_async(ChangeState.Request(transition=Transition(id=CHANGES[step].number)))
+        graph.wait(20.0, asked.done)
+        assert not asked.result().success
+    locks = graph.client.create_client(SetParameters, "/rthm/actuator/set_parameters")
+    locks.wait_for_service(20.0)
+    value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="")
+    asked = locks.call_async(SetParameters.Request(parameters=[Parameter(name="leader", value=value)]))
+    graph.wait(20.0, asked.done)
+    assert "only by the leader" in asked.result().results[0].reason
+    assert graph.conductor.states(LOOP) == dict.fromkeys(LOOP, ACTIVE)
+    graph.conductor.step("deactivate", LOOP)
+    assert graph.conductor.states(LOOP) == dict.fromkeys(LOOP, INACTIVE)
 
 
 def test_a_node_answers_nonsense_with_a_sentence_and_lives_on(graph: Graph) -> None:
@@ -274,5 +302,6 @@ def test_nodes_that_start_by_themselves_find_each_other_and_agree_on_the_start(g
     graph.wait(20.0, lambda: graph.facts("plant").get("tau4 received") == str(len(commands)))
     facts = graph.facts("plant")
     assert facts["Td1 ticks"] == "834"
-    assert len(commands) >= 251  # a reference that is late is used between two ticks
+    left_out = int(graph.facts("actuator")["Td3 missed deadlines"])
+    assert len(commands) >= 251 - left_out  # a reference that is late is used between two ticks
     assert facts["tau4 received"] == str(len(commands))

@@ -1,16 +1,8 @@
-"""The safety monitor: nothing goes to an actuator but through it.
+"""The safety monitor: nothing goes to an actuator but through it (`rthm_actuator.shaping`).
 
-    u_d -> k_tot |u_d - x1| <= `force`
-        -> s u_d + (1 - s) u_rest          s goes from 0 to 1 over the first `ramp`, and back over the last
-        -> |u_d| <= `command`
-        -> |du_d/dt| <= `rate` -> actuator/command
-
-`u_rest` is the command before the test, at which the motors stand. Where limits contradict each other,
-`command` and `rate` are kept and `force` is not. A number that is not finite, or an input without a
-fresh sample for `stale`, trips the monitor: it holds the last command for `stale`, then goes back to
-`u_rest` over `ramp` (without `ramp` it holds the command), and stays there until the next test. It never
-raises on what it is given. A limit that is absent changes nothing, and a command within all limits
-passes unchanged to the last bit.
+Commands begin where the motors stand before the test: as the spec says, or as it was measured when the rig
+was armed. The first limit that is broken ends the test: at once the motors go back there over `ramp`, or
+where `on_abort` says, and stay until the next test. It never raises on what it is given.
 """
 
 from __future__ import annotations
@@ -19,33 +11,41 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rthm_actuator.overdue import Age, Hold
+from rthm_actuator.shaping import Limited, Rig, Shaping
+from rthm_actuator.supervision import Broken
+from rthm_actuator.way_back import HOLD, NEEDED, RETURN, UNLOAD, WayBack
 from rthm_core.clock import NS, to_ns
-from rthm_core.errors import InputError, refusal
+from rthm_core.errors import InputError
+from rthm_core.events import Abort
+from rthm_core.slew import Floats
 from rthm_core.spec import LimitsSpec
-
-Floats = NDArray[np.float64]
 
 
 class Expected(NamedTuple):
-    """When an input gives samples: the first one, and the longest time between two, both ns."""
+    """When an input gives samples: the first one, and the longest time between two, both ns.
+
+    Attributes
+    ----------
+    sensors
+        Kinds of sensor that come with it.
+    """
 
     first: int
     period: int
+    sensors: tuple[str, ...] = ()
 
 
 class SafetyMonitor:
-    """Safety monitor of m actuators.
+    """Safety monitor of m actuators; until it is armed it gives no command.
 
     Parameters
     ----------
     limits
-        Limits of the spec; None: none.
-    rest
-        Command (m,) at which the motors stand before and after a test, m.
-    stiffness
-        k_tot (m,), N/m.
+        Limits of the spec, with their defaults.
+    rig
+        The actuators.
     inputs
         Inputs of the controller that have to stay fresh.
     end
@@ -53,10 +53,10 @@ class SafetyMonitor:
 
     Attributes
     ----------
+    abort
+        Why the test was ended; None while it was not.
     reason
-        Why the monitor has tripped or was stopped; empty while it has not.
-    limited
-        How many commands each limit has changed.
+        The same in words, also when it was only stopped; empty while it was not.
 
     Raises
     ------
@@ -64,124 +64,142 @@ class SafetyMonitor:
         If the limits cannot be kept at all.
     """
 
-    def __init__(
-        self,
-        limits: LimitsSpec | None,
-        rest: Floats,
-        stiffness: Floats,
-        inputs: Mapping[str, Expected],
-        end: int = 0,
-    ) -> None:
-        self.limits = limits or LimitsSpec()
-        _check(self.limits, rest, inputs)
-        self._rest, self._stiffness, self._end = rest.copy(), stiffness.copy(), end
-        self._fresh = {name: expected.first for name, expected in inputs.items()}
-        self._last, self._at = rest.copy(), 0
-        self._stopped, self._hold = 0, 0
-        self._ramp = to_ns(self.limits.ramp or 0.0)
-        self._stale = None if self.limits.stale is None else to_ns(self.limits.stale)
+    def __init__(self, limits: LimitsSpec, rig: Rig, inputs: Mapping[str, Expected], end: int = 0) -> None:
+        _check(limits, inputs)
+        self._limits, self._rig, self._end = limits, rig, end
+        stale, age = _ns(limits.stale), _ns(limits.age)
+        self._ages = {name: Age(name, one.first, stale, age, one.sensors) for name, one in inputs.items()}
+        self._hold = None if limits.hold is None else Hold(to_ns(limits.hold))
+        self._limited = Limited()
+        self._shaping: Shaping | None = None
+        self._way: WayBack | None = None
+        self.abort: Abort | None = None
         self.reason = ""
-        self.limited = {"command": 0, "rate": 0, "force": 0}
+
+    def arm(self, rest: Floats, at: int = 0) -> None:
+        """Let commands begin at `rest` (m,), where the motors stand, at the instant `at`.
+
+        Raises
+        ------
+        InputError
+            If they stand beyond `limits.command`.
+        """
+        self._shaping = Shaping(self._limits, self._rig, rest, (at, self._end), self._limited)
+
+    @property
+    def armed(self) -> bool:
+        """Whether commands are given."""
+        return self._shaping is not None
+
+    @property
+    def last(self) -> Floats:
+        """Command (m,) that was given last."""
+        assert self._shaping is not None
+        return self._shaping.last
+
+    @property
+    def limited(self) -> dict[str, int]:
+        """How many commands each limit has changed."""
+        return self._limited.counts
 
     @property
     def at_rest(self) -> bool:
-        """Whether the motors have been sent back to where they stood before the test."""
-        return bool(np.array_equal(self._last, self._rest))
+        """Whether the motors have been sent to where they stay after the test."""
+        if self._shaping is None:
+            return True
+        if self._way is not None:
+            return self._way.over(self._shaping.last)
+        return bool(np.array_equal(self._shaping.last, self._shaping.rest))
 
-    def accept(self, name: str, at: int, *values: Floats) -> bool:
-        """Look at a new sample of an input at the instant `at`; whether the controller may use it."""
+    def heard(self, name: str, stamp: int, now: int) -> None:
+        """Look at the stamp of a sample of an input that has arrived."""
+        self.judge(now, self._ages[name].heard(stamp, now))
+
+    def accept(self, name: str, stamp: int, now: int, *values: Floats) -> bool:
+        """Look at a sample that the controller is about to use; whether it may."""
         if not all(np.isfinite(value).all() for value in values):
-            self.trip(at, f"{name} is not finite")
+            self.judge(now, Broken("finite", None, None, f"{name} is not finite"))
             return False
-        self._fresh[name] = at
+        self._ages[name].used(stamp, now)
         return True
 
     def reference(self, force: Floats) -> Floats:
         """F_d (m,) within the limit."""
-        limit = self.limits.force
-        return force if limit is None else self._counted("force", force, np.clip(force, -limit, limit))
+        limit = self._limits.force
+        return force if limit is None else self._limited.by("force", force, np.clip(force, -limit, limit))
 
-    def command(self, at: int, u_d: Floats, x1: Floats) -> Floats:
-        """Command (m,) that may be sent at the instant `at`.
+    def command(self, at: int, now: int, u_d: Floats, x1: Floats) -> Floats | None:
+        """Command (m,) that may be sent; None: none may.
 
         Parameters
         ----------
-        at
-            Instant, ns after the start; never earlier than in the last call.
+        at, now
+            Instant to which the command belongs, and the present, ns after the start; never earlier than in
+            the last call.
         u_d, x1
             Command (m,) that the controller wants, and where it sees the plant, m.
         """
-        self._judge(at, u_d)
-        target = self._way_back(at) if self.reason else self._faded(at, self._within_force(u_d, x1))
-        self._last, self._at = self._within_rate(at, self._within_travel(target)), at
-        return self._last
+        self._judge_inputs(now, u_d)
+        if self._shaping is None:
+            return None
+        self._limited.now = []
+        wanted = self._way.at(now) if self._way else self._shaping.wanted(at, u_d, x1)
+        sent = self._shaping.sent(wanted, at, now)
+        if self._hold is not None and self._way is None:
+            self.judge(now, self._hold.look(now, self._limited.now))
+        return sent
 
-    def trip(self, at: int, reason: str) -> None:
-        """Stop for a fault: hold the command, then go back to rest."""
-        self.stop(at, reason, hold=self._stale or 0)
-
-    def stop(self, at: int, reason: str, hold: int = 0) -> None:
-        """Go back to rest from now on; what stopped the monitor first counts."""
-        if not self.reason:
-            self.reason, self._stopped, self._hold = reason, at, hold
-            self._held = self._last.copy()
-
-    def _judge(self, at: int, u_d: Floats) -> None:
-        if not np.isfinite(u_d).all():
-            self.trip(at, "the command is not finite")
-        if self._stale is None:
+    def judge(self, at: int, broken: Broken | None) -> None:
+        """End the test if something is broken; what was broken first is told."""
+        if broken is None:
             return
-        for name, fresh in self._fresh.items():
-            if at - fresh > self._stale:
-                self.trip(at, f"{name} has had no fresh sample for {(at - fresh) / NS:.3f} s")
+        if not self.reason:
+            self.abort = Abort(at / NS, *broken[:4])
+            self._leave(at, self.abort.words, self._limits.on_abort)
+        self._lose(at, broken.bad)
 
-    def _way_back(self, at: int) -> Floats:
-        waited = at - self._stopped - self._hold
-        if self._ramp == 0 or waited <= 0:
-            return self._held
-        if waited >= self._ramp:
-            return self._rest
-        return self._held + (self._rest - self._held) * (waited / self._ramp)
+    def obey(self, at: int, abort: Abort) -> None:
+        """End the test because somebody else says so."""
+        if not self.reason:
+            self.abort = abort
+            self._leave(at, abort.words, self._limits.on_abort)
 
-    def _faded(self, at: int, u_d: Floats) -> Floats:
-        if self._ramp == 0:
-            return u_d
-        left = self._end - at if self._end else self._ramp
-        share = max(min(at, left, self._ramp), 0) / self._ramp
-        return u_d if share == 1.0 else self._rest + share * (u_d - self._rest)
+    def stop(self, at: int, reason: str) -> None:
+        """Go back to rest from now on, without an abort."""
+        if not self.reason:
+            self._leave(at, reason, RETURN)
 
-    def _within_force(self, u_d: Floats, x1: Floats) -> Floats:
-        if self.limits.force is None:
-            return u_d
-        reach = self.limits.force / self._stiffness
-        return self._counted("force", u_d, np.clip(u_d, x1 - reach, x1 + reach))
+    def _leave(self, at: int, reason: str, way: str) -> None:
+        self.reason, self._kind = reason, way
+        if self._shaping is not None:
+            rest = self._shaping.rest
+            ramp = 0 if way == HOLD else to_ns(self._limits.ramp or 0.0)
+            target = self._rig.unloaded if way == UNLOAD else lambda: rest
+            self._way = WayBack(at, self.last, ramp, target)
 
-    def _within_travel(self, u_d: Floats) -> Floats:
-        limit = self.limits.command
-        return u_d if limit is None else self._counted("command", u_d, np.clip(u_d, -limit, limit))
+    def _lose(self, at: int, bad: tuple[str, ...]) -> None:
+        """Stay where the motors are when a sensor is lost without which the way back cannot be gone."""
+        if self._way is not None and set(bad) & set(NEEDED[self._kind]):
+            self._leave(at, self.reason, HOLD)
 
-    def _within_rate(self, at: int, u_d: Floats) -> Floats:
-        if self.limits.rate is None:
-            return u_d
-        step = self.limits.rate * ((at - self._at) / NS)
-        return self._counted("rate", u_d, np.clip(u_d, self._last - step, self._last + step))
-
-    def _counted(self, limit: str, wanted: Floats, allowed: Floats) -> Floats:
-        self.limited[limit] += not np.array_equal(wanted, allowed)
-        return allowed
+    def _judge_inputs(self, now: int, u_d: Floats) -> None:
+        if not np.isfinite(u_d).all():
+            self.judge(now, Broken("finite", None, None, "the command is not finite"))
+        for age in self._ages.values():
+            self.judge(now, age.look(now))
 
 
-def _check(limits: LimitsSpec, rest: Floats, inputs: Mapping[str, Expected]) -> None:
-    furthest = float(np.abs(rest).max())
-    if limits.command is not None and furthest > limits.command:
-        raise refusal(
-            "limits.command",
-            limits.command,
-            f"at least {furthest:.6g} m, where a motor stands before the test",
-        )
+def _ns(seconds: float | None) -> int | None:
+    return None if seconds is None else to_ns(seconds)
+
+
+def _check(limits: LimitsSpec, inputs: Mapping[str, Expected]) -> None:
     for name, expected in inputs.items():
-        if limits.stale is not None and to_ns(limits.stale) <= expected.period:
-            raise InputError(
-                f"limits.stale is {limits.stale!r}, but must be longer than the period of {name}, "
-                f"{expected.period / NS:g} s; raise it."
-            )
+        for key, least in (("stale", expected.period), ("age", expected.first + expected.period)):
+            limit = getattr(limits, key)
+            if limit is not None and to_ns(limit) <= least:
+                what = "the period" if key == "stale" else "the delay and the period"
+                raise InputError(
+                    f"limits.{key} is {limit!r}, but must be longer than {what} of {name}, {least / NS:g} s;"
+                    " raise it."
+                )

@@ -1,4 +1,4 @@
-"""The recorder: a node that writes every topic of the test to a bag and on which nothing depends.
+"""The recorder: a node that writes every topic of the test to a bag, until the motors have stopped.
 
 Messages stay the bytes they are. The bag is opened, with the spec in it, when the node is configured; samples
 of the loop are taken while it is active; it is closed when the node is deactivated.
@@ -7,6 +7,7 @@ of the loop are taken while it is active; it is closed when the node is deactiva
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import time
@@ -17,27 +18,43 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState, TimeReference
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run.intake import Intake
-from rthm_bringup.topics import BESIDE, DIAGNOSTICS, JOINT_STATE, LOOP, NAMESPACE, SPEC, TIME_REFERENCE
+from rthm_bringup.topics import (
+    BESIDE,
+    COMMAND,
+    DIAGNOSTICS,
+    JOINT_STATE,
+    LOOP,
+    NAMESPACE,
+    SPEC,
+    STRING,
+    TIME_REFERENCE,
+)
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
-from rthm_core.ros import system
+from rthm_core.ros import leader, reach, system
+from rthm_core.ros.alive import Alive
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
-from rthm_core.ros.process import serving
+from rthm_core.ros.process import built, serving
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TOPICS = LOOP | BESIDE
-TYPES = {JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
+TYPES = {STRING: String, JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
+PATIENCE = 15.0
+"""How long the recorder goes on for motors that do not stop, s."""
+STILL = 0.3
+"""How long no command may come before the motors count as having stopped, s."""
 TAKE = 0.01
 """Time between two looks at what has arrived, s."""
 
@@ -49,6 +66,7 @@ PARAMETERS: dict[str, tuple[Any, str]] = {
     "priority": (PRIORITY, "real-time priority (SCHED_FIFO) that is asked for; 0: none"),
     "virtual": (False, "whether stamps are simulated time"),
     "autostart": (False, "configure and activate at once"),
+    "silent": ([""], "topics of the loop that have no samples in this test"),
     "awaited": (list(LOOP), "topics that must have a publisher before the test begins"),
 }
 
@@ -58,14 +76,17 @@ class Recorder(PollingNode):
 
     def __init__(self) -> None:
         super().__init__("recorder", namespace=NAMESPACE)
+        leader.answer_only_to_leader(self)
         refuse_impossible_transitions(self)
         for name, (value, description) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._alive = Alive(self)
         self._intake: Intake | None = None
         self._observer: Observer | None = None
         self._mailboxes: dict[str, Mailbox] = {}
         self.failure: str | None = None
+        self._commanded = float("-inf")
         self.create_service(Trigger, "~/ready", self._ready)
         self.create_service(Trigger, "~/complete", self._complete)
 
@@ -142,12 +163,25 @@ class Recorder(PollingNode):
         self._spec = self.create_publisher(String, SPEC, latched)
         self._spec.publish(String(data=text))
 
+    def turn(self) -> None:
+        """Write what has arrived, and say that the recorder is alive."""
+        self.take()
+        if not self._value("virtual"):
+            self._alive.beat()
+
+    def still(self, asked: float) -> bool:
+        """Whether the motors have stopped, or do not stop long after the end was `asked` for, s."""
+        now = time.monotonic()
+        return self._intake is None or now > self._commanded + STILL or now > asked + PATIENCE
+
     def take(self) -> None:
         """Write what has arrived, in the order in which it arrived."""
         taken = [(info, topic, data) for topic, box in self._mailboxes.items() for data, info in box.take()]
         if self._intake is None:
             return
         try:
+            if any(topic == COMMAND for _, topic, _ in taken):
+                self._commanded = time.monotonic()
             for info, topic, data in sorted(taken, key=lambda one: one[0]["received_timestamp"]):
                 self._intake.take(topic, TOPICS[topic], data, info)
                 if self._observer is not None:
@@ -190,7 +224,8 @@ class Recorder(PollingNode):
     def _complete(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Service ``~/complete``: whether everything up to the end of the test has arrived."""
         self.take()
-        behind = self._intake.behind(self._periods) if self._intake else ["there is no recording"]
+        due = {topic: period for topic, period in self._periods.items() if topic not in self._value("silent")}
+        behind = self._intake.behind(due) if self._intake else ["there is no recording"]
         response.success, response.message = not behind, ", ".join(behind)
         return response
 
@@ -199,6 +234,7 @@ class Recorder(PollingNode):
             return
         counts = self._intake.writer.counts
         values = {"messages": sum(counts.values()), "lost": self._intake.lost} | counts
+        values |= {"reach": os.environ.get(reach.VARIABLE, reach.OPEN)}
         level = DiagnosticStatus.WARN if self._intake.lost else DiagnosticStatus.OK
         status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message="recording")
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
@@ -227,17 +263,19 @@ def periods_of(spec: Spec) -> dict[str, int]:
 
 
 def main() -> int:
-    """Run the node until it is asked to end; 1 when the recording failed."""
+    """Run the node until it is asked to end and the motors have stopped; 1 when the recording failed."""
+    asked: list[float] = []
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     # An exception from Python's handler would abort the executor.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    rclpy.init()
-    node = Recorder()
+    signal.signal(signal.SIGTERM, lambda number, frame: asked.append(time.monotonic()))
+    node = built(Recorder)
     with serving(node) as executor:
         node.start()
         gc.freeze()
-        while rclpy.ok() and node.failure is None:
+        while rclpy.ok() and node.failure is None and not (asked and node.still(asked[0])):
             executor.spin_once(timeout_sec=TAKE)
-            node.take()
+            node.turn()
     if node.failure is not None:
         print(node.failure, file=sys.stderr)
         return 1

@@ -101,3 +101,22 @@ def test_other_programs_can_read_a_grant() -> None:
     message = deserialize_message(grant.message(), Int64MultiArray)
     assert list(message.data) == [7, 12_000_000, 2, 10, 2, 2, 3]
     assert Grant.read(serialize_message(message)) == grant
+
+
+def test_a_clock_that_skips_does_only_the_newest_tick_and_counts_the_others_as_missed() -> None:
+    agenda, ticks, samples = Agenda(until=100), [], []
+    control = agenda.every("control", 4, Rank.CONTROL, lambda at, now: ticks.append(at), skips=True)
+    sample = agenda.every("sample", 3, Rank.SAMPLE, lambda at, now: samples.append(at))
+    done_until(agenda, 4)
+    agenda.skip(15)
+    done_until(agenda, 15)
+    assert ticks == [0, 4, 12]
+    assert samples == [0, 3, 6, 9, 12, 15]
+    assert (control.missed, sample.missed) == (1, 0)
+    agenda.skip(1000)
+    assert control.position().at == 100
+
+
+def done_until(agenda: Agenda, at: int) -> None:
+    while agenda.next().at <= at:
+        agenda.run(at)

@@ -10,6 +10,10 @@ from rthm_core.errors import InputError
 from rthm_core.spec import read_spec, shipped_spec, shipped_text
 
 PAPER = shipped_text("paper") + "    limits: {command: 1.0}\n"
+LIMITS = (
+    "command, rate, force, stale, ramp, on_abort, start, age, command_age, step, frozen, hold, heartbeat, "
+    "position, velocity, measured_force, following, clock"
+)
 GUIDE = '    effects: ["guide"]\n    guide: {block: plant, kind: coulomb_friction, dof: x1, force: 0.05}\n'
 
 CHANGES = [
@@ -170,13 +174,12 @@ CHANGES = [
     (
         "limits: {command: 1.0}",
         "limits: {comand: 1.0}",
-        "limits.comand (given as 1.0) is not a key of the spec, which knows command, rate, "
-        "force, stale, ramp there; write command.",
+        f"limits.comand (given as 1.0) is not a key of the spec, which knows {LIMITS} there; write command.",
     ),
     (
         "limits: {command: 1.0}",
         "limits: 1.0",
-        "limits is 1.0, but must be a section with command, rate, force, stale, ramp; correct it.",
+        f"limits is 1.0, but must be a section with {LIMITS}; correct it.",
     ),
     (
         "limits: {command: 1.0}",

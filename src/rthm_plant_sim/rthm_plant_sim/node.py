@@ -4,7 +4,7 @@ The plant moves in its own time: a sample stamped t has the values of exactly t,
 the input of the motors exactly when its delay is over, however punctual the process is. A command that
 arrives later than that becomes the input at its arrival, and is counted late. Its process may therefore be
 the last of three that are due
-at one instant.
+at one instant. What is too old or beyond a limit is not executed at all (`rthm_plant_sim.guard`).
 """
 
 from __future__ import annotations
@@ -12,14 +12,21 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+
 from rthm_core.clock import Rank
+from rthm_core.limits import kept_limits
 from rthm_core.link import Inbox, Link
 from rthm_core.physical import PhysicalSide
+from rthm_core.physical.side import first_command
 from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.diagnostics import ERROR, OK
 from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
+from rthm_plant_sim.guard import CommandGuard
 
 
 class PlantNode(PartNode):
@@ -37,11 +44,15 @@ class PlantNode(PartNode):
         self._ahead = max(-self._motor_delay, 0)
         link = Link(spec, "tau4")
         link.delay_ns -= self._ahead
-        self._commands = self.ports.input("actuator/command", loop.actuator.names, link)
+        between = 1.0 / loop.timing.ns("td3") + 1.0 / loop.timing.ns("td2")  # Td4 = 0: extra commands
+        spacing = round(1.0 / between)
+        self._commands = self.ports.input("actuator/command", loop.actuator.names, link, spacing=spacing)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the plant at rest where the spec says, with its motors."""
         self._side = PhysicalSide(spec)
+        limits, td3 = kept_limits(spec, hardware=False), spec.loop().timing.ns("td3")
+        self._guard = CommandGuard(limits, first_command(spec), td3)
         self._in_motor = Inbox()
         agenda.when_due(self._commands.inbox, self._receive, _command_rank(spec))
         agenda.when_due(self._in_motor, self._drive)
@@ -51,8 +62,10 @@ class PlantNode(PartNode):
         command = self._commands.take(at)
         if command is not None:
             use = at + self._ahead
-            self._commands.tell(use, command.stamp)
-            self._in_motor.push(command.stamp, use + self._motor_delay, command.position)
+            executed = self._guard.executed(command.stamp, use, np.array(command.position))
+            if executed is not None:
+                self._commands.tell(use, command.stamp)
+                self._in_motor.push(command.stamp, use + self._motor_delay, executed)
 
     def _drive(self, at: int, now: int) -> None:
         command = self._in_motor.take(at)
@@ -67,6 +80,15 @@ class PlantNode(PartNode):
             [*x.velocity.tolist(), *x.motor_velocity.tolist()],
             [*x.load.tolist(), *x.force.tolist()],
         )
+        silent = self._guard.silent(at)
+        if silent is not None:
+            self.get_logger().error(f"no command has been executed for {silent:.3f} s: the motors hold")
+
+    def statuses(self) -> list[DiagnosticStatus]:
+        """What was not executed."""
+        refused = {f"commands refused by {name}": count for name, count in self._guard.refused.items()}
+        level, words = (ERROR, "refuses commands") if any(self._guard.refused.values()) else (OK, "executes")
+        return [self.diagnostics.status("command guard", level, words, refused)]
 
 
 def _command_rank(spec: Spec) -> Callable[[int], Rank]:

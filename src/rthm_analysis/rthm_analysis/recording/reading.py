@@ -5,16 +5,19 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
+from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.events import TOPIC as EVENTS
+from rthm_core.events import Abort, abort_of, read_event
 from rthm_core.spec import Spec, read_spec
 
 if TYPE_CHECKING:
@@ -57,6 +60,10 @@ class Recording:
         What was missing, damaged or mended, one sentence each.
     diagnostics : dict of dict of str
         What each node last said of itself on ``/diagnostics``: values by name of the status and key.
+    clocks : HostClocks
+        Clocks of other hosts, as they were compared during the test.
+    events : tuple of dict
+        What was told on ``events``, in order (`rthm_core.events`).
     """
 
     path: Path
@@ -68,6 +75,14 @@ class Recording:
     start_ns: int
     notes: tuple[str, ...]
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
+    clocks: HostClocks = field(default_factory=HostClocks)
+    events: tuple[dict[str, Any], ...] = ()
+
+    @property
+    def abort(self) -> Abort | None:
+        """What ended the test before its time; None if nothing did."""
+        aborts = (abort_of(event) for event in self.events)
+        return next((abort for abort in aborts if abort is not None), None)
 
     @property
     def plant(self) -> Table:
@@ -134,6 +149,8 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         start_ns,
         tuple(bag.notes),
         _diagnostics(bag, namespace),
+        _clocks(bag, namespace),
+        _events(bag, namespace),
     )
 
 
@@ -213,6 +230,21 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
     except (InputError, ValueError) as reason:
         bag.note(f"the spec in the bag cannot be used: {reason}")
         return "", None
+
+
+def _clocks(bag: RawBag, namespace: str) -> HostClocks:
+    topic = _topic(bag, namespace, "clocks", _JOINT_STATE)
+    return host_clocks(joint_table(topic)[0] if topic else None)
+
+
+def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:
+    """Everything that was told on ``events``."""
+    topic = _topic(bag, namespace, EVENTS, "std_msgs/msg/String")
+    found = []
+    for message in topic.last_messages(LAST_REPORTS) if topic else []:
+        with suppress(ValueError):
+            found.append(read_event(decode_string(message)))
+    return tuple(event for event in found if event)
 
 
 def _diagnostics(bag: RawBag, namespace: str) -> dict[str, dict[str, str]]:

@@ -10,6 +10,7 @@ from rthm_analysis.energy import EnergyResult, energy_of
 from rthm_analysis.recording import Recording, read_recording
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.errors import InputError
+from rthm_core.events import Abort
 
 if TYPE_CHECKING:
     from rthm_core.engine import Trajectory
@@ -27,6 +28,7 @@ class Gathered:
     timing: TimingResult
     ideal: Trajectory | None
     notes: tuple[str, ...]
+    abort: Abort | None = None
 
     @property
     def spec(self) -> Spec | None:
@@ -34,11 +36,17 @@ class Gathered:
         return self.recording.spec
 
 
-def gather(bag: str | Path) -> Gathered:
-    """Read and analyse a bag; InputError when it cannot be read."""
+def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
+    """Read and analyse a bag; InputError when it cannot be read.
+
+    Parameters
+    ----------
+    abort : Abort, optional
+        What ended the test, where the recording does not tell.
+    """
     recording = read_recording(bag)
     timing = timing_of(recording, recording.spec)
-    notes = [*recording.notes, *timing.notes]
+    notes = [*_about_others(recording), *recording.notes, *timing.notes]
     energy, ideal = None, None
     try:
         energy = energy_of(recording, recording.spec)
@@ -46,7 +54,19 @@ def gather(bag: str | Path) -> Gathered:
         ideal = _ideal(recording, energy)
     except InputError as reason:
         notes.append(str(reason))
-    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)))
+    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)), recording.abort or abort)
+
+
+def _about_others(recording: Recording) -> list[str]:
+    """What has to be said about who could take part, and about clocks of other hosts."""
+    reach = recording.diagnostics.get(f"{recording.namespace}/recorder", {}).get("reach")
+    said = ["The network was open: anybody on it could take part in this test."] if reach == "open" else []
+    for node, clock in recording.clocks.nodes.items():
+        least, most = clock.offset.min() * 1e3, clock.offset.max() * 1e3
+        said.append(
+            f"The clock of {node} was {least:.3f} to {most:.3f} ms ahead of the leader's; ages are corrected."
+        )
+    return said
 
 
 def _ideal(recording: Recording, energy: EnergyResult) -> Trajectory | None:

@@ -20,6 +20,7 @@ from rthm_analysis.report.loop_drawing import draw_loop
 from rthm_analysis.report.verdict import Fact, verdict
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.events import Abort
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
@@ -39,7 +40,7 @@ class Section:
     parts: Sequence[str | list[figure]]
 
 
-def write_report(bag: str | Path, html: str | Path) -> None:
+def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) -> None:
     """Write the page about a recorded test.
 
     Parameters
@@ -48,13 +49,15 @@ def write_report(bag: str | Path, html: str | Path) -> None:
         Recording: its folder or file.
     html : str or Path
         Where the page goes. It needs no other file and no network.
+    abort : Abort, optional
+        What ended the test, where it was not recorded any more.
 
     Raises
     ------
     InputError
         The recording cannot be read, or the page cannot be written.
     """
-    write_page(page(gather(bag)), html)
+    write_page(page(gather(bag, abort)), html)
 
 
 def write_page(text: str, html: str | Path) -> None:
@@ -160,7 +163,8 @@ def _header(gathered: Gathered) -> str:
     when = f"from {begin:%Y-%m-%d %H:%M:%S} UTC" if begin.year > EARLIEST_YEAR else "in simulated time"
     facts = fact_boxes(verdict(gathered.energy, gathered.timing))
     words = f"{recording.duration:.3f} s {when}, {len(recording.plant)} samples of the plant"
-    return f"<header><h1>{escape(_title(gathered))}</h1><p>{words}</p>{facts}</header>"
+    abort = f'<p class="abort">{escape(gathered.abort.sentence)}</p>' if gathered.abort else ""
+    return f"<header>{abort}<h1>{escape(_title(gathered))}</h1><p>{words}</p>{facts}</header>"
 
 
 def fact_boxes(facts: Iterable[Fact]) -> str:

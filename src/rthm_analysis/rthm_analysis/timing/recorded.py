@@ -146,8 +146,8 @@ class RecordedSchedule(Schedule):
         """Instants at which the controller took a reference over, ascending, and its number.
 
         Without a clock the controller takes it over when it is due or, late, when it arrives; unless this is
-        at a tick, it then sends a command with that stamp. What is recorded of the use is when the controller
-        got to do it.
+        at a tick, or it is old by then, it then sends a command with that stamp. What is recorded of the use
+        is when the controller got to do it.
         """
         use, stamp = self._told("tau3")
         number = _numbers(stamp, self.td2)
@@ -161,7 +161,7 @@ class RecordedSchedule(Schedule):
         at = np.where(punctual, due, use)
         for late in np.flatnonzero(~punctual)[::-1]:
             place = int(np.searchsorted(extra, use[late], side="right")) - 1
-            if place >= 0:
+            if place >= 0 and use[late] - extra[place] < self.td3:
                 at[late] = extra[place]
                 extra = extra[:place]
         return np.maximum.accumulate(at), number

@@ -9,6 +9,7 @@ from pathlib import Path
 from rthm_bringup.run import roles
 from rthm_bringup.run.environment import Network
 from rthm_core.errors import InputError
+from rthm_core.limits import require_limits
 from rthm_core.spec import Spec, write_spec
 
 
@@ -34,6 +35,14 @@ class Plan:
         Real-time priority that the nodes of the loop ask for; None: their default.
     patience
         How long to wait for the external parts, s.
+    any_clock
+        Whether clocks of other hosts may differ by more than `limits.clock`; the analysis corrects for it.
+    hardware
+        Whether the plant is a real machine.
+    dry_run
+        Whether no command is sent to the motors.
+    heartbeat
+        Whether an operator's heartbeat has to be there.
     """
 
     spec: Spec
@@ -44,6 +53,10 @@ class Plan:
     external: frozenset[str] = field(default_factory=frozenset)
     priority: int | None = None
     patience: float = 300.0
+    any_clock: bool = False
+    hardware: bool = False
+    dry_run: bool = False
+    heartbeat: bool = False
 
     def __post_init__(self) -> None:
         roles.check(self.external)
@@ -65,6 +78,8 @@ class Plan:
         ]
         if missing:
             raise InputError(f"The spec has no section {missing[0]}, and a run needs it; add it.")
+        if self.hardware:
+            require_limits(self.spec)
 
     @property
     def bag(self) -> Path:

@@ -55,7 +55,9 @@ class Result:
 
     @property
     def status(self) -> int:
-        """Exit status: 1 when a node died or data were lost, else 0."""
+        """Exit status: 3 when the test was aborted, 1 when a node died or data were lost, else 0."""
+        if self.ending.abort is not None and self.ending.reason is None:
+            return 3
         return 1 if self.problems or self.lost else 0
 
     def as_dict(self) -> dict[str, Any]:
@@ -71,6 +73,9 @@ class Result:
             "energies": self.energies,
             "equivalent_damping": self.equivalent_damping,
             "lost": self.lost,
+            "network": plan.network.reach,
+            "hosts": {name: one and one.as_dict() for name, one in self.ending.clocks.items()},
+            "abort": self.ending.abort.as_dict() if self.ending.abort else None,
             "interrupted": self.ending.interrupted,
             "realtime": list(self.ending.realtime),
             "virtual": plan.virtual,
@@ -85,7 +90,8 @@ class Result:
             for name, value in (("bag", self.plan.bag), ("report", self.plan.report))
             if value.exists()
         ]
-        lines = [f"{name + ':':8}{value}" for name, value in told]
+        lines = [self.ending.abort.sentence] if self.ending.abort else []
+        lines += [f"{name + ':':8}{value}" for name, value in told]
         for name, (words, sign) in WORDS.items():
             if name in self.energies:
                 lines.append(f"energy {words}: {sign * self.energies[name]:.4f} J ({name})")
@@ -104,7 +110,7 @@ class Result:
 
 def result_of(plan: Plan, ending: Ending) -> Result:
     """Analyse what was recorded, as far as there is something, and write the report."""
-    result = Result(plan, ending, problems=[ending.reason] if ending.reason else [])
+    result = Result(plan, ending, problems=([ending.reason] if ending.reason else []) + ending.problems)
     if ending.begin is None or "recorder" in plan.external:
         return result
     result.lost = lost_in(plan)
@@ -142,14 +148,14 @@ def _analyse(result: Result) -> None:
     result.energies = last_values(energy.as_dict())
     damping = energy.equivalent_damping
     result.equivalent_damping = damping if math.isfinite(damping) else None
-    write_report(result.plan.bag, result.plan.report)
+    write_report(result.plan.bag, result.plan.report, result.ending.abort)
 
 
 def _lost_between_nodes(result: Result) -> list[str]:
     """Samples that a receiver waited for in vain, unless the spec itself has links that lose some."""
     lost = {name: link["lost"] for name, link in result.links.items() if link["lost"]}
     meant = any(effect.kind == "loss" for effect in result.plan.spec.effects)
-    whole = not (result.ending.interrupted or result.ending.reason)
+    whole = not (result.ending.interrupted or result.ending.reason or result.ending.abort)
     return [
         f"{count} samples were lost on the link {name}."
         for name, count in lost.items()

@@ -2,7 +2,8 @@
 
     start -> configure -> everybody connected -> agree on the begin -> activate -> wait -> deactivate -> end
 
-However a run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
+An abort ends the waiting: the controller brings the motors to where they stay, then all is ended. However a
+run ends, what comes after ``wait`` is done: the recorder closes its bag, and no process is left.
 """
 
 from __future__ import annotations
@@ -15,16 +16,24 @@ from functools import partial
 
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
-from rthm_bringup.run.conductor_node import Conductor, StoppedError, UnconnectedError
+from rthm_bringup.run.company import look_at, refuse_company
+from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
-from rthm_bringup.run.external import begin_with_driver, wait_for_external
+from rthm_bringup.run.external import begin_with_driver, wait_for_external, wait_for_heartbeat
+from rthm_bringup.run.guards import Guards
+from rthm_bringup.run.keys import Keys
+from rthm_bringup.run.leaving import Leaving, Parts
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
+from rthm_bringup.run.watch import Watch
+from rthm_bringup.topics import COMMAND
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
+from rthm_core.limits import require_limits
+from rthm_core.ros.leader import NODE as LEADER
 
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
@@ -50,25 +59,41 @@ class Session:
         self._processes = Processes()
         self._managed: list[str] = []
         self.ending = Ending()
+        self._keys = Keys()
+        self._watch = Watch(plan, self._processes, self.ending, self._keys)
 
     def run(self) -> Ending:
         """Do all of it."""
-        with self._processes, Conductor(self._watch, self._plan.network.domain) as conductor:
+        network = self._plan.network
+        look = self._watch.look
+        with self._keys, self._processes, Conductor(look, network.domain, network.namespace) as conductor:
             try:
                 self._connect(conductor)
                 self._begin(conductor)
                 self._wait(conductor)
             except StoppedError as stopped:
                 self.ending.reason = self._explained(stopped)
+                self._watch.abort("node", self.ending.reason)
+            except AbortedError:
+                self._view.phase("the test was aborted")
             except KeyboardInterrupt:
                 self.ending.interrupted = True
+            self._watch.end()
+            self.ending.abort = conductor.abort
             with suppress(KeyboardInterrupt):
-                self._end(conductor)
+                leaving = Leaving(self._plan, conductor, self._parts(), self.ending)
+                leaving.come_to_rest()
+                self._view.phase("ending the test")
+                leaving.end()
             self.ending.diagnostics = conductor.diagnostics
         return self.ending
 
+    def _parts(self) -> Parts:
+        return Parts(self._managed, self._processes, self._watch.silent)
+
     def _connect(self, conductor: Conductor) -> None:
         """Start and configure all parts, and wait until they are connected."""
+        self._look_around(conductor)
         self._view.phase("starting the nodes")
         own = [role for role in roles.PROGRAMS if role not in self._plan.external]
         own += roles.COORDINATOR if self._plan.virtual else []
@@ -77,10 +102,29 @@ class Session:
         rehearsal = Rehearsal(self._plan.spec)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
+        self._refuse_company(conductor, [*roles.PROGRAMS, *own])
+        if self._has_driver():
+            require_limits(self._plan.spec)
+        conductor.set({"actuator": self._manner()})
+        if self._plan.dry_run and "recorder" in self._managed:
+            conductor.set({"recorder": {"silent": [COMMAND]}})
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+        self._guards = Guards(self._plan, conductor, self._managed, self.ending)
+        self._guards.begin(self._view)
+
+    def _look_around(self, conductor: Conductor) -> None:
+        """Refuse to begin where another test is, before anything is started."""
+        end = time.monotonic() + look_at(self._plan.network)
+        while time.monotonic() < end:
+            conductor.sleep_until(time.time_ns() + NS // 10)
+            self._refuse_company(conductor, self._plan.external)
+
+    def _refuse_company(self, conductor: Conductor, own: Iterable[str]) -> None:
+        alone = {*roles.PROGRAMS, *roles.COORDINATOR, LEADER}
+        refuse_company(conductor.nodes(), self._plan.network, alone, {*own, LEADER})
 
     def _wait_ready(self, conductor: Conductor) -> None:
         """Wait for all connections; a driver need not listen to commands, nor tell when it uses one."""
@@ -96,10 +140,23 @@ class Session:
     def _has_driver(self) -> bool:
         return "plant" not in self._managed
 
+    def _is_hardware(self) -> bool:
+        return self._plan.hardware or self._has_driver()
+
+    def _manner(self) -> dict[str, bool]:
+        """How the controller treats the plant."""
+        plan = self._plan
+        return {
+            "hardware": self._is_hardware(),
+            "dry_run": plan.dry_run,
+            "heartbeat": plan.heartbeat,
+        }
+
     def _start(self, role: str) -> None:
         plan = self._plan
         told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
-        process = Process(role, roles.command(role, plan.spec_file, told), plan.log / f"{role}.log")
+        command = roles.command(role, plan.spec_file, told, plan.network.namespace)
+        process = Process(role, command, plan.log / f"{role}.log")
         environment = without_parents_ros(os.environ, has_wheels())
         self._processes.start(
             process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}
@@ -107,10 +164,13 @@ class Session:
 
     def _begin(self, conductor: Conductor) -> None:
         """Let the clocks of all nodes start together."""
+        if self._plan.heartbeat:
+            wait_for_heartbeat(conductor, self._plan, self._view)
         self.ending.begin = self._begin_virtual(conductor) if self._plan.virtual else self._agree(conductor)
         self.ending.realtime = tuple(
             p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
         )
+        self._watch.begin(conductor, self._guards, self._managed, self._is_hardware())
 
     def _agree(self, conductor: Conductor) -> int:
         """Begin at an instant of the wall clock; a driver has chosen already at which instants it samples."""
@@ -127,13 +187,14 @@ class Session:
 
     def _wait(self, conductor: Conductor) -> None:
         """Let the test happen."""
-        self._view.phase("the test runs")
+        self._view.phase("the test runs" + (", a: abort" if self._keys.watched else ""))
         began, begin = time.monotonic(), self.ending.begin or 0
         if self._plan.virtual:
             self._watch_time(lambda: conductor.simulated_time, conductor)
         else:
             self._watch_time(lambda: (time.time_ns() - begin) / NS, conductor)
         self.ending.wall = time.monotonic() - began
+        self._watch.end()
         self._wait_complete(conductor)
 
     def _wait_complete(self, conductor: Conductor) -> None:
@@ -160,48 +221,9 @@ class Session:
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 
-        conductor.wait_until(over, float("inf"), str, every=0.1)
+        conductor.wait_until(over, float("inf"), str)
 
     def _explained(self, stopped: StoppedError) -> str:
         """Sentence with what the node at fault said last, if it is ours."""
         words = [p.last_words() for p in self._processes.living() if p.name == stopped.node]
         return ": ".join([str(stopped), *(word for word in words if word)])
-
-    def _watch(self) -> None:
-        """Stop when a process died."""
-        for process in self._processes.dead():
-            raise StoppedError(process.fate())
-
-    def _end(self, conductor: Conductor) -> None:
-        """End the test in good order: the loop first, the recorder last."""
-        self._view.phase("ending the test")
-        conductor.watch = lambda: None
-        alive = self._answering()
-        self._deactivate(conductor, [name for name in alive if name == "coordinator"])
-        # The controller first: its motors come to rest while the plant still moves.
-        self._deactivate(conductor, [name for name in reversed(roles.LOOP) if name in alive])
-        self._deactivate(conductor, [name for name in alive if name == "analysis"])
-        self._deactivate(conductor, [name for name in alive if name == "recorder"])
-        if "analysis" in alive and self.ending.begin is not None:
-            self._wait_for_analysis(conductor)
-        with suppress(StoppedError):
-            conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
-
-    def _wait_for_analysis(self, conductor: Conductor) -> None:
-        """Give the analysis node the time that it needs for the recording that was closed."""
-        told = self._plan.bag.with_name("bag.energy.json")
-        mine = "analysis" not in self._plan.external and "recorder" not in self._plan.external
-        if mine and self._plan.bag.joinpath("metadata.yaml").exists():
-            with suppress(StoppedError):
-                conductor.wait_until(told.exists, 60.0, str)
-
-    def _answering(self) -> list[str]:
-        dead = {process.name for process in self._processes.dead()}
-        return [name for name in self._managed if name not in dead]
-
-    def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> None:
-        limits = self._plan.spec.limits
-        patience = 5.0 + 2.0 * (limits.ramp or 0.0 if limits else 0.0)
-        for name in names:
-            with suppress(StoppedError):
-                conductor.step("deactivate", [name], patience)

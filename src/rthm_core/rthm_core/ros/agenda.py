@@ -40,21 +40,34 @@ class Waiting(Protocol):
 class Ticks:
     """Ticks of one clock, and how punctually they were done.
 
+    Parameters
+    ----------
+    skips
+        Whether a tick is left out when the next one is due as well.
+
     Attributes
     ----------
     done, missed
-        Ticks done, and those of them that ended only after the next tick was due.
+        Ticks that are over, and those of them that were left out or ended only after the next one was due.
     lateness
         Longest time from a tick's instant to the beginning of its work since `clear`, ns.
     """
 
-    def __init__(self, name: str, period: int, rank: int, action: Action) -> None:
+    def __init__(self, name: str, period: int, rank: int, action: Action, skips: bool = False) -> None:
         self.name, self.period, self.rank, self.action = name, period, rank, action
+        self.skips = skips
         self.done = self.missed = self.lateness = 0
 
     def position(self) -> Position:
         """Place of the next tick."""
         return Position(self.done * self.period, self.rank)
+
+    def skip(self, now: int) -> None:
+        """Leave out all ticks but the newest one that is due at `now`."""
+        late = now // self.period - self.done
+        if self.skips and late > 0:
+            self.missed += late
+            self.done += late
 
     def run(self, at: int, now: int) -> None:
         """Do the tick."""
@@ -98,9 +111,15 @@ class Agenda:
         self._until = until or NEVER - 1
         self.clocks: list[Ticks] = []
 
-    def every(self, name: str, period: int, rank: Rank, action: Action) -> Ticks:
-        """Do `action` at every tick of the clock `name` with this period (ns), the first one at the start."""
-        clock = Ticks(name, period, rank, action)
+    def every(self, name: str, period: int, rank: Rank, action: Action, skips: bool = False) -> Ticks:
+        """Do `action` at every tick of the clock `name` with this period (ns), the first one at the start.
+
+        Parameters
+        ----------
+        skips
+            Whether ticks are left out, in real time, when newer ones are due as well: nothing is caught up.
+        """
+        clock = Ticks(name, period, rank, action, skips)
         self.clocks.append(clock)
         self._entries.append(clock)
         return clock
@@ -116,6 +135,11 @@ class Agenda:
             Rank at which a sample of this stamp is sent: without a delay it is there right after.
         """
         self._entries.append(Delays(inbox, action, sent_at))
+
+    def skip(self, now: int) -> None:
+        """Leave out, in the clocks that skip, what is no longer worth doing at `now`."""
+        for clock in self.clocks:
+            clock.skip(min(now, self._until))
 
     def next(self) -> Position:
         """Place of the next event; `NEVER` when none is left."""

@@ -12,6 +12,7 @@ from rthm_core.spec.entries import Choice, Entry, Names, Number, Numbers, Whole
 
 LONGEST_TIME = 3600.0
 SHORTEST_PERIOD = 1e-6
+ON_ABORT = ("return", "hold", "unload")
 COMPENSATORS = ("none", "taylor", "polynomial", "ats", "model", "inverse", "passivity")
 
 
@@ -183,12 +184,45 @@ class UncertaintySpec(Section):
 
 
 class LimitsSpec(Section):
-    """What the safety monitor of the actuator allows; an absent entry is no limit."""
+    """What the safety monitor of the actuator allows; an absent entry is no limit, or has the default of
+    docs/safety.md.
+    """
 
     command: Annotated[float | None, Number("m", "largest command u_d, either way", above=0.0)] = None
     rate: Annotated[float | None, Number("m/s", "largest rate of the command", above=0.0)] = None
     force: Annotated[float | None, Number("N", "largest force, either way", above=0.0)] = None
     stale: Annotated[
-        float | None, Number("s", "age of an input at which the monitor stops the test", above=0.0)
+        float | None, Number("s", "age of the data in use at which the monitor ends the test", above=0.0)
     ] = None
     ramp: Annotated[float | None, Number("s", "time over which commands fade in and out", minimum=0.0)] = None
+    on_abort: Annotated[str, Choice(ON_ABORT, "where the motors go when a limit is broken")] = "return"
+    start: Annotated[
+        tuple[float, ...] | None,
+        Numbers("m, N", "largest difference between rig and spec before a test", above=0.0, count=2),
+    ] = None
+    age: Annotated[float | None, Number("s", "largest age of the state in use", above=0.0)] = None
+    command_age: Annotated[
+        float | None, Number("s", "age of a command that the plant side no longer executes", above=0.0)
+    ] = None
+    step: Annotated[
+        float | None, Number("m", "largest step between two samples of a measured position", above=0.0)
+    ] = None
+    frozen: Annotated[
+        float | None, Number("s", "how long a sensor may not change while the command moves", above=0.0)
+    ] = None
+    hold: Annotated[float | None, Number("s", "how long a command may be at a limit", above=0.0)] = None
+    heartbeat: Annotated[
+        float | None, Number("s", "longest silence of a node, or of an operator's heartbeat", above=0.0)
+    ] = None
+    position: Annotated[float | None, Number("m", "largest measured position, either way", above=0.0)] = None
+    velocity: Annotated[float | None, Number("m/s", "largest measured velocity", above=0.0)] = None
+    measured_force: Annotated[float | None, Number("N", "largest measured force", above=0.0)] = None
+    following: Annotated[
+        float | None, Number("m", "largest distance of a motor from its command", above=0.0)
+    ] = None
+    clock: Annotated[
+        float | None,
+        Number(
+            "s", "largest offset between clocks of hosts; by default a tenth of the shortest tau", above=0.0
+        ),
+    ] = None

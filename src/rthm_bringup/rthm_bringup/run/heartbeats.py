@@ -1,0 +1,51 @@
+"""Which nodes have fallen silent, as somebody sees it who may be held up himself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+LONGEST = 0.05
+"""Longest time between two looks that counts as silence of others, s; the rest was the listener's own."""
+
+
+class Silence(NamedTuple):
+    """A node that has not been heard for so long, s."""
+
+    name: str
+    seconds: float
+
+
+class Heartbeats:
+    """Beats of some nodes; each counts from its first one.
+
+    Parameters
+    ----------
+    names
+        Nodes that have to go on.
+    limit
+        Longest silence, s.
+    """
+
+    def __init__(self, names: Iterable[str], limit: float) -> None:
+        self._names, self.limit = frozenset(names), limit
+        self._silent: dict[str, float] = {}
+        self._beaten: set[str] = set()
+        self._looked: float | None = None
+
+    def beat(self, name: str) -> None:
+        """Note that a node was heard."""
+        if name in self._names:
+            self._beaten.add(name)
+
+    def look(self, now: float) -> Silence | None:
+        """Return a node that has been silent for too long at `now`, s; None if none has."""
+        passed = 0.0 if self._looked is None else min(now - self._looked, LONGEST)
+        self._looked = now
+        beaten, self._beaten = self._beaten, set()
+        self._silent |= dict.fromkeys(beaten, 0.0)
+        for name in self._silent.keys() - beaten:
+            self._silent[name] += passed
+            if self._silent[name] > self.limit:
+                return Silence(name, self._silent[name])
+        return None

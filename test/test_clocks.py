@@ -55,6 +55,7 @@ def test_a_clock_that_is_3_ms_ahead_is_refused_before_anything_moves(
     assert not list((tmp_path / "out").glob("report.html"))
 
 
+@pytest.mark.long
 def test_a_clock_that_drifts_beyond_its_limit_ends_the_running_test(
     hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path
 ) -> None:
@@ -74,7 +75,7 @@ def test_a_clock_that_drifts_beyond_its_limit_ends_the_running_test(
     assert crossed - 0.1 < abort["at"] < crossed + 5.0
 
 
-@pytest.mark.parametrize("drift", [0.0, 500e-6])
+@pytest.mark.parametrize("drift", [pytest.param(0.0, marks=pytest.mark.long), 500e-6])
 def test_a_clock_that_may_be_off_is_measured_and_the_delays_are_told_right(
     hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path, drift: float
 ) -> None:

@@ -201,10 +201,10 @@ def test_a_dry_run_computes_commands_and_sends_none(laboratory: Laboratory) -> N
     ("fault", "limit", "words"),
     [
         ("nan", "finite", "the force sensor of a1 reads not a number"),
-        ("step", "step", "the position sensor of x1 steps by"),
+        pytest.param("step", "step", "the position sensor of x1 steps by", marks=pytest.mark.long),
         ("frozen", "frozen", "the position sensor of x1 has read"),
-        ("old", "stale", "plant/state has had no fresh sample"),
-        ("silent", "stale", "plant/state has had no fresh sample"),
+        pytest.param("old", "stale", "plant/state has had no fresh sample", marks=pytest.mark.long),
+        pytest.param("silent", "stale", "plant/state has had no fresh sample", marks=pytest.mark.long),
     ],
 )
 def test_a_fault_of_the_rig_ends_the_test_as_an_abort(
@@ -218,7 +218,7 @@ def test_a_fault_of_the_rig_ends_the_test_as_an_abort(
     assert_back_at_rest(told)
 
 
-@pytest.mark.parametrize("way", ["service", "topic", "heartbeat"])
+@pytest.mark.parametrize("way", ["service", pytest.param("topic", marks=pytest.mark.long), "heartbeat"])
 def test_a_test_is_aborted_from_outside(laboratory: Laboratory, way: str) -> None:
     options = ["--plant", "external", "--duration", "30"] + ["--heartbeat"] * (way == "heartbeat")
     operator = subprocess.Popen([sys.executable, str(OPERATOR), way], env=laboratory.environment)
@@ -231,6 +231,7 @@ def test_a_test_is_aborted_from_outside(laboratory: Laboratory, way: str) -> Non
     assert_back_at_rest(told)
 
 
+@pytest.mark.long
 def test_the_key_a_aborts_a_test(laboratory: Laboratory) -> None:
     hand, keyboard = os.openpty()
     options = ("--plant", "external", "--duration", "30")
@@ -253,10 +254,10 @@ def test_the_key_a_aborts_a_test(laboratory: Laboratory) -> None:
     ("module", "number", "status", "limit"),
     [
         ("rthm_actuator", signal.SIGSTOP, 3, "heartbeat"),
-        ("rthm_numerical", signal.SIGSTOP, 3, "stale"),
-        ("recorder_node", signal.SIGSTOP, 3, "heartbeat"),
+        pytest.param("rthm_numerical", signal.SIGSTOP, 3, "stale", marks=pytest.mark.long),
+        pytest.param("recorder_node", signal.SIGSTOP, 3, "heartbeat", marks=pytest.mark.long),
         ("recorder_node", signal.SIGKILL, 1, "node"),
-        ("rthm_actuator", signal.SIGKILL, 1, "node"),
+        pytest.param("rthm_actuator", signal.SIGKILL, 1, "node", marks=pytest.mark.long),
     ],
 )
 def test_a_node_that_is_gone_ends_the_test(
@@ -322,6 +323,7 @@ def test_a_killed_leader_leaves_motors_at_rest_and_the_way_there_recorded(
     assert abs(u_d[-60] - STANDS) > 1e-4  # it was on its way
 
 
+@pytest.mark.long
 def test_a_simulated_plant_that_is_stopped_ends_the_test(laboratory: Laboratory) -> None:
     with laboratory.begun(laboratory.spec(), "--duration", "60") as (run, ended):
         laboratory.wait_until_it_moves(run)

@@ -1,0 +1,135 @@
+"""A driver on the project's base takes the place of the simulated plant; pulling the device ends the test."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rthm_analysis.recording import Recording, read_recording
+from rthm_bringup.run.environment import Network
+from rthm_core.clock import NS
+from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+EXAMPLES = Path(__file__).parents[1] / "examples"
+STANDS, RATE = 0.1, 5.0
+LIMITS = LimitsSpec(
+    command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0)
+)
+"""A sample that a busy machine holds up is not called stale."""
+
+
+@dataclass
+class Ended:
+    """A run that is over."""
+
+    status: int
+    json: dict[str, Any]
+    out: str
+
+    @property
+    def recording(self) -> Recording:
+        return read_recording(self.json["bag"])
+
+
+class Laboratory:
+    """Devices, drivers and runs in one domain."""
+
+    def __init__(self, environment: dict[str, str], folder: Path) -> None:
+        self.environment, self.folder = environment, folder
+        self.spec = folder / "rig.yaml"
+        paper = shipped_spec()
+        plant = paper.plant.model_copy(update={"initial_position": (STANDS,)})
+        self.spec.write_text(write_spec(paper.model_copy(update={"plant": plant, "limits": LIMITS})))
+
+    @contextmanager
+    def process(self, *command: str | Path) -> Iterator[subprocess.Popen[bytes]]:
+        with subprocess.Popen([str(word) for word in command], env=self.environment) as one:
+            try:
+                yield one
+            finally:
+                one.send_signal(signal.SIGCONT)
+                one.terminate()
+
+    @contextmanager
+    def begun(self, *options: str) -> Iterator[subprocess.Popen[str]]:
+        command = [sys.executable, "-m", "rthm_bringup", "run", str(self.spec), "--plant", "external"]
+        command += ["--out", str(self.folder / "out"), "--json", str(self.folder / "result.json"), *options]
+        with subprocess.Popen(
+            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as run:
+            try:
+                yield run
+            finally:
+                run.kill()
+
+    def ended(self, run: subprocess.Popen[str]) -> Ended:
+        said, _ = run.communicate(timeout=300)
+        file = self.folder / "result.json"
+        assert file.exists(), said
+        return Ended(run.returncode, json.loads(file.read_text()), said)
+
+    def wait_until_it_moves(self, run: subprocess.Popen[str]) -> None:
+        deadline = time.monotonic() + 240
+        bag = self.folder / "out" / "bag"
+        while sum(file.stat().st_size for file in bag.glob("*.mcap")) < 60_000 and run.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+
+
+@pytest.fixture
+def laboratory(environment: dict[str, str], network: Network, tmp_path: Path) -> Laboratory:
+    return Laboratory(environment, tmp_path)
+
+
+def assert_within_rate(recording: Recording) -> None:
+    """The motor, as its driver measures it, moved within the rate and began where it stood."""
+    u = np.concatenate([[STANDS], recording.plant.columns("position", ["a1"])[:, 0]])
+    waits = np.concatenate([[0.004], np.diff(recording.plant.stamp_ns) / NS]) + 0.004
+    assert np.all(np.abs(np.diff(u)) <= RATE * waits + 1e-9)
+    assert np.ptp(u) > 0.02
+
+
+def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
+    code = [line for line in (EXAMPLES / "driver.py").read_text().splitlines()[1:] if line.strip()]
+    assert len(code) <= 15
+    with (
+        laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec),
+        laboratory.begun("--duration", "3") as run,
+    ):
+        ended = laboratory.ended(run)
+    assert ended.status == 0, ended.out
+    assert ended.json["abort"] is None
+    recording = ended.recording
+    assert_within_rate(recording)
+    steps = np.diff(recording.plant.stamp_ns)
+    assert steps.min() > 0
+    assert np.median(steps) == 1_200_000
+    assert len(recording.links["tau4"]) > 100
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGTERM])
+def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
+    with (
+        laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
+        laboratory.begun("--duration", "30") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.kill(driver.pid, number)
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    assert ended.json["abort"]["at"] < 20.0
+    assert_within_rate(ended.recording)

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hosts import two_hosts
 
 from rthm_bringup.run import shared_memory
 from rthm_bringup.run.domain import Claim
@@ -48,6 +49,13 @@ def nothing_left(network: Network) -> Iterator[None]:
 def segments() -> set[str]:
     """Shared memory without an owner; ports are left out, as all domains of a host share their names."""
     return {name for name in shared_memory.abandoned() if "_port" not in name}
+
+
+@pytest.fixture
+def hosts() -> Iterator[tuple[str, str]]:
+    """Names of two network namespaces that reach each other."""
+    with two_hosts() as names:
+        yield names
 
 
 @pytest.fixture

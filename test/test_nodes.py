@@ -15,6 +15,10 @@ import numpy as np
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
@@ -22,6 +26,7 @@ from sensor_msgs.msg import JointState, TimeReference
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.environment import Network
+from rthm_bringup.run.question import ACTIVE, CHANGES, INACTIVE
 from rthm_core.clock import NS
 from rthm_core.schedule import Schedule, newest
 from rthm_core.spec import parameters, shipped_spec, spec_from_parameters, write_spec
@@ -236,6 +241,27 @@ def test_deactivation_in_the_middle_brings_the_motors_back_to_rest_first(graph: 
     assert commands[-1].position[0] == pytest.approx(0.425)
     graph.conductor.step("deactivate", ("numerical", "plant"))
     graph.conductor.step("cleanup", LOOP)
+
+
+def test_while_a_test_runs_a_node_answers_only_to_its_leader(graph: Graph) -> None:
+    graph.start(priority=0)
+    graph.configure()
+    graph.activate(600.0)
+    stranger = graph.client.create_client(ChangeState, "/rthm/actuator/change_state")
+    stranger.wait_for_service(20.0)
+    for step in ("deactivate", "cleanup"):
+        asked = stranger.call_async(ChangeState.Request(transition=Transition(id=CHANGES[step].number)))
+        graph.wait(20.0, asked.done)
+        assert not asked.result().success
+    locks = graph.client.create_client(SetParameters, "/rthm/actuator/set_parameters")
+    locks.wait_for_service(20.0)
+    value = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="")
+    asked = locks.call_async(SetParameters.Request(parameters=[Parameter(name="leader", value=value)]))
+    graph.wait(20.0, asked.done)
+    assert "only by the leader" in asked.result().results[0].reason
+    assert graph.conductor.states(LOOP) == dict.fromkeys(LOOP, ACTIVE)
+    graph.conductor.step("deactivate", LOOP)
+    assert graph.conductor.states(LOOP) == dict.fromkeys(LOOP, INACTIVE)
 
 
 def test_a_node_answers_nonsense_with_a_sentence_and_lives_on(graph: Graph) -> None:

@@ -36,14 +36,15 @@ def score(
     Returns
     -------
     dict
-        ``found`` and ``true`` effects; ``block``, ``family``, ``kind``: whether exactly the true ones were
-        named; ``among``: whether each true kind is named or an alternative that is called indistinguishable;
-        ``alarm``: whether something was named although nothing is missing; ``covered`` (retuned cases);
-        ``values``: parameters of rightly named kinds within `SIGMAS` of their standard deviations, and all;
-        ``held_out``: worst error on unseen data, over that of the true model or of the `oracle`.
+        ``found`` (named, or told as a trace) and ``true`` effects; ``block``, ``family``, ``kind``: whether
+        exactly the true ones were found; ``among``: whether each true kind is found or an alternative that is
+        called indistinguishable; ``alarm``: whether something was named although nothing is missing;
+        ``covered`` (retuned cases); ``values``: parameters of rightly named kinds within `SIGMAS` of their
+        standard deviations, and all; ``held_out``: worst error on unseen data, over that of the true model or
+        of the `oracle`.
     """
     true = sorted(canonical(e) for e in case.truth["effects"])
-    found = sorted({canonical(e) for e in said["physics"]})
+    found = sorted({canonical(e) for e in (*said["physics"], *said.get("traces", ()))})
     blocks = {b for b, _ in found} or {_known_as(b, true) for b in said["located"]}
     also = {canonical(e) for e in said.get("alternatives", []) if not e.get("distinguishable", True)}
     result = {

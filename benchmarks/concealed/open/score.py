@@ -1,9 +1,10 @@
 """One diagnosis (the JSON of `rthm diagnose`) against the truth of a case of the open world.
 
-An entry of `physics` is true when its block is one of a hidden thing's blocks and its kind, or its kind's
-family, one that states it; an entry of `faults` when kind and block fit (what is wrong with a spec may be
-told anywhere); one of `described` when the block fits and it depends on at least one of the true variables.
-A hidden thing is stated by any of these, or by being retuned where it is a plain error of a parameter.
+An entry of `physics` or `traces` is true when its block is one of a hidden thing's blocks and its kind, or
+its kind's family, one that states it; an entry of `faults` when kind and block fit (what is wrong with a spec
+may be told anywhere); one of `described` when the block fits and it depends on at least one of the true
+variables. A hidden thing is stated by any of these, or by being retuned where it is a plain error of a
+parameter.
 
 wrong
     A confident answer (`match`, `retuned`, `explained`) that is not right: `match` where something is hidden;
@@ -19,7 +20,7 @@ wrong
     - a longer or shorter tau4, and an extra delay (of either sign) of the motor;
     - a drop-out marked by NaN, or a velocity that is zero throughout, may stay unsaid.
 invented
-    An entry of `physics` that is not true, under `improved` or `unexplained`.
+    An entry of `physics` or `traces` that is not true, under `improved` or `unexplained`.
 alarm
     A clean case that is not a `match` (or `retuned`, where the parameters are off within what the spec says),
     or in which anything is named that is not there. Steps of a coarse sensor, and the hold of a slow one, are
@@ -41,6 +42,8 @@ from benchmarks.concealed.open.truth import Hidden
 from benchmarks.concealed.score import covers
 
 CONFIDENT = ("match", "retuned", "explained")
+NAMED = ("physics", "traces")
+KEYS = (*NAMED, "faults", "described")
 
 
 def open_score(case: OpenCase, said: dict[str, Any]) -> dict[str, Any]:
@@ -55,7 +58,7 @@ def open_score(case: OpenCase, said: dict[str, Any]) -> dict[str, Any]:
         "stated": [sum(stated), len(stated)],
         "values": _values(known, said),
         "wrong": False,
-        "invented": verdict not in CONFIDENT and any(kind == "physics" for kind, _ in false),
+        "invented": verdict not in CONFIDENT and any(key in NAMED for key, _ in false),
     }
     if case.hidden:
         right = verdict in case.allowed or (verdict != "match" and all(stated))
@@ -76,7 +79,7 @@ def open_score(case: OpenCase, said: dict[str, Any]) -> dict[str, Any]:
 def _false_entries(known: list[Hidden], said: dict[str, Any]) -> list[tuple[str, str]]:
     """Return every entry that states nothing of what is known: its key and words."""
     out = []
-    for key in ("physics", "faults", "described"):
+    for key in KEYS:
         for entry in said.get(key) or []:
             if not any(_states(h, key, entry) for h in known):
                 out.append((key, f"{entry['block']} {entry.get('kind', 'described')}"))
@@ -84,7 +87,7 @@ def _false_entries(known: list[Hidden], said: dict[str, Any]) -> list[tuple[str,
 
 
 def _states(hidden: Hidden, key: str, entry: dict[str, Any]) -> bool:
-    if key == "physics":
+    if key in NAMED:
         return hidden.stated_by_kind(entry["block"], entry["kind"])
     if key == "faults":
         return hidden.stated_by_fault(entry["block"], entry["kind"])
@@ -92,8 +95,7 @@ def _states(hidden: Hidden, key: str, entry: dict[str, Any]) -> bool:
 
 
 def _stated(hidden: Hidden, said: dict[str, Any]) -> bool:
-    keys = ("physics", "faults", "described")
-    if any(_states(hidden, key, entry) for key in keys for entry in said.get(key) or []):
+    if any(_states(hidden, key, entry) for key in KEYS for entry in said.get(key) or []):
         return True
     return any(_entry(name) in hidden.retuned for name in said.get("retuned") or {})
 

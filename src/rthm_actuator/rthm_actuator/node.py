@@ -31,6 +31,7 @@ from rthm_core.controller import Controller
 from rthm_core.errors import InputError
 from rthm_core.limits import kept_limits
 from rthm_core.link import Link
+from rthm_core.owner import LIMIT as OWNER
 from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.diagnostics import ERROR, OK
 from rthm_core.ros.messages import JointSample
@@ -130,6 +131,7 @@ class ActuatorNode(PartNode):
         self._tell(events.ARMED, events.write_event(events.ARMED, at=at / NS, motor=motors.tolist()))
 
     def _control(self, at: int, now: int) -> None:
+        self._watch_owners()
         self._arm(at)
         z1 = self._plant.take(at)
         if z1 is not None:
@@ -141,6 +143,13 @@ class ActuatorNode(PartNode):
         self._send(at, now)
         if self._state_used is not None:
             self._plant.tell(now, self._state_used)
+
+    def _watch_owners(self) -> None:
+        """End the test when an input has samples of a second publisher."""
+        for port in (self._plant, self._reference):
+            if port.ownership.words:
+                words = f"{port.topic} has a second publisher: {port.ownership.words}"
+                self._judge(Broken(OWNER, None, None, words))
 
     def _hold_reference(self, at: int, now: int) -> None:
         """Tick of Td4."""

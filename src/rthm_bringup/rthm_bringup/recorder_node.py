@@ -7,6 +7,7 @@ of the loop are taken while it is active; it is closed when the node is deactiva
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import time
@@ -37,12 +38,12 @@ from rthm_bringup.topics import (
 )
 from rthm_core.clock import to_ns
 from rthm_core.errors import InputError
-from rthm_core.ros import system
+from rthm_core.ros import leader, reach, system
 from rthm_core.ros.alive import Alive
 from rthm_core.ros.granted import Observer
 from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
-from rthm_core.ros.process import serving
+from rthm_core.ros.process import built, serving
 from rthm_core.spec import Spec, read_spec, write_spec
 
 TOPICS = LOOP | BESIDE
@@ -75,6 +76,7 @@ class Recorder(PollingNode):
 
     def __init__(self) -> None:
         super().__init__("recorder", namespace=NAMESPACE)
+        leader.answer_only_to_leader(self)
         refuse_impossible_transitions(self)
         for name, (value, description) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
@@ -232,6 +234,7 @@ class Recorder(PollingNode):
             return
         counts = self._intake.writer.counts
         values = {"messages": sum(counts.values()), "lost": self._intake.lost} | counts
+        values |= {"reach": os.environ.get(reach.VARIABLE, reach.OPEN)}
         level = DiagnosticStatus.WARN if self._intake.lost else DiagnosticStatus.OK
         status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message="recording")
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
@@ -266,7 +269,7 @@ def main() -> int:
     # An exception from Python's handler would abort the executor.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda number, frame: asked.append(time.monotonic()))
-    node = Recorder()
+    node = built(Recorder)
     with serving(node) as executor:
         node.start()
         gc.freeze()

@@ -21,6 +21,12 @@ LOOP = {
 }
 """What makes up the test: stamped within it, each from one publisher."""
 
-COMMAND, DRY = "actuator/command", "actuator/command_dry"
-BESIDE = {"energy": JOINT_STATE, "/diagnostics": DIAGNOSTICS, "events": STRING, DRY: JOINT_STATE}
+COMMAND, DRY, CLOCKS = "actuator/command", "actuator/command_dry", "clocks"
+BESIDE = {
+    "energy": JOINT_STATE,
+    CLOCKS: JOINT_STATE,
+    "/diagnostics": DIAGNOSTICS,
+    "events": STRING,
+    DRY: JOINT_STATE,
+}
 """What is said about the test."""

@@ -16,12 +16,13 @@ from hypothesis import strategies as st
 
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run import interfaces, shared_memory
-from rthm_bringup.run.domain import Claim, wanted
-from rthm_bringup.run.environment import PROFILES, RANGE, Network, without_parents_ros
+from rthm_bringup.run.domain import Claim, Leadership, wanted
+from rthm_bringup.run.environment import CLOSED, PROFILES, RANGE, Network, without_parents_ros
 from rthm_bringup.run.intake import Intake
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.topics import JOINT_STATE, LOOP
 from rthm_core.errors import InputError
+from rthm_core.ros.reach import PEERS, VARIABLE
 
 STATE = "plant/state"
 
@@ -48,19 +49,43 @@ def test_beside_wheels_a_sourced_ros_is_left_out() -> None:
 
 
 def test_nodes_are_visible_on_this_host_only_unless_asked(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(RANGE, raising=False)
+    monkeypatch.setenv(RANGE, "SUBNET")
+    monkeypatch.setenv(PEERS, "10.0.0.9")
     alone = Network(7).variables()
-    assert alone["ROS_DOMAIN_ID"] == "7"
-    assert alone[RANGE] == "LOCALHOST"
+    assert (alone["ROS_DOMAIN_ID"], alone[VARIABLE], alone[PEERS]) == ("7", "host", "")
+    assert alone[PROFILES] == str(CLOSED)
     assert Network(7, open=True).variables()[RANGE] == "SUBNET"
-    assert Network(7, peers=("a", "b")).variables()["ROS_STATIC_PEERS"] == "a;b"
+    named = Network(7, peers=("a", "b")).variables()
+    assert (named[PEERS], named[VARIABLE], named[RANGE]) == ("a;b", "peers", "LOCALHOST")
 
 
-def test_settings_of_the_middleware_are_the_users_if_there_are_any(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_settings_of_the_middleware_are_the_users_on_an_open_network_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.delenv(PROFILES, raising=False)
-    assert Path(Network(7).variables()[PROFILES]).is_file()
+    assert Path(Network(7, open=True).variables()[PROFILES]).is_file()
     monkeypatch.setenv(PROFILES, "my_own.xml")
-    assert Network(7).variables()[PROFILES] == "my_own.xml"
+    assert Network(7, open=True).variables()[PROFILES] == "my_own.xml"
+    monkeypatch.setenv(PROFILES, str(CLOSED))  # as within another run
+    assert Network(7, open=True).variables()[PROFILES] != str(CLOSED)
+    monkeypatch.setenv(PROFILES, "my_own.xml")
+    for network in (Network(7), Network(7, peers=("10.0.0.1",))):
+        assert network.variables()[PROFILES] != "my_own.xml"
+
+
+@pytest.mark.parametrize("name", ["rig", "/", "/rig 1", "/1", "/rig/", "/a__b"])
+def test_a_namespace_that_ros_does_not_know_is_refused(name: str) -> None:
+    with pytest.raises(InputError, match="choose another one"):
+        Network(7, namespace=name)
+
+
+def test_one_run_leads_in_a_namespace_and_others_beside_it() -> None:
+    first, beside = Leadership(7, "/rthm"), Leadership(7, "/b")
+    with pytest.raises(InputError, match="leads the test in domain 7, namespace /rthm"):
+        Leadership(7, "/rthm")
+    first.release()
+    Leadership(7, "/rthm").release()
+    beside.release()
 
 
 def test_other_hosts_are_looked_for_once_a_network_is_up() -> None:

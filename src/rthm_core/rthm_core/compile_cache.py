@@ -19,6 +19,9 @@ from typing import TYPE_CHECKING, Any
 import numba
 from numba.core.caching import FunctionCache
 
+from rthm_core.errors import InputError
+from rthm_core.private_folder import NotPrivateError, make_private
+
 if TYPE_CHECKING:
     from filelock import FileLock
 
@@ -41,18 +44,44 @@ def _source_hash() -> str:
 
 
 def cache_folder() -> Path:
-    """Where compiled code is kept: ``RTHM_CACHE_DIR``, the user's cache, or a temporary folder when neither
-    can be written.
+    """Where compiled code is kept, private to this user: ``RTHM_CACHE_DIR``, the user's cache, or a temporary
+    folder when neither can be written.
+
+    Raises
+    ------
+    InputError
+        If ``RTHM_CACHE_DIR`` or the temporary folder can be written by others.
     """
-    base = os.environ.get("RTHM_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    chosen = os.environ.get("RTHM_CACHE_DIR")
+    base = chosen or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     folder = Path(base) / "rthm" / "compiled" / _source_hash()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        make_private(folder)
         if os.access(folder, os.W_OK):
             return folder
+    except NotPrivateError as error:
+        if chosen:
+            raise _refused(folder, error) from error
     except OSError:
         pass
-    return Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / _source_hash()
+    return _temporary_folder()
+
+
+def _temporary_folder() -> Path:
+    folder = Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / _source_hash()
+    try:
+        make_private(folder.parent)
+        make_private(folder)
+    except NotPrivateError as error:
+        raise _refused(folder, error) from error
+    return folder
+
+
+def _refused(folder: Path, error: NotPrivateError) -> InputError:
+    return InputError(
+        f"Compiled code cannot be kept in {folder}, as {error}, and who can write it decides what is"
+        " executed; set RTHM_CACHE_DIR to a folder that is yours alone."
+    )
 
 
 class SharedCache(FunctionCache):  # type: ignore[misc]

@@ -44,7 +44,9 @@ class PlantNode(PartNode):
         self._ahead = max(-self._motor_delay, 0)
         link = Link(spec, "tau4")
         link.delay_ns -= self._ahead
-        self._commands = self.ports.input("actuator/command", loop.actuator.names, link)
+        between = 1.0 / loop.timing.ns("td3") + 1.0 / loop.timing.ns("td2")  # Td4 = 0: extra commands
+        spacing = round(1.0 / between)
+        self._commands = self.ports.input("actuator/command", loop.actuator.names, link, spacing=spacing)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the plant at rest where the spec says, with its motors."""

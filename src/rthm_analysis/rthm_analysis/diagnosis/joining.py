@@ -25,6 +25,7 @@ def joined(parts: list[Part], spec: Spec) -> Diagnosis:
     verdict = _verdict(parts)
     where = [*(one.block for one in faults if not one.marked), *(one.block for one in physics)]
     located = tuple(dict.fromkeys([*where, *significant]))
+    traces = tuple(one for part in parts for one in part.traces)
     patched = "" if verdict == "unexplained" or not _runs(parts) else write_spec(patched_spec(parts, spec))
     return Diagnosis(
         verdict=verdict,
@@ -36,14 +37,16 @@ def joined(parts: list[Part], spec: Spec) -> Diagnosis:
         fits=tuple(one for part in parts for one in part.fits),
         detection_limits={name: one for part in parts for name, one in part.detection_limits.items()},
         next_experiment="",
-        words=verdict_words(verdict, located, physics, retuned, stated_spreads(spec), faults, described),
+        words=verdict_words(
+            verdict, located, physics, retuned, stated_spreads(spec), faults, described, traces
+        ),
         curves=tuple(one for part in parts for one in part.curves),
         unexplained=unexplained,
         notes=tuple(note for part in parts for note in part.notes),
         patched=patched,
         faults=faults,
         described=described,
-        traces=tuple(one for part in parts for one in part.traces),
+        traces=traces,
         refused=tuple(one for part in parts for one in part.refused),
         free_run={dof: one for part in parts for dof, one in part.free_run.items()},
     )

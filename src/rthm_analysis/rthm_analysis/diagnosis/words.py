@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
-from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Value
+from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ AT_BOUND = 1e-3
 """Distance from a bound, as a part of it, at which a value has run into it."""
 
 SPREAD = "+- is one standard deviation."
+ABOVE = "This explains a part of the difference; the rest is above the noise."
 
 
 def block_words(block: str) -> str:
@@ -171,43 +172,28 @@ def verdict_words(
     stated: Mapping[str, float] | None = None,
     faults: tuple[Fault, ...] = (),
     described: tuple[Described, ...] = (),
+    traces: tuple[Trace, ...] = (),
 ) -> str:
     """The answer in a few sentences; `stated` as in `retuned_words`."""
-    return " ".join(
-        said
-        for said in (
-            _verdict_words(verdict, located, physics, retuned, stated),
-            *(one.words for one in described),
-            *(one.words for one in faults),
-        )
-        if said
-    )
-
-
-def _verdict_words(
-    verdict: str,
-    located: tuple[str, ...],
-    physics: tuple[Physics, ...],
-    retuned: dict[str, Retuned],
-    stated: Mapping[str, float] | None,
-) -> str:
-    where = " and ".join(block_words(block) for block in located)
+    new_values = retuned_words(retuned, stated) if retuned else ""
     if verdict == "match":
-        return (
+        answer = [
             "Simulation and recording agree to within the noise: "
             "nothing is missing that this recording could show."
-        )
-    if verdict == "retuned":
-        return (
-            "No physics is missing; parameters have other values than the spec says: "
-            f"{retuned_words(retuned, stated)}. ({SPREAD})"
-        )
-    named = " ".join(one.words for one in physics)
-    tuned = f" Besides, {retuned_words(retuned, stated)}." if retuned else ""
-    spread = f" ({SPREAD})" if "+-" in named + tuned else ""
-    if verdict == "explained":
-        return f"Simulation and recording differ in {where}. {named}{tuned}{spread}"
-    if verdict == "improved":
-        left = "This explains a part of the difference; the rest is above the noise."
-        return f"Simulation and recording differ in {where}. {named}{tuned} {left}{spread}"
-    return f"Simulation and recording differ in {where}, and no known kind of physics explains it."
+        ]
+    elif verdict == "retuned":
+        answer = [f"No physics is missing; parameters have other values than the spec says: {new_values}."]
+    else:
+        answer = [_where(verdict, located), *(one.words for one in physics)]
+        answer += [f"Besides, {new_values}."] if new_values and verdict != "unexplained" else []
+    answer += [one.words for one in described]
+    answer += [ABOVE] if verdict == "improved" else []
+    answer += [f"Also detectable, though it matters little: {one.words}" for one in traces]
+    answer += [f"({SPREAD})"] if any("+-" in said for said in answer) else []
+    return " ".join([*answer, *(one.words for one in faults)])
+
+
+def _where(verdict: str, located: tuple[str, ...]) -> str:
+    where = " and ".join(block_words(block) for block in located)
+    known = ", and no known kind of physics explains it" if verdict == "unexplained" else ""
+    return f"Simulation and recording differ in {where}{known}."

@@ -9,6 +9,7 @@ import numpy as np
 from rthm_analysis.energy.ledger import EnergyLedger, Rows
 from rthm_analysis.energy.model import plant_alone
 from rthm_analysis.recording import Recording, Table
+from rthm_analysis.recording.synchronised import synchronised
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
 from rthm_core.energy import TERMS
@@ -103,7 +104,7 @@ def energy_of(recording: Recording, spec: Spec | None) -> EnergyResult:
     InputError
         There is no spec, or the recording does not have the plant's dofs.
     """
-    spec = spec or recording.known_spec()
+    spec, recording = spec or recording.known_spec(), synchronised(recording)
     missing = [dof for dof in spec.plant.dofs if dof not in recording.plant.names]
     if missing:
         names = ", ".join(recording.plant.names)

@@ -10,6 +10,7 @@ import yaml
 
 from rthm_analysis.recording import mcap_file, sqlite_file
 from rthm_analysis.recording.raw import ZSTD_MAGIC, RawBag
+from rthm_analysis.recording.unpacking import Allowance
 from rthm_core.errors import InputError
 
 _ENDINGS = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
@@ -23,8 +24,9 @@ def read_raw(path: str | Path) -> RawBag:
     InputError
         There is no bag at `path`, or no message in it can be read.
     """
-    bag = RawBag()
+    bag = RawBag(Allowance(path))
     files = _storage_files(Path(path), bag)
+    bag.allowance.grant(sum(_size(file) for file in files))
     for file in files:
         _read_file(file, bag)
     if not any(bag.topics.values()):
@@ -33,6 +35,13 @@ def read_raw(path: str | Path) -> RawBag:
             f"{path} holds no message that can be read: give a rosbag2 recording in MCAP or SQLite. {reasons}"
         )
     return bag
+
+
+def _size(file: Path) -> int:
+    try:
+        return file.stat().st_size
+    except OSError:
+        return 0
 
 
 def _storage_files(path: Path, bag: RawBag) -> list[Path]:
@@ -103,7 +112,7 @@ def _read_compressed(file: Path, bag: RawBag) -> None:
         plain = Path(folder) / file.name.removesuffix(".zstd")
         try:
             with file.open("rb") as packed, plain.open("wb") as unpacked:
-                for piece in zstandard.ZstdDecompressor().read_to_iter(packed):
+                for piece in bag.allowance.zstd_pieces(packed):
                     unpacked.write(piece)
         except zstandard.ZstdError:
             bag.note(f"{file.name} is damaged: everything before the damage was read.")

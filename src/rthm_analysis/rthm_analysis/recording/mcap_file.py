@@ -15,7 +15,6 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 
-import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -23,8 +22,12 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 
 from rthm_analysis.recording.raw import RawBag, RawTopic
+from rthm_analysis.recording.unpacking import Allowance
+from rthm_core.errors import InputError
 
 MAGIC = b"\x89MCAP0\r\n"
+NO_RECORD = 0
+"""What no record begins with: a file that a crash left full of zeros ends here."""
 
 _HEAD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
@@ -68,6 +71,8 @@ class _Reader:
         for opcode, start, stop in _records(data, at):
             try:
                 self._take(opcode, data, start, stop)
+            except InputError:
+                raise
             except _DAMAGE:
                 self.damaged += 1
 
@@ -80,7 +85,7 @@ class _Reader:
                 topic.append(received_ns, data[start + _MESSAGE.size : stop], sent_ns)
         elif opcode == Opcode.CHUNK:
             chunk = Chunk.read(ReadDataStream(BytesIO(data[start:stop])))
-            self.read(_unpacked(chunk, cut), 0)
+            self.read(_unpacked(chunk, cut, self.bag.allowance), 0)
         elif opcode == Opcode.SCHEMA and not cut:
             schema = Schema.read(ReadDataStream(BytesIO(data[start:stop])))
             self.schemas[schema.id] = schema.name
@@ -105,20 +110,23 @@ def _records(data: bytes | mmap.mmap, at: int) -> Iterator[tuple[int, int, int]]
     end = len(data)
     while at + _HEAD.size <= end:
         opcode, length = _HEAD.unpack_from(data, at)
+        if opcode == NO_RECORD:
+            return
         at += _HEAD.size
         yield opcode, at, at + length
         at += length
 
 
-def _unpacked(chunk: Chunk, cut: bool) -> bytes:
+def _unpacked(chunk: Chunk, cut: bool, allowance: Allowance) -> bytes:
+    allowance.check(chunk.uncompressed_size)
     if chunk.compression == "zstd":
-        records = zstandard.ZstdDecompressor().decompressobj().decompress(chunk.data)
+        records = allowance.zstd(chunk.data)
     elif chunk.compression == "lz4":
-        records = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data)
+        records = allowance.lz4(chunk.data)
     elif chunk.compression == "":
         records = chunk.data
     else:
         raise ValueError(chunk.compression)
     if not cut and chunk.uncompressed_crc not in (0, zlib.crc32(records)):
         raise ValueError("checksum")
-    return bytes(records)
+    return records

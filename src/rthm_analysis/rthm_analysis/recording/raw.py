@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.recording.unpacking import Allowance
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
@@ -32,11 +34,12 @@ class RawTopic:
     sizes: array[int] = field(default_factory=lambda: array("Q"))
     received: array[int] = field(default_factory=lambda: array("Q"))
     sent: array[int] = field(default_factory=lambda: array("Q"))
+    allowance: Allowance = field(default_factory=Allowance)
 
     def append(self, received_ns: int, payload: bytes, sent_ns: int | None = None) -> None:
         """Add a message; one that rosbag2 compressed by itself is unpacked. None: not known when sent."""
         if payload[:4] == ZSTD_MAGIC:
-            payload = _unpacked(payload)
+            payload = _unpacked(payload, self.allowance)
         self.data += payload
         self.sizes.append(len(payload))
         self.received.append(received_ns & LARGEST)
@@ -79,12 +82,13 @@ class RawTopic:
 class RawBag:
     """All topics of a bag by name, and what had to be said while it was read."""
 
+    allowance: Allowance = field(default_factory=Allowance)
     topics: dict[str, RawTopic] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def topic(self, name: str, message_type: str) -> RawTopic:
         """Return the topic of this name, made at its first message; one name has one type."""
-        return self.topics.setdefault(name, RawTopic(name, message_type))
+        return self.topics.setdefault(name, RawTopic(name, message_type, allowance=self.allowance))
 
     def note(self, sentence: str) -> None:
         """Remember something that the user should know, once."""
@@ -92,10 +96,10 @@ class RawBag:
             self.notes.append(sentence)
 
 
-def _unpacked(payload: bytes) -> bytes:
+def _unpacked(payload: bytes, allowance: Allowance) -> bytes:
     import zstandard
 
     try:
-        return bytes(zstandard.ZstdDecompressor().decompressobj().decompress(payload))
+        return allowance.zstd(payload)
     except (zstandard.ZstdError, MemoryError):
         return b""

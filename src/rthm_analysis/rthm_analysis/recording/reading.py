@@ -11,6 +11,7 @@ import numpy as np
 
 from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
+from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
@@ -59,6 +60,8 @@ class Recording:
         What was missing, damaged or mended, one sentence each.
     diagnostics : dict of dict of str
         What each node last said of itself on ``/diagnostics``: values by name of the status and key.
+    clocks : HostClocks
+        Clocks of other hosts, as they were compared during the test.
     events : tuple of dict
         What was told on ``events``, in order (`rthm_core.events`).
     """
@@ -72,6 +75,7 @@ class Recording:
     start_ns: int
     notes: tuple[str, ...]
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
+    clocks: HostClocks = field(default_factory=HostClocks)
     events: tuple[dict[str, Any], ...] = ()
 
     @property
@@ -145,6 +149,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         start_ns,
         tuple(bag.notes),
         _diagnostics(bag, namespace),
+        _clocks(bag, namespace),
         _events(bag, namespace),
     )
 
@@ -225,6 +230,11 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
     except (InputError, ValueError) as reason:
         bag.note(f"the spec in the bag cannot be used: {reason}")
         return "", None
+
+
+def _clocks(bag: RawBag, namespace: str) -> HostClocks:
+    topic = _topic(bag, namespace, "clocks", _JOINT_STATE)
+    return host_clocks(joint_table(topic)[0] if topic else None)
 
 
 def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:

@@ -80,7 +80,12 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         Section("Wrong with the recording or its spec", "", [lists.faults(diagnosis)]),
         Section("What", "", [tables.physics(diagnosis), tables.retuned(diagnosis), lists.traces(diagnosis)]),
         Section(
-            "Forces without a name", "The data show them; no known kind fits.", [lists.described(diagnosis)]
+            "Forces without a name",
+            "The data show them; no known kind fits.",
+            [
+                lists.described(diagnosis),
+                *([figures.curve_plot(figures.curve_of(one))] for one in diagnosis.described if one.at.size),
+            ],
         ),
         Section(
             "The force that the model lacks",

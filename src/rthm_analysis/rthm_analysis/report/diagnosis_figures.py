@@ -18,8 +18,9 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from rthm_analysis.diagnosis.missing.describe import UNITS as VARIABLE_UNITS
 from rthm_analysis.diagnosis.numbers import percent
-from rthm_analysis.diagnosis.result import Curve, Fit
+from rthm_analysis.diagnosis.result import Curve, Described, Fit
 from rthm_analysis.report.figures import COLOURS, FONT, INK, MUTED, Curves, plain_plot
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ VARIABLES = {
     "x": "the position",
     "v": "the velocity",
     "t": "time",
+    "load": "the known load",
     "u - x": "the elongation",
     "du/dt - v": "the rate of elongation",
 }
@@ -100,6 +102,13 @@ def curve_plot(curve: Curve) -> figure:
     plot.legend.orientation, plot.legend.background_fill_alpha = "horizontal", 0.0
     plot.add_layout(plot.legend[0], "above")
     return plot
+
+
+def curve_of(one: Described) -> Curve:
+    """The curve of a force without a name, over the first of its variables."""
+    variable = one.depends_on[0]
+    unit = VARIABLE_UNITS[variable]
+    return Curve(one.block, variable, unit, one.at, one.force, one.std, None, one.held_out_gain)
 
 
 def _drawn(curve: Curve) -> Floats:

@@ -46,7 +46,7 @@ def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
     """
     recording = read_recording(bag)
     timing = timing_of(recording, recording.spec)
-    notes = [*recording.notes, *timing.notes]
+    notes = [*_about_others(recording), *recording.notes, *timing.notes]
     energy, ideal = None, None
     try:
         energy = energy_of(recording, recording.spec)
@@ -55,6 +55,18 @@ def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
     except InputError as reason:
         notes.append(str(reason))
     return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)), recording.abort or abort)
+
+
+def _about_others(recording: Recording) -> list[str]:
+    """What has to be said about who could take part, and about clocks of other hosts."""
+    reach = recording.diagnostics.get(f"{recording.namespace}/recorder", {}).get("reach")
+    said = ["The network was open: anybody on it could take part in this test."] if reach == "open" else []
+    for node, clock in recording.clocks.nodes.items():
+        least, most = clock.offset.min() * 1e3, clock.offset.max() * 1e3
+        said.append(
+            f"The clock of {node} was {least:.3f} to {most:.3f} ms ahead of the leader's; ages are corrected."
+        )
+    return said
 
 
 def _ideal(recording: Recording, energy: EnergyResult) -> Trajectory | None:

@@ -110,14 +110,15 @@ def link_timing(
         return LinkTiming(*(np.empty(0),) * 3, np.empty(0, dtype=bool), 0, 0), notes
     use, sample = uses.use_ns - recording.start_ns, uses.sample_ns - recording.start_ns
     exact, due = _exact_age(schedule, name, use, sample)
-    age = (use - sample).astype(float)
-    excess = np.where(exact == NEVER, np.nan, age - exact)
+    stamped = (use - sample).astype(float)
+    hidden = recording.clocks.missing_age_ns(name, uses.use_ns)
+    age, excess = stamped + hidden, np.where(exact == NEVER, np.nan, stamped - exact)
     told = _told(recording.diagnostics, name)
     stamps = source.stamp_ns - recording.start_ns if source else np.empty(0, dtype=np.int64)
     lost = max(_lost(schedule, name, stamps, use, sample), told.get("lost", 0))
     late = max(_late(schedule, name, excess), told.get("late", 0))
     undisturbed = (exact != NEVER) & ~stands_between(spans, np.where(exact == NEVER, due, due - exact), due)
-    return LinkTiming(use / NS, age / NS, excess / NS, undisturbed, lost, late), notes
+    return LinkTiming(use / NS, age / NS, (excess + hidden) / NS, undisturbed, lost, late), notes
 
 
 def _uses(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.recording.host_clocks import HostClocks
 from rthm_analysis.timing.clocks import ClockTiming, clock_timing
 from rthm_analysis.timing.links import LinkTiming, link_timing
 from rthm_analysis.timing.standing import HeldUp, held_up, standing
@@ -28,12 +29,15 @@ class TimingResult:
         How often and how long parts of the test were held up by their machine.
     notes : tuple of str
         What could not be measured, and why.
+    hosts : HostClocks
+        Clocks of other hosts; ages are corrected by them.
     """
 
     links: dict[str, LinkTiming]
     clocks: dict[str, ClockTiming]
     held_up: HeldUp
     notes: tuple[str, ...]
+    hosts: HostClocks = field(default_factory=HostClocks)
 
     @property
     def missed(self) -> int:
@@ -46,6 +50,7 @@ class TimingResult:
             "links": {name: link.as_dict() for name, link in self.links.items()},
             "clocks": {name: clock.as_dict() for name, clock in self.clocks.items()},
             "held_up": self.held_up._asdict(),
+            "hosts": {name: clock.as_dict() for name, clock in self.hosts.nodes.items()},
             "notes": list(self.notes),
         }
 
@@ -73,7 +78,7 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
             clocks[name] = clock
         elif period:
             notes.append(f"the clock {name} left no trace in the recording: its period is not known.")
-    return TimingResult(links, clocks, held_up(spans, recording.duration), tuple(notes))
+    return TimingResult(links, clocks, held_up(spans, recording.duration), tuple(notes), recording.clocks)
 
 
 def _plant_alone(recording: Recording) -> TimingResult:

@@ -40,4 +40,4 @@ def check_driver(
         from rthm_bringup.driver.checks import checks_of
         from rthm_bringup.driver.listener_node import listen  # ROS reads its environment when imported
 
-        return checks_of(listen(spec, network.domain, seconds, patience, distance), spec)
+        return checks_of(listen(spec, network, seconds, patience, distance), spec)

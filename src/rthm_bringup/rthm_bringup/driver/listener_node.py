@@ -17,9 +17,11 @@ from sensor_msgs.msg import JointState
 
 from rthm_bringup.driver.answer import check_swing, swing
 from rthm_bringup.driver.heard import UNNUMBERED, Commanded, Heard, Publisher, Sample
-from rthm_bringup.topics import JOINT_STATE, NAMESPACE
+from rthm_bringup.run.environment import Network
+from rthm_bringup.topics import JOINT_STATE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.ros import reach
 from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
 
@@ -33,11 +35,13 @@ KEPT = 5000
 NUMBERED = 2**63  # a middleware that does not number messages gives the largest integer
 
 
-def listen(spec: Spec, domain: int, seconds: float, patience: float, distance: float = 0.0) -> Heard:
+def listen(spec: Spec, network: Network, seconds: float, patience: float, distance: float = 0.0) -> Heard:
     """Listen for `seconds` from the first sample on; give up when none comes within `patience`, s.
 
     Parameters
     ----------
+    network
+        Where to listen.
     distance
         Swing of all motors that is commanded meanwhile, m; 0: no command is sent.
 
@@ -47,17 +51,18 @@ def listen(spec: Spec, domain: int, seconds: float, patience: float, distance: f
         If the swing would pass a limit of the spec, or somebody else commands the motors.
     """
     context = rclpy.Context()
-    rclpy.init(context=context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(context=context, domain_id=network.domain, signal_handler_options=SignalHandlerOptions.NO)
     try:
-        return _Ear(context, spec).hear(seconds, patience, distance)
+        return _Ear(context, spec, network.namespace).hear(seconds, patience, distance)
     finally:
         rclpy.try_shutdown(context=context)
 
 
 class _Ear:
-    def __init__(self, context: rclpy.Context, spec: Spec) -> None:
+    def __init__(self, context: rclpy.Context, spec: Spec, namespace: str) -> None:
         self._spec, self._loop = spec, spec.loop()
-        self._node = rclpy.create_node("check_driver", namespace=NAMESPACE, context=context)
+        self._node = rclpy.create_node("check_driver", namespace=namespace, context=context)
+        reach.enforce(context.get_domain_id())
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self._node)
         self._heard: list[tuple[bytes, dict[str, Any]]] = []
@@ -76,11 +81,11 @@ class _Ear:
             elif self._heard:
                 self._spin(seconds)
             gc.enable()
-        listens = self._node.count_subscribers(f"{NAMESPACE}/{COMMAND}") > 0
+        listens = self._node.count_subscribers(self._node.resolve_topic_name(COMMAND)) > 0
         return Heard(publishers, tuple(_sample(*one) for one in self._heard), listens, commanded)
 
     def _publishers(self) -> tuple[Publisher, ...]:
-        found = self._node.get_publishers_info_by_topic(f"{NAMESPACE}/{STATE}")
+        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(STATE))
         return tuple(
             Publisher(
                 f"{one.node_namespace.rstrip('/')}/{one.node_name}",
@@ -107,7 +112,7 @@ class _Ear:
         last = _sample(*self._heard[-1]).position
         start = np.array(last[-m:] if len(last) > m else [np.nan] * m)
         check_swing(start, distance, seconds, self._spec)
-        if self._node.count_publishers(f"{NAMESPACE}/{COMMAND}"):
+        if self._node.count_publishers(self._node.resolve_topic_name(COMMAND)):
             raise InputError("Somebody else publishes actuator/command; end that test before a swing.")
         publisher = self._node.create_publisher(JointState, COMMAND, samples())
         self._spin(2.0, lambda: publisher.get_subscription_count() > 0)

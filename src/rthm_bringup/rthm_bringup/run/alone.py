@@ -35,8 +35,8 @@ def become(role: str, spec: Spec, network: Network, out: Path | None, priority: 
     file = _kept_open(write_spec(spec))
     told = roles.parameters(role, file, bag.absolute() if role == "recorder" else None, False, priority)
     environment = without_parents_ros(os.environ, has_wheels()) | network.variables()
-    print(f"{role} is in domain {network.domain}; Ctrl-C ends it.", file=sys.stderr, flush=True)
-    os.execve(sys.executable, roles.command(role, file, told), environment)
+    print(f"{role} is in {network.place()}; Ctrl-C ends it.", file=sys.stderr, flush=True)
+    os.execve(sys.executable, roles.command(role, file, told, network.namespace), environment)
 
 
 def _kept_open(text: str) -> Path:

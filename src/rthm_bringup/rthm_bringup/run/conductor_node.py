@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from types import TracebackType
@@ -21,13 +21,18 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 
+from rthm_bringup.run.limits import ClockWatch
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
-from rthm_bringup.topics import NAMESPACE
+from rthm_bringup.topics import CLOCKS, NAMESPACE
 from rthm_core import events
 from rthm_core.clock import NS
+from rthm_core.clocks import Offset
 from rthm_core.errors import InputError
-from rthm_core.ros import alive
+from rthm_core.ros import alive, leader, reach, system
+from rthm_core.ros.comparing import Asker
 
+PRIORITY = 10
+"""Real-time priority of a leader that compares clocks, below all of the loop."""
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
 
@@ -81,8 +86,8 @@ class Conductor:
     ----------
     watch
         Called all the time while something is awaited; what it raises ends the waiting.
-    domain
-        Domain of the nodes.
+    domain, namespace
+        Of the nodes.
 
     Attributes
     ----------
@@ -98,14 +103,17 @@ class Conductor:
         Called with the name of every node that says that it is alive.
     """
 
-    def __init__(self, watch: Callable[[], None], domain: int) -> None:
+    def __init__(self, watch: Callable[[], None], domain: int, namespace: str = NAMESPACE) -> None:
         self.watch = watch
+        self._namespace, self._word = namespace, leader.new_word()
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = rclpy.create_node("run", namespace=NAMESPACE, context=self._context)
+        self._node = rclpy.create_node(leader.NODE, namespace=namespace, context=self._context)
+        reach.enforce(domain)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._clients: dict[tuple[str, str], Any] = {}
+        self._clocks = self._node.create_publisher(JointState, CLOCKS, 10)
         self.diagnostics: dict[str, dict[str, str]] = {}
         self.simulated_time = 0.0
         self.abort: events.Abort | None = None
@@ -151,6 +159,38 @@ class Conductor:
             lambda: time.time_ns() >= wall, remaining + 10.0, lambda: "The clock of this host stands."
         )
 
+    def nodes(self) -> list[tuple[str, str]]:
+        """Names and namespaces of all nodes that are known, the leader's own included."""
+        return list(self._node.get_node_names_and_namespaces())
+
+    def clock_watch(self, names: Collection[str], limit: float) -> ClockWatch:
+        """Make a watch over the clocks of nodes; it is served when the leader waits.
+
+        Its answers are to be received in time on a busy host, so the leader then asks for priority, too.
+        """
+        watch = ClockWatch(names, limit, lambda: asker.ask(names), self.tell_clocks)
+        asker = Asker(self._node, watch.take)
+        if names:
+            system.prepare(PRIORITY, lock_memory=False)
+        return watch
+
+    def tell_clocks(self, offsets: Mapping[str, Offset]) -> None:
+        """Publish offsets of clocks, for the recording: position is the offset, effort its uncertainty, s."""
+        for name, one in offsets.items():
+            message = JointState(name=[name], position=[one.offset], effort=[one.uncertainty])
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(one.at, NS)
+            self._clocks.publish(message)
+
+    def rivals(self, topics: Iterable[str]) -> dict[str, list[str]]:
+        """Full names of the nodes that publish each of these topics which has more than one publisher."""
+        found = {}
+        for topic in topics:
+            name = self._node.resolve_topic_name(topic)
+            if self._node.count_publishers(name) > 1:
+                ends = self._node.get_publishers_info_by_topic(name)
+                found[topic] = [_full_name(end.node_namespace, end.node_name) for end in ends]
+        return found
+
     def is_managed(self, name: str) -> bool:
         """Whether a node of this name offers lifecycle services now."""
         return bool(self._client(name, "change_state").service_is_ready())
@@ -170,15 +210,26 @@ class Conductor:
     def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup.
 
+        From before it is activated until it is deactivated, a node answers to this leader alone.
+
         Raises
         ------
         RefusedError
             When one of them refuses, once all have answered.
         """
+        names = list(names)
+        if step in ("activate", "deactivate"):
+            self._lock(names, step == "activate", seconds)
         request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
         for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
             if not answer.success:
                 raise RefusedError(f"{name} refused to {step}", name)
+
+    def _lock(self, names: list[str], closed: bool, seconds: float) -> None:
+        """Lock nodes to this leader, or open them; a driver of somebody else's may have no lock."""
+        value = leader.lock_of(self._word) if closed else self._word
+        request = SetParameters.Request(parameters=[_parameter(leader.PARAMETER, value)])
+        self._ask(dict.fromkeys(names, request), "set_parameters", seconds)
 
     def states(self, names: Iterable[str]) -> dict[str, int]:
         """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
@@ -293,8 +344,15 @@ class Conductor:
     def _client(self, name: str, service: str) -> Any:
         if (name, service) not in self._clients:
             kind = SERVICES.get(service, Trigger)
-            self._clients[name, service] = self._node.create_client(kind, f"{NAMESPACE}/{name}/{service}")
+            self._clients[name, service] = self._node.create_client(
+                kind, f"{self._namespace}/{name}/{service}"
+            )
         return self._clients[name, service]
+
+
+def _full_name(namespace: str, name: str) -> str:
+    """Name of a node on the graph; its endpoints are known a moment before its name."""
+    return "a node without a name" if name.startswith("_NODE_NAME") else f"{namespace.rstrip('/')}/{name}"
 
 
 def _parameter(name: str, value: Any) -> Parameter:

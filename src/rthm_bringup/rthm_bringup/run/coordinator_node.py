@@ -23,7 +23,7 @@ from rthm_core.errors import InputError
 from rthm_core.ros import system
 from rthm_core.ros.grants import DONE, PARTS, Done, grant_to
 from rthm_core.ros.managed import refuse_impossible_transitions
-from rthm_core.ros.process import serving
+from rthm_core.ros.process import built, serving
 from rthm_core.ros.qos import latched, samples
 from rthm_core.spec import read_spec
 
@@ -125,7 +125,7 @@ class Coordinator(LifecycleNode):
 def main() -> int:
     """Run the node until it is asked to end."""
     rclpy.init()
-    node = Coordinator()
+    node = built(Coordinator)
     with serving(node) as executor, suppress(KeyboardInterrupt):
         system.prepare_virtual()
         while rclpy.ok():

@@ -1,7 +1,8 @@
-"""A domain id that no other run on this host uses."""
+"""A domain id that no other run on this host uses, and a namespace in it that no other run leads."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 import random
 import socket
@@ -44,6 +45,30 @@ class Claim:
         raise InputError("Every domain from 1 to 101 is in use on this host; name one with --domain.")
 
 
+class Leadership:
+    """Right to lead the test in a namespace of a domain on this host, until `release` or the process ends.
+
+    Raises
+    ------
+    InputError
+        If another run has it.
+    """
+
+    def __init__(self, domain: int, namespace: str) -> None:
+        digest = hashlib.sha256(namespace.encode()).hexdigest()[:16]
+        lock = _held(f"rthm-run-{domain}-{digest}")
+        if lock is None:
+            raise InputError(
+                f"Another run on this host leads the test in domain {domain}, namespace {namespace}; wait for"
+                " its end, or choose another --namespace or --domain."
+            )
+        self._lock = lock
+
+    def release(self) -> None:
+        """Let another run lead."""
+        self._lock.close()
+
+
 def wanted(option: int | None, fixed: bool) -> int | None:
     """Domain that is asked for: the option, else ROS_DOMAIN_ID, else 0 if others must find it, else any."""
     text = os.environ.get("ROS_DOMAIN_ID", "")
@@ -59,10 +84,15 @@ def wanted(option: int | None, fixed: bool) -> int | None:
 
 
 def _claimed(domain: int) -> socket.socket | None:
-    """Hold the domain among the runs of this host; the kernel gives it back when the process ends."""
+    """Hold the domain among the runs of this host."""
+    return _held(f"rthm-domain-{domain}")
+
+
+def _held(name: str) -> socket.socket | None:
+    """Hold a name on this host; the kernel gives it back when the process ends. None: somebody else does."""
     claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     try:
-        claim.bind(f"\0rthm-domain-{domain}")
+        claim.bind(f"\0{name}")
     except OSError:
         claim.close()
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rthm_core.clocks import Offset
 from rthm_core.events import Abort
 
 
@@ -29,6 +30,8 @@ class Ending:
         Nodes of the loop that the system gave real-time priority.
     diagnostics
         What each node told last, by the name of its status.
+    clocks
+        Offsets of the clocks of parts that run elsewhere, measured last; None where none was told.
     """
 
     reason: str | None = None
@@ -38,6 +41,7 @@ class Ending:
     begin: int | None = None
     wall: float | None = None
     realtime: tuple[str, ...] = ()
+    clocks: dict[str, Offset | None] = field(default_factory=dict)
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def note(self, problem: str) -> None:

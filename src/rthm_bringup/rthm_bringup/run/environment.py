@@ -9,17 +9,24 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from rthm_bringup.topics import NAMESPACE
 from rthm_core.errors import InputError
+from rthm_core.ros import reach
 
 GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 PROFILES, RANGE = "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE"
-PROFILE = Path(__file__).with_name("discovery.xml")
-"""Settings of Fast DDS, which a user's own replace."""
+BUILTIN = "FASTDDS_BUILTIN_TRANSPORTS"
+CLOSED, DISCOVERY = (Path(__file__).with_name(name) for name in ("closed.xml", "discovery.xml"))
+"""Settings of Fast DDS: for nodes of this host only, and for others; a user's own replace the latter."""
+
+ELSEWHERE = ("ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER", "ROS_SUPER_CLIENT", "FASTDDS_ENVIRONMENT_FILE")
+"""Other ways in which an environment changes who finds whom; empty, they change nothing."""
 
 SOURCED = ("AMENT_PREFIX_PATH", "AMENT_CURRENT_PREFIX", "COLCON_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 
@@ -78,29 +85,59 @@ class Network:
     domain
         ROS domain id, 0 to 232.
     open
-        Whether nodes on other hosts are looked for; by default only this host.
+        Whether nodes on all other hosts are looked for.
     peers
-        Addresses of other hosts, for networks that do not pass multicast.
+        Addresses of other hosts: only these are used, or with `open` these also where multicast does not
+        pass. With neither, nothing leaves or enters this host.
+    namespace
+        Where the nodes and topics of the run are.
     """
 
     domain: int
     open: bool = False
     peers: tuple[str, ...] = ()
+    namespace: str = NAMESPACE
 
     def __post_init__(self) -> None:
         if not 0 <= self.domain <= 232:
             raise InputError(
                 f"The domain is {self.domain}, but must be between 0 and 232; choose another one."
             )
+        if not re.fullmatch(r"(/[A-Za-z_][A-Za-z0-9_]*)+", self.namespace) or "__" in self.namespace:
+            raise InputError(
+                f"The namespace is {self.namespace!r}, but must be words of letters, digits and _ with /"
+                " between them, as in /rig_1; choose another one."
+            )
+
+    @property
+    def reach(self) -> str:
+        """Whom the nodes take packets from, in the words of `rthm_core.ros.reach`."""
+        if self.open:
+            return reach.OPEN
+        return reach.NAMED if self.peers else reach.HOST
+
+    def place(self) -> str:
+        """Say where the nodes are."""
+        aside = "" if self.namespace == NAMESPACE else f", namespace {self.namespace}"
+        return f"domain {self.domain}{aside}"
+
+    def words(self) -> str:
+        """Say who can take part."""
+        if self.open:
+            return "open: anybody on the network can hear this test and take part in it"
+        return f"this host and {', '.join(self.peers)}" if self.peers else "this host only"
 
     def variables(self) -> dict[str, str]:
-        """Environment variables that say this to ROS; what the user has set of profile and range stays."""
-        opened = bool(self.open or self.peers)
-        found = {
-            "ROS_DOMAIN_ID": str(self.domain),
-            PROFILES: os.environ.get(PROFILES) or str(PROFILE),
-            RANGE: "SUBNET" if opened else os.environ.get(RANGE) or "LOCALHOST",
-        }
+        """Environment variables that say this to ROS; the user's own count on an open network only."""
+        told = {"ROS_DOMAIN_ID": str(self.domain), reach.VARIABLE: self.reach}
+        if self.open:
+            own = os.environ.get(PROFILES, str(CLOSED))
+            told |= {RANGE: "SUBNET", PROFILES: own if own not in ("", str(CLOSED)) else str(DISCOVERY)}
+        else:
+            told |= dict.fromkeys(ELSEWHERE, "") | {"SKIP_DEFAULT_XML_FILE": "1", BUILTIN: "DEFAULT"}
+            told |= {RANGE: "SYSTEM_DEFAULT", PROFILES: str(CLOSED), reach.PEERS: ""}
         if self.peers:
-            found["ROS_STATIC_PEERS"] = ";".join(self.peers)
-        return found
+            told[reach.PEERS] = ";".join(self.peers)
+        if self.reach == reach.NAMED:
+            told |= {RANGE: "LOCALHOST", PROFILES: str(DISCOVERY)}
+        return told

@@ -34,7 +34,7 @@ def wait_for_external(conductor: Conductor, plan: Plan, view: View) -> list[str]
     parts = sorted(plan.external)
     if not parts:
         return []
-    view.note(f"waiting for {', '.join(parts)} in domain {plan.network.domain}")
+    view.note(f"waiting for {', '.join(parts)} in {plan.network.place()}")
     view.phase("waiting for external parts")
     managed = [name for name in parts if name != "plant"]
     conductor.wait_for(managed, plan.patience)
@@ -73,7 +73,7 @@ def _has_lifecycle(conductor: Conductor, plan: Plan) -> bool:
         conductor.wait_until(
             lambda: bool(found) or conductor.is_managed("plant"),
             plan.patience,
-            lambda: f"Nobody published plant/state in domain {plan.network.domain} in {plan.patience:g} s.",
+            lambda: f"Nobody published plant/state in {plan.network.place()} in {plan.patience:g} s.",
         )
     if conductor.is_managed("plant"):
         return True

@@ -2,36 +2,14 @@
 
 from __future__ import annotations
 
-import fcntl
-import socket
-import struct
 import time
 from collections.abc import Callable
 
 from rthm_core.errors import InputError
+from rthm_core.ros.sockets import addresses
 
-GET_FLAGS, GET_ADDRESS = 0x8913, 0x8915
-LOOPBACK, RUNNING = 0x8, 0x40
 PATIENCE = 10.0
 """How long a network may take to come up, s: the host or its cable may be a second old."""
-
-
-def addresses() -> list[str]:
-    """IPv4 addresses of the interfaces that run now, without loopback."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
-        names = [name for _, name in socket.if_nameindex()]
-        return [found for name in names if (found := _address(any_socket.fileno(), name)) is not None]
-
-
-def _address(descriptor: int, name: str) -> str | None:
-    asked = struct.pack("40s", name.encode())
-    try:
-        flags = struct.unpack_from("H", fcntl.ioctl(descriptor, GET_FLAGS, asked), 16)[0]
-        if flags & LOOPBACK or not flags & RUNNING:
-            return None
-        return socket.inet_ntoa(fcntl.ioctl(descriptor, GET_ADDRESS, asked)[20:24])
-    except OSError:  # without an address, or gone meanwhile
-        return None
 
 
 def wait_for_one(

@@ -12,6 +12,7 @@ from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.result import Result, result_of
 from rthm_bringup.run.shared_memory import Caretaker
 from rthm_bringup.run.view import View
+from rthm_core.ros.reach import HOST
 
 
 def perform(plan: Plan) -> Result:
@@ -27,7 +28,9 @@ def perform(plan: Plan) -> Result:
     with Caretaker(), View() as view, _requests_to_end():
         from rthm_bringup.run.session import Session  # ROS reads its environment when it is first imported
 
-        view.note(f"{ros_in_words()}, domain {plan.network.domain}, {plan.out}")
+        view.note(f"{ros_in_words()}, {plan.network.place()}, {plan.out}")
+        if plan.network.reach != HOST:
+            view.note(f"network: {plan.network.words()}")
         ending = Session(plan, view).run()
         view.phase("analysing the recording")
         return result_of(plan, ending)

@@ -35,6 +35,8 @@ class Plan:
         Real-time priority that the nodes of the loop ask for; None: their default.
     patience
         How long to wait for the external parts, s.
+    any_clock
+        Whether clocks of other hosts may differ by more than `limits.clock`; the analysis corrects for it.
     hardware
         Whether the plant is a real machine.
     dry_run
@@ -51,6 +53,7 @@ class Plan:
     external: frozenset[str] = field(default_factory=frozenset)
     priority: int | None = None
     patience: float = 300.0
+    any_clock: bool = False
     hardware: bool = False
     dry_run: bool = False
     heartbeat: bool = False

@@ -73,6 +73,8 @@ class Result:
             "energies": self.energies,
             "equivalent_damping": self.equivalent_damping,
             "lost": self.lost,
+            "network": plan.network.reach,
+            "hosts": {name: one and one.as_dict() for name, one in self.ending.clocks.items()},
             "abort": self.ending.abort.as_dict() if self.ending.abort else None,
             "interrupted": self.ending.interrupted,
             "realtime": list(self.ending.realtime),

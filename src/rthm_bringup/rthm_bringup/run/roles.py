@@ -37,7 +37,7 @@ def check(names: frozenset[str]) -> None:
         raise InputError(f"{name!r} is no part of a test; choose from {', '.join(PROGRAMS)}.")
 
 
-def command(role: str, spec: Path, parameters: Mapping[str, Value]) -> list[str]:
+def command(role: str, spec: Path, parameters: Mapping[str, Value], namespace: str = NAMESPACE) -> list[str]:
     """Command line of the node of a role.
 
     Parameters
@@ -48,8 +48,10 @@ def command(role: str, spec: Path, parameters: Mapping[str, Value]) -> list[str]
         Parameter file.
     parameters
         What the node is told beyond the spec.
+    namespace
+        Of the node and its topics.
     """
-    words = [sys.executable, "-m", (PROGRAMS | COORDINATOR)[role], "--ros-args", "-r", f"__ns:={NAMESPACE}"]
+    words = [sys.executable, "-m", (PROGRAMS | COORDINATOR)[role], "--ros-args", "-r", f"__ns:={namespace}"]
     words += ["--params-file", str(spec)]
     for name, value in parameters.items():
         words += ["-p", f"{name}:={json.dumps(value)}"]

@@ -17,10 +17,12 @@ from functools import partial
 
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
+from rthm_bringup.run.company import look_at, refuse_company
 from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError, UnconnectedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external, wait_for_heartbeat
+from rthm_bringup.run.guards import Guards
 from rthm_bringup.run.keys import Keys
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
@@ -31,6 +33,7 @@ from rthm_bringup.topics import COMMAND
 from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
 from rthm_core.limits import require_limits
+from rthm_core.ros.leader import NODE as LEADER
 
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
@@ -61,8 +64,9 @@ class Session:
 
     def run(self) -> Ending:
         """Do all of it."""
-        domain = self._plan.network.domain
-        with self._keys, self._processes, Conductor(self._watch.look, domain) as conductor:
+        network = self._plan.network
+        look = self._watch.look
+        with self._keys, self._processes, Conductor(look, network.domain, network.namespace) as conductor:
             try:
                 self._connect(conductor)
                 self._begin(conductor)
@@ -84,6 +88,7 @@ class Session:
 
     def _connect(self, conductor: Conductor) -> None:
         """Start and configure all parts, and wait until they are connected."""
+        self._look_around(conductor)
         self._view.phase("starting the nodes")
         own = [role for role in roles.PROGRAMS if role not in self._plan.external]
         own += roles.COORDINATOR if self._plan.virtual else []
@@ -92,6 +97,7 @@ class Session:
         rehearsal = Rehearsal(self._plan.spec)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
+        self._refuse_company(conductor, [*roles.PROGRAMS, *own])
         if self._has_driver():
             require_limits(self._plan.spec)
         conductor.set({"actuator": self._manner()})
@@ -101,6 +107,19 @@ class Session:
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+        self._guards = Guards(self._plan, conductor, self._managed, self.ending)
+        self._guards.begin(self._view)
+
+    def _look_around(self, conductor: Conductor) -> None:
+        """Refuse to begin where another test is, before anything is started."""
+        end = time.monotonic() + look_at(self._plan.network)
+        while time.monotonic() < end:
+            conductor.sleep_until(time.time_ns() + NS // 10)
+            self._refuse_company(conductor, self._plan.external)
+
+    def _refuse_company(self, conductor: Conductor, own: Iterable[str]) -> None:
+        alone = {*roles.PROGRAMS, *roles.COORDINATOR, LEADER}
+        refuse_company(conductor.nodes(), self._plan.network, alone, {*own, LEADER})
 
     def _wait_ready(self, conductor: Conductor) -> None:
         """Wait for all connections; a driver need not listen to commands, nor tell when it uses one."""
@@ -131,7 +150,8 @@ class Session:
     def _start(self, role: str) -> None:
         plan = self._plan
         told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
-        process = Process(role, roles.command(role, plan.spec_file, told), plan.log / f"{role}.log")
+        command = roles.command(role, plan.spec_file, told, plan.network.namespace)
+        process = Process(role, command, plan.log / f"{role}.log")
         environment = without_parents_ros(os.environ, has_wheels())
         self._processes.start(
             process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}
@@ -145,7 +165,7 @@ class Session:
         self.ending.realtime = tuple(
             p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
         )
-        self._watch.begin(conductor, self._managed, self._is_hardware())
+        self._watch.begin(conductor, self._guards, self._managed, self._is_hardware())
 
     def _agree(self, conductor: Conductor) -> int:
         """Begin at an instant of the wall clock; a driver has chosen already at which instants it samples."""
@@ -193,6 +213,9 @@ class Session:
         duration = self._plan.duration
 
         def over() -> bool:
+            self._refuse_rivals()
+            self._clocks.look()
+            self._refuse_clocks()
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 

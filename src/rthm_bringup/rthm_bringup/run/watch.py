@@ -1,4 +1,4 @@
-"""What the leader of a test looks at while it runs: its processes, the beats of all nodes, aborts, a key."""
+"""What the leader of a test looks at while it runs: processes, beats, owners, clocks, aborts, a key."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from rthm_bringup.run import roles
 from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError
 from rthm_bringup.run.ending import Ending
+from rthm_bringup.run.guards import Guards
 from rthm_bringup.run.heartbeats import Heartbeats
 from rthm_bringup.run.keys import ABORT, Keys
 from rthm_bringup.run.plan import Plan
@@ -36,13 +37,14 @@ class Watch:
     def __init__(self, plan: Plan, processes: Processes, ending: Ending, keys: Keys) -> None:
         self._plan, self._processes, self._ending, self._keys = plan, processes, ending, keys
         self._conductor: Conductor | None = None
+        self._guards: Guards | None = None
         self._heartbeats: Heartbeats | None = None
         self._begun = False
         self.silent: set[str] = set()
 
-    def begin(self, conductor: Conductor, managed: Iterable[str], hardware: bool) -> None:
+    def begin(self, conductor: Conductor, guards: Guards, managed: Iterable[str], hardware: bool) -> None:
         """Watch a test that has begun."""
-        self._conductor, self._begun = conductor, True
+        self._conductor, self._guards, self._begun = conductor, guards, True
         limit = kept_limits(self._plan.spec, hardware).heartbeat
         if limit is not None and not self._plan.virtual:
             self._heartbeats = Heartbeats(set(managed) - roles.OBSERVERS, limit)
@@ -77,6 +79,9 @@ class Watch:
             self.abort("heartbeat", words, silence.seconds, self._heartbeats.limit)
         if ABORT in self._keys.pressed().lower():
             self.abort("operator", f"the key {ABORT} was pressed")
+        broken = self._guards.look() if self._guards else None
+        if broken is not None:
+            self.abort(broken.limit, broken.words, broken.value, broken.allowed)
         if conductor.abort is not None:
             raise AbortedError(conductor.abort)
 

@@ -173,6 +173,9 @@ def effect(kind: str, block: str) -> type[Effect]:
     RefusedError
         If the block is not known or has no such kind; names those that it has.
     """
+    declared = _EFFECTS.get((family(block), kind)) if block in BLOCKS else None
+    if declared is not None:
+        return declared
     known = kinds(block)
     if kind not in known:
         allowed = f"a kind that {block} knows ({', '.join(known)})"

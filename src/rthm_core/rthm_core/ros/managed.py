@@ -15,8 +15,11 @@ from rclpy.parameter import Parameter
 
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.ros import leader
+from rthm_core.ros.comparing import Clock
 from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
+from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec
 
 
@@ -38,7 +41,7 @@ def refuse_impossible_transitions(node: LifecycleNode) -> None:
 
 def refuse_past(start: int) -> None:
     """Refuse to begin at an instant of the wall clock (ns; 0: any) that has passed, with an InputError."""
-    ago = (time.time_ns() - start) / NS
+    ago = (wall_ns() - start) / NS
     if start and ago > 0.0:
         raise InputError(f"start_time is {start}, {ago:.3f} s ago, but must lie ahead; set a later one.")
 
@@ -62,6 +65,7 @@ class ManagedNode(PollingNode):
 
     def __init__(self, name: str) -> None:
         super().__init__(name, namespace="/rthm", allow_undeclared_parameters=True)
+        leader.answer_only_to_leader(self)
         self._besides = {*self._parameters, *OWN, *self.further}
         declare_own(self)
         declare_spec(self, self._besides)
@@ -69,6 +73,7 @@ class ManagedNode(PollingNode):
         self.active = False
         refuse_impossible_transitions(self)
         self.add_on_set_parameters_callback(self._check_change)
+        self._told_clock = Clock(self, lambda: self.wall_ns() - time.time_ns())
 
     def configure(self, spec: Spec) -> None:
         """Get ready for tests of this spec."""
@@ -81,6 +86,10 @@ class ManagedNode(PollingNode):
 
     def release(self) -> None:
         """Let go of everything that `configure` took, also if it did not come to its end."""
+
+    def wall_ns(self) -> int:
+        """Nanoseconds since 1970, by the clock of this node."""
+        return wall_ns()
 
     def value(self, name: str) -> Any:
         """Value of one of the node's own parameters."""
@@ -146,7 +155,7 @@ class ManagedNode(PollingNode):
 
     def _check_change(self, changes: list[Parameter]) -> SetParametersResult:
         for change in changes:
-            if self.active:
+            if self.active and change.name != leader.PARAMETER:
                 return _refused(change, "before the node is activated")
             if self.spec is not None and change.name not in self._besides:
                 return _refused(change, "before the node is configured")

@@ -87,6 +87,10 @@ class PartNode(ManagedNode):
         self._alive.beat()
         self._report()
 
+    def wall_ns(self) -> int:
+        """Nanoseconds since 1970, by the clock that stamps the samples of a test."""
+        return self.loop.wall_ns() if isinstance(self.loop, RealTime) else super().wall_ns()
+
     def configure(self, spec: Spec) -> None:
         """Open all topics and rehearse."""
         virtual = self.value("virtual")
@@ -150,7 +154,7 @@ class PartNode(ManagedNode):
 
     def _chosen_start(self) -> int | None:
         """Full second, far enough ahead for those who get ready together with this node."""
-        return (time.time_ns() // NS + 2) * NS if self._leads else None
+        return (self.wall_ns() // NS + 2) * NS if self._leads else None
 
     def _autostart(self) -> None:
         """Configure once, then activate as soon as everybody is there."""
@@ -188,5 +192,5 @@ class PartNode(ManagedNode):
             "memory locked": self._granted.locked,
         }
         loop = self.diagnostics.loop(facts, self.agenda.clocks if self.loop else [], self.ports.inputs)
-        stamp = (self.ports.start or 0) + now if virtual else time.time_ns()
+        stamp = (self.ports.start or 0) + now if virtual else self.wall_ns()
         self.diagnostics.publish(stamp, loop, *(self.statuses() if self.loop else []))

@@ -28,7 +28,7 @@ class Listener:
     message_type, topic, qos
         As for a subscription.
     receive
-        Called with every message.
+        Called with every message and what the middleware tells of it.
     """
 
     def __init__(
@@ -37,12 +37,15 @@ class Listener:
         message_type: Any,
         topic: str,
         qos: QoSProfile,
-        receive: Callable[[bytes], None],
+        receive: Callable[[bytes, Info], None],
     ) -> None:
+        def take(*message: Any) -> None:
+            """Take a message from an executor that hands over two arguments, or one pair of them."""
+            receive(*(message[0] if len(message) == 1 else message))
+
         self.node = node
-        self.subscription: Subscription = node.create_subscription(
-            message_type, topic, receive, qos, raw=True
-        )
+        self.subscription: Subscription = node.create_subscription(message_type, topic, take, qos, raw=True)
+        self.subscription._callback_type = Subscription.CallbackType.WithMessageInfo
 
     def matched(self, least: int = 1) -> bool:
         """Whether all publishers that are known, and at least so many, are connected."""
@@ -68,7 +71,7 @@ class Mailbox(Listener):
     """
 
     def __init__(self, node: PollingNode, message_type: Any, topic: str, qos: QoSProfile) -> None:
-        super().__init__(node, message_type, topic, qos, lambda message: None)
+        super().__init__(node, message_type, topic, qos, lambda message, info: None)
         self._type = message_type
         node.unserved.add(self.subscription)
 

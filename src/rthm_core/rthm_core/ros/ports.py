@@ -11,6 +11,7 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 
 from rthm_core.link import Inbox, Link
+from rthm_core.owner import Ownership
 from rthm_core.ros.messages import (
     FIELDS,
     JointSample,
@@ -18,7 +19,7 @@ from rthm_core.ros.messages import (
     JointStateWriter,
     TimeReferenceWriter,
 )
-from rthm_core.ros.polling import Listener, Mailbox, PollingNode
+from rthm_core.ros.polling import Info, Listener, Mailbox, PollingNode
 
 Values = Sequence[float] | NDArray[np.float64]
 
@@ -57,9 +58,9 @@ class Ports:
         self.outputs.append(Output(self, topic, names, fields, peers))
         return self.outputs[-1]
 
-    def input(self, topic: str, names: Sequence[str], link: Link, period: int = 0) -> Input:
+    def input(self, topic: str, names: Sequence[str], link: Link, period: int = 0, spacing: int = 0) -> Input:
         """Subscribe to `topic` behind `link`."""
-        self.inputs.append(Input(self, topic, names, link, period))
+        self.inputs.append(Input(self, topic, names, link, period, spacing))
         return self.inputs[-1]
 
     def later(self, publisher: Publisher, data: bytes) -> None:
@@ -139,6 +140,8 @@ class Input:
         Names that the receiver needs, in the order in which it needs them.
     period
         Period of the topic, ns, if nothing is sent between its ticks: gaps then count as missing samples.
+    spacing
+        Mean distance of samples at their highest rate, ns, for telling a second publisher; 0: `period`.
 
     Attributes
     ----------
@@ -148,13 +151,18 @@ class Input:
         Messages of the present test, and how many never came.
     refused
         What was wrong with the last message that could not be used.
+    ownership
+        Tells samples of a second publisher, which are not used.
     seen
         Called with every sample as it arrives, also with those before the start.
     """
 
-    def __init__(self, ports: Ports, topic: str, names: Sequence[str], link: Link, period: int) -> None:
+    def __init__(
+        self, ports: Ports, topic: str, names: Sequence[str], link: Link, period: int = 0, spacing: int = 0
+    ) -> None:
         self.topic, self.link = topic, link
         self._ports, self._period, self._width = ports, period, len(names)
+        self._spacing = spacing or period
         self._read = JointStateReader(names).sample
         self.seen: Callable[[JointSample], None] | None = None
         self._use = TimeReferenceWriter(link.name).bytes
@@ -168,6 +176,7 @@ class Input:
     def clear(self) -> None:
         """Begin a new test."""
         self.inbox, self.refused = Inbox(), ""
+        self.ownership = Ownership(self._spacing)
         self.received = self.missing = 0
         self._newest: int | None = None
 
@@ -189,8 +198,8 @@ class Input:
     def poll(self) -> None:
         """Receive what has arrived, if samples are received when asked to."""
         if isinstance(self._listener, Mailbox):
-            for data, _ in self._listener.take():
-                self._receive(data)
+            for data, info in self._listener.take():
+                self._receive(data, info)
 
     def matched(self) -> bool:
         """Whether somebody publishes the topic, and all that are known are connected."""
@@ -201,7 +210,7 @@ class Input:
         self._listener.close()
         self._ports.node.destroy_publisher(self._uses)
 
-    def _receive(self, data: bytes) -> None:
+    def _receive(self, data: bytes, info: Info) -> None:
         if not self._ports.listening:
             return
         try:
@@ -211,6 +220,8 @@ class Input:
             return
         if self._ports.start is None:
             self._ports.start = sample.stamp
+        if not self.ownership.accept(info["publication_sequence_number"], sample.stamp):
+            return
         sample = sample._replace(stamp=sample.stamp - self._ports.start)
         if self.seen is not None:
             self.seen(sample)

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from typing import TypeVar
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
@@ -15,8 +16,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from rthm_core.errors import InputError
+from rthm_core.ros import reach
 from rthm_core.ros.part import PartNode
 
+N = TypeVar("N", bound=Node)
 SAME = 1.0
 """Time within which several signals are one request to end, s."""
 
@@ -29,22 +32,35 @@ def run(build: Callable[[], PartNode]) -> int:
     Returns
     -------
     int
-        Exit status: 0, or 2 when the node cannot be built from what it was given.
+        Exit status 0; see `built` for another one.
     """
     asked: list[float] = []
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda number, frame: _ask(asked))
-    try:
-        node = build()
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
+    node = built(build)
     with serving(node), suppress(KeyboardInterrupt):
         while rclpy.ok() and not asked:
             node.turn()
         node.stop()
     return 0
+
+
+def built(build: Callable[[], N]) -> N:
+    """Build the node of this process, and see that only those hear it who may.
+
+    Raises
+    ------
+    SystemExit
+        With status 2 when it cannot be built from what it was given, or is open to others.
+    """
+    try:
+        node = build()
+        reach.enforce(node.context.get_domain_id())
+    except InputError as error:
+        print(error, file=sys.stderr)
+        raise SystemExit(2) from error
+    return node
 
 
 @contextmanager

@@ -10,12 +10,14 @@ the clock. What arrives meanwhile waits in the middleware until the event is don
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 
 from rclpy.executors import Executor
 
 from rthm_core.clock import NS, to_ns
+from rthm_core.ros import wall
 from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.ports import Ports
 
@@ -28,10 +30,11 @@ class WallClock:
 
     def __init__(self) -> None:
         self._shift = min((_shift() for _ in range(20)), key=lambda pair: pair[0])[1]
+        self._shown = wall.emulated(os.environ.get(wall.VARIABLE, ""))
 
     def now(self) -> int:
         """Nanoseconds since 1970."""
-        return time.monotonic_ns() + self._shift
+        return self._shown(time.monotonic_ns() + self._shift)
 
 
 class RealTime:
@@ -56,6 +59,10 @@ class RealTime:
     def now(self) -> int:
         """Time since the start of the test, ns; negative before it."""
         return self._clock.now() - (self._ports.start or 0)
+
+    def wall_ns(self) -> int:
+        """Nanoseconds since 1970, by the clock that stamps the samples."""
+        return self._clock.now()
 
     def turn(self) -> bool:
         """Serve the executor until the next deadline comes near, or meet the deadline.

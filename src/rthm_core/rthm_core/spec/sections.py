@@ -220,4 +220,9 @@ class LimitsSpec(Section):
     following: Annotated[
         float | None, Number("m", "largest distance of a motor from its command", above=0.0)
     ] = None
-    clock: Annotated[float | None, Number("s", "largest offset between two hosts", above=0.0)] = None
+    clock: Annotated[
+        float | None,
+        Number(
+            "s", "largest offset between clocks of hosts; by default a tenth of the shortest tau", above=0.0
+        ),
+    ] = None

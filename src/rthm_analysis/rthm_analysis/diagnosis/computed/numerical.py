@@ -216,15 +216,16 @@ class Search:
     tried: dict[Name, float]
 
 
-def search(train: Ticks, judge: Ticks, nominal: Structure, enough: float) -> Search:
+def search(train: Ticks, judge: Ticks, nominal: Structure, sizes: Scales, enough: float) -> Search:
     """Find the fewest parameters, fitted to `train`, that bring the error on `judge` down.
 
     Parameters
     ----------
+    sizes : Scales
+        Of both: a test may begin with a rest.
     enough : float
         Error that needs no explanation.
     """
-    sizes = scales(train)
     first = size_of(errors(judge, nominal, sizes))
     nothing = Search((), nominal, np.empty(0), first, first, {})
     if first <= enough:

@@ -77,9 +77,9 @@ def _numerical(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
     train, judge, unseen = (ticks.part(end * i // 3, end * (i + 1) // 3) for i in range(3))
     if min(train.steps.size, judge.steps.size, unseen.steps.size) < FEWEST:
         return unchecked("numerical", "too few of its ticks are recorded with what it used")
-    nominal = structure(spec)
-    enough = _enough(train, nominal)
-    found = search(train, judge, nominal, enough)
+    nominal, seen = structure(spec), ticks.part(0, end * 2 // 3)
+    enough = _enough(seen, nominal)
+    found = search(train, judge, nominal, scales(seen), enough)
     notes = _numerical_notes(recording, held.told)
     return _numerical_part(recording, spec, ticks, unseen, nominal, found, enough, notes)
 
@@ -95,11 +95,11 @@ def _numerical_notes(recording: Recording, told: bool) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _enough(train: Ticks, nominal: Structure) -> float:
+def _enough(seen: Ticks, nominal: Structure) -> float:
     """Error of a step that the unknown load between two ticks makes, over the size of the step."""
-    dt, n = train.period / NS, nominal.mass.shape[0]
-    kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_doubt(train) * dt
-    return ROUNDING + 3.0 * kick / float(scales(train).change[n:].min())
+    dt, n = seen.period / NS, nominal.mass.shape[0]
+    kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_doubt(seen) * dt
+    return ROUNDING + 3.0 * kick / float(scales(seen).change[n:].min())
 
 
 def _numerical_part(

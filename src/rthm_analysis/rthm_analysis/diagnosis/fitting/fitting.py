@@ -88,6 +88,8 @@ class Fitting:
         model is wrong, data count less against what the spec states.
     asked : set
         Combinations of effects that were fitted.
+    simple : bool
+        Whether no effect is looked for that can imitate others.
 
     Attributes
     ----------
@@ -104,6 +106,7 @@ class Fitting:
     colours: tuple[Colour, ...] = ()
     cores: Cores = field(default_factory=Cores)
     asked: set[frozenset[tuple[str, str, str]]] = field(default_factory=set)
+    simple: bool = False
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:

@@ -50,12 +50,11 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
 def described(one: CurveFit, interval: tuple[float, float] | None) -> Described:
     """A free curve as a finding."""
     variable = one.feature.depends_on[0]
-    values = {"x": one.at.x, "v": one.at.v}
-    over = values.get(variable)
-    at, force, std = _drawn(one, over)
+    values = one.at._asdict()
+    at, force, std = _drawn(one, values[variable])
     takes = _takes(one)
-    domain = {name: _range(values[name]) for name in one.feature.depends_on if name in values}
-    symmetry = _symmetry(at, force) if over is not None else "neither"
+    domain = {name: _range(values[name]) for name in one.feature.depends_on if name != "t"}
+    symmetry = _symmetry(at, force) if variable in ("x", "v") else "neither"
     words = _words(one, symmetry, takes, interval, domain)
     return Described(
         "plant", one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
@@ -63,10 +62,9 @@ def described(one: CurveFit, interval: tuple[float, float] | None) -> Described:
     )  # fmt: skip
 
 
-def _drawn(one: CurveFit, over: Floats | None) -> tuple[Floats, Floats, Floats]:
-    """Mean of the force over its first variable; over the sample's number where that is not the motion."""
-    values = np.arange(one.force.size, dtype=float) if over is None else over
-    at, force, spread, _ = binned(values, one.force)
+def _drawn(one: CurveFit, over: Floats) -> tuple[Floats, Floats, Floats]:
+    """Mean of the force over its first variable."""
+    at, force, spread, _ = binned(over, one.force)
     typical = float(np.sqrt(np.mean(np.square(one.stds)))) if one.stds.size else 0.0
     return at, force, np.hypot(spread, typical)
 

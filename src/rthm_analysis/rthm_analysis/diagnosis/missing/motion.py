@@ -19,10 +19,12 @@ LEAST = 7
 
 
 class Along(NamedTuple):
-    """Motion of one dof along the recording: (s,) arrays, m and m/s."""
+    """Motion of one dof along the recording, with its known load: (s,) arrays, m, m/s, s and N."""
 
     x: Floats
     v: Floats
+    t: Floats
+    load: Floats
 
 
 def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
@@ -42,4 +44,4 @@ def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
         found["velocity"] += savgol_filter(left["velocity"], width, 2)
     elif "position" in left:
         found["velocity"] += savgol_filter(left["position"], 2 * width + 1, 2, deriv=1, delta=step)
-    return Along(found["position"], found["velocity"])
+    return Along(found["position"], found["velocity"], evidence.time, evidence.load[:, dof])

@@ -7,8 +7,7 @@ from dataclasses import replace
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.judging import Choice
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
+from rthm_analysis.diagnosis.search.judging import Choice, imitates
 
 CONFIRMED = 4.0
 """Squared error on unseen data, in units of the noise, that an effect must remove: two standard deviations of
@@ -46,15 +45,20 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
 
 def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without the effects found last that can imitate others: above the noise they say nothing."""
-    choice, refused = physical.choice, []
-    while choice.rounds and choice.rounds[-1][0].label[1] in FLEXIBLE:
+    choice = physical.choice
+    refused = [_refused(label, IMITATES) for label in choice.imitating]
+    while choice.rounds and imitates(*choice.rounds[-1][0].label[:2]):
         refused.append(_last_refused(choice, IMITATES))
         choice = _without_last(choice)
     return replace(physical, choice=choice), tuple(refused)
 
 
 def _last_refused(choice: Choice, why: str) -> Refused:
-    block, kind, _ = choice.rounds[-1][0].label
+    return _refused(choice.rounds[-1][0].label, why)
+
+
+def _refused(label: tuple[str, str, str], why: str) -> Refused:
+    block, kind, _ = label
     return Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}.")
 
 
@@ -67,4 +71,6 @@ def _patches(choice: Choice) -> bool:
 
 def _without_last(choice: Choice) -> Choice:
     rounds = choice.rounds[:-1]
-    return Choice(choice.base, rounds[-1][0].fitted if rounds else choice.base, rounds, choice.limits)
+    return Choice(
+        choice.base, rounds[-1][0].fitted if rounds else choice.base, rounds, choice.limits, choice.imitating
+    )

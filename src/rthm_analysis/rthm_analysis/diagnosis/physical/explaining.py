@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, slow_power
+from rthm_analysis.diagnosis.replay.budget import FURTHER
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
-from rthm_analysis.diagnosis.search.choosing import choose
-from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, doubt, merit
+from rthm_analysis.diagnosis.search.choosing import choose, is_lost
+from rthm_analysis.diagnosis.search.judging import (
+    CLEAR,
+    CLOSE,
+    FLOOR,
+    Choice,
+    doubt,
+    imitates,
+    merit,
+)
 from rthm_analysis.diagnosis.search.refining import FINISHING
 
 LOST = 5.0
@@ -37,11 +48,31 @@ def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Be
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    fitting.doubt = doubt(fitting, begun.retuned)
     explained, choice = _by_effects(begun, near)
-    if explained.fitting is not fitting or not (choice.rounds or plain):
-        return explained, choice
-    return explained, _plainer(fitting, begun, choice, plain)
+    if explained.fitting is fitting and (choice.rounds or plain):
+        choice = _plainer(fitting, begun, choice, plain)
+    if choice.imitates and doubt(explained.fitting, choice.best) > FLOOR**2:
+        return _simple(begun, near, (explained, choice))
+    return explained, choice
+
+
+def _simple(begun: Begun, near: Begun | None, found: tuple[Begun, Choice]) -> tuple[Begun, Choice]:
+    """Effects that can imitate no others, where those that can do not reach the noise: they say nothing then.
+
+    What was found before stays where there are none.
+    """
+    begun.fitting.progress("looking for plain kinds alone")
+    begun.fitting.budget.allow(FURTHER)
+    fittings = [one.fitting for one in (begun, near) if one is not None]
+    for fitting in fittings:
+        fitting.simple = True
+    explained, choice = _by_effects(begun, near)
+    for fitting in fittings:
+        fitting.simple = False
+    if not choice.rounds:
+        return found
+    left = tuple(tried[0].label for tried in found[1].rounds if imitates(*tried[0].label[:2]))
+    return explained, replace(choice, imitating=left)
 
 
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
@@ -58,11 +89,13 @@ def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | Non
     reached = at_noise(fitting, choice.best)
     if plain is None:
         plain = plain_fit(fitting, begun)
-    if fitting.budget.spent or (reached and merit(choice.best) < merit(plain) - CLEAR):
+    ahead = merit(choice.best) < merit(plain) - CLEAR
+    if fitting.budget.spent or (ahead and (reached or is_lost(fitting, choice))):
         fitting.doubt = doubt(fitting, choice.best)
         return choice
     found = _beyond_plain(fitting, plain)
-    if merit(found.best) < merit(choice.best) + CLEAR:
+    says_less = found.imitates and not choice.imitates and doubt(fitting, found.best) > FLOOR**2
+    if merit(found.best) < merit(choice.best) + CLEAR and not says_less:
         return found
     fitting.doubt = doubt(fitting, choice.best)
     return choice
@@ -81,6 +114,7 @@ def _lost(begun: Begun) -> float:
 def _by_effects(begun: Begun, short: Begun | None) -> tuple[Begun, Choice]:
     """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
     fitting, lost = begun.fitting, _lost(begun)
+    fitting.doubt = doubt(fitting, begun.retuned)
     choice = choose(fitting, begun.retuned, lambda left: left > lost)
     if short is None or fitting.doubt <= lost:
         return begun, choice
@@ -129,13 +163,19 @@ def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
 
 
 def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
-    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell."""
+    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell.
+
+    Where they show nothing that is better over the whole, the choice stays as it is.
+    """
     fitting, closer, near = begun.fitting, short.fitting, short.retuned
     closer.doubt = doubt(closer, near)
     again = choose(closer, near, lambda left: left < WRONG)
-    if closer.doubt >= WRONG:
-        return begun, choose(fitting, begun.retuned, begun=choice)
     whole = _over_the_whole(fitting, again.best.model)
+    if closer.doubt >= WRONG:
+        if whole is None or doubt(fitting, whole) > doubt(fitting, choice.best):
+            return begun, choice
+        fitting.doubt = doubt(fitting, whole)
+        return begun, Choice(begun.retuned, whole, again.rounds, choice.limits)
     if whole is not None and doubt(fitting, whole) < WRONG:
         fitting.doubt = doubt(fitting, whole)
         led = Choice(begun.retuned, whole, again.rounds, choice.limits)

@@ -20,10 +20,7 @@ from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE
-
-FLOOR = 1.3
-"""Error on unseen data over the noise, up to which a model is at the noise (contract)."""
+from rthm_analysis.diagnosis.search.judging import FLOOR
 
 WANDERS = 4.0
 """The same where another channel denies that the error is motion: it is the sensor's own noise."""
@@ -157,13 +154,13 @@ class Judgement:
     def earned(self) -> bool:
         """Whether the effects that were added may be named.
 
-        At the noise they may. Above it, only plain kinds may: together they must remove most of the mismatch,
-        each of them some of it, and what they leave must not be a curve that they should have been.
+        At the noise they may. Above it, only plain kinds of what moves may: together they must remove most of
+        the mismatch, each of them some of it, and what they leave must not be a curve that they should have
+        been.
         """
         if self.at_noise or not self.names:
             return self.names
-        kinds = [tried[0].label[1] for tried in self.physical.choice.rounds]
-        if any(kind in FLEXIBLE for kind in kinds) or self.gone < EXPLAINS:
+        if self.physical.choice.imitates or self.gone < EXPLAINS:
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
         if any(share < SHARE * whole for share in self.shares):

@@ -5,8 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 260e6
+LIMIT = 160e6
 """Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
+
+FURTHER = 50e6
+"""Steps that a second question, which is asked of a few kinds only, may take in any case."""
+
+PER_REPLAY = 5e3
+"""Steps that what a replay needs beside its steps takes as long as."""
 
 
 @dataclass
@@ -22,9 +28,13 @@ class Budget:
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def charge(self, steps: float) -> None:
-        """Count some work."""
+        """Count a replay of so many steps."""
         with self._lock:
-            self.used += steps
+            self.used += steps + PER_REPLAY
+
+    def allow(self, more: float) -> None:
+        """Let at least some more be done."""
+        self.limit = max(self.limit, self.used + more)
 
     @property
     def spent(self) -> bool:

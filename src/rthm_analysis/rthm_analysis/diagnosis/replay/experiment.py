@@ -142,12 +142,15 @@ class Experiment:
         """Motion (s, ...) of the physical side of `spec` under the recorded inputs, at the samples; kept for
         the last few models.
         """
-        return self._motion(spec, windows, between=False)[0]
-
-    def _motion(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
-        """Motion at the samples (s, ...), or in each interval of the fine grid (f, 3, ...), and its steps."""
         bare = _without_sensors(spec)
-        key = f"{bare!r} {hash(windows.state.tobytes())} {between}"
+        return self._motion(bare, _key(bare, windows), windows, between=False)[0]
+
+    def _motion(self, bare: Spec, key: str, windows: Windows, *, between: bool) -> tuple[Motion, int]:
+        """Motion at the samples (s, ...), or in each interval of the fine grid (f, 3, ...), and its steps.
+
+        `key` tells the model and the windows from others.
+        """
+        key += str(between)
         with self._lock:
             kept = self._motions.get(key)
         if kept is None:
@@ -166,12 +169,13 @@ class Experiment:
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
         assert spec.plant is not None
-        columns, steps = [], 0
+        columns, steps, bare = [], 0, _without_sensors(spec)
+        key = _key(bare, windows)
         for channel in self.evidence.channels:
             places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
             effects = _effects_on(spec, channel)
             lag = time_constant(effects)
-            motion, steps = self._motion(spec, windows, between=lag > 0.0)
+            motion, steps = self._motion(bare, key, windows, between=lag > 0.0)
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
             if lag:
                 inputs = self._inputs(spec)
@@ -246,6 +250,11 @@ class Experiment:
             motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
         samples = np.searchsorted(fine.time_ns, e.stamps_ns)
         return Inputs(points, motor, load_on(points, e, self.between), fine, course, samples)
+
+
+def _key(bare: Spec, windows: Windows) -> str:
+    """What tells a model, started in some windows, from others."""
+    return f"{bare!r} {hash(windows.state.tobytes())} "
 
 
 def _without_sensors(spec: Spec) -> Spec:

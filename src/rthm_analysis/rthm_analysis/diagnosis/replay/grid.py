@@ -34,7 +34,7 @@ class Grid:
         """The instants in s."""
         return self.time_ns / NS
 
-    @property
+    @cached_property
     def points(self) -> Floats:
         """Start, middle and end of each interval, in s: (g, 3)."""
         length = np.append(np.diff(self.time), 0.0)
@@ -43,7 +43,7 @@ class Grid:
     @cached_property
     def points_before_jumps(self) -> Floats:
         """`points` whose ends are a hair before the instants at which the next interval starts: (g, 3)."""
-        points = self.points
+        points = self.points.copy()
         points[:-1, 2] = np.nextafter(self.time[1:], 0.0)
         return points
 

@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
+    FLEXIBLE,
     UNFINISHED,
     Choice,
     Tried,
@@ -19,7 +20,7 @@ from rthm_analysis.diagnosis.search.judging import (
     doubt,
     relevant,
 )
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, let_go, paired
+from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.replacing import compared
@@ -29,6 +30,12 @@ from rthm_analysis.diagnosis.search.told_wires import told_wire
 from rthm_core.compiled import Floats
 
 MOST_EFFECTS = 3
+
+LOST = 0.3
+"""Part of a mismatch above the noise, left by what was found, from which the search is given up."""
+
+FAR = 30.0
+"""Doubt from which kinds that can imitate others, and do not, are given up."""
 
 
 def never(doubt: float) -> bool:
@@ -65,7 +72,22 @@ def choose(
         if stop(fitting.doubt):
             return choice
         choice = _together(fitting, choice, told or tried)
+    if is_lost(fitting, choice):
+        return choice
     return compared(fitting, simplified(fitting, combined(fitting, choice)))
+
+
+def is_lost(fitting: Fitting, choice: Choice) -> bool:
+    """Whether what was found is so far from the noise that nothing of it will be named.
+
+    It leaves a good part of the mismatch, or is no plain kind: to make it simpler is no use.
+    """
+    left, before = doubt(fitting, choice.best), doubt(fitting, choice.base)
+    if left < WRONG:
+        return False
+    if choice.imitates and left > FAR:
+        return True
+    return left - 1.0 > LOST * (before - 1.0)
 
 
 def _together(fitting: Fitting, choice: Choice, firsts: list[Tried]) -> Choice:

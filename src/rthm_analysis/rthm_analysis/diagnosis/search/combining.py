@@ -59,6 +59,8 @@ def _other(fitting: Fitting, choice: Choice) -> Choice | None:
     except np.linalg.LinAlgError:
         return None
     for labels, pieces in asked.items():
+        if fitting.budget.spent:
+            break
         fitting.asked.add(labels)
         fitted = _fitted(fitting, choice, pieces)
         if fitted is not None and _cost(fitting, choice, fitted) < least:

@@ -25,11 +25,25 @@ CLOSE = 1.2
 UNFINISHED = 1.02
 """Doubt above which something may be left: the fit of an effect goes on before more is looked for."""
 
+FLOOR = 1.3
+"""Error on unseen data over the noise, up to which a model is at the noise (contract)."""
+
 RELEVANT = 0.03
 """Part of the first mismatch that an effect must explain where no model reaches the noise."""
 
 PART = 0.05
 """Part of what is left of a mismatch that an effect must explain to be what is missing."""
+
+FLEXIBLE = {
+    "bouc_wen",
+    "clearance",
+    "maxwell_branch",
+    "fluid_memory",
+    "hidden_mode",
+    "harmonic_load",
+    "end_stop",
+}
+"""Kinds with enough freedom to imitate others."""
 
 NUMERICS = 1e-6
 """Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
@@ -61,12 +75,26 @@ class Choice:
         Refined candidates of each round, best first; the first of a round was added if there is a next.
     limits : dict
         By block, kind and parameter: smallest amplitude that would have been seen.
+    imitating : tuple
+        Labels of effects that were left for plainer ones: they can imitate others and did not reach the
+        noise.
     """
 
     base: Fitted
     best: Fitted
     rounds: list[list[Tried]] = field(default_factory=list)
     limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
+    imitating: tuple[tuple[str, str, str], ...] = ()
+
+    @property
+    def imitates(self) -> bool:
+        """Whether any of its effects can imitate others."""
+        return any(imitates(*tried[0].label[:2]) for tried in self.rounds)
+
+
+def imitates(block: str, kind: str) -> bool:
+    """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
+    return kind in FLEXIBLE or block.startswith("sensor.")
 
 
 def doubt(fitting: Fitting, fitted: Fitted) -> float:

@@ -7,21 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.search.judging import Tried, doubt
+from rthm_analysis.diagnosis.search.judging import FLEXIBLE, Tried, doubt
 from rthm_analysis.diagnosis.search.promising import promising, screened
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.told_wires import released
-
-FLEXIBLE = {
-    "bouc_wen",
-    "clearance",
-    "maxwell_branch",
-    "fluid_memory",
-    "hidden_mode",
-    "harmonic_load",
-    "end_stop",
-}
-"""Kinds with enough freedom to imitate others."""
 
 PAIRED = 3
 """Plain kinds for which a companion is looked for where no single kind comes near the noise."""

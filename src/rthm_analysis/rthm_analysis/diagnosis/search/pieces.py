@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
-from rthm_analysis.diagnosis.search.judging import CLOSE, Choice
+from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, imitates
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
@@ -78,7 +78,8 @@ def pieces_of(fitting: Fitting, choice: Choice, columns: Floats) -> list[Piece]:
     columns : (p, s k) array
         Projected, of all parameters of the best model.
     """
-    return [*_present(choice, columns), *_others(fitting, choice), *_tones(fitting, choice)]
+    tones = [] if fitting.simple else _tones(fitting, choice)
+    return [*_present(choice, columns), *_others(fitting, choice), *tones]
 
 
 def is_plain(start: Start) -> bool:
@@ -107,6 +108,8 @@ def _others(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
     starts: dict[object, Start] = {}
     for start in candidates(choice.base.model.spec, experiment.evidence, motion, fitting.sigma):
         plain = is_plain(start)
+        if fitting.simple and imitates(*start.label[:2]):
+            continue
         if start.label not in there and start.amplitude and (plain or fitting.doubt > CLOSE):
             starts.setdefault(start.label if plain else len(starts), start)
     changes = fitting.cores.each(lambda start: _change(fitting, choice, start), starts.values())

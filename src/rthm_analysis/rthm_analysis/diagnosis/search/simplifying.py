@@ -6,8 +6,8 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, Choice, Tried, better, doubt, merit
-from rthm_analysis.diagnosis.search.pairing import FLEXIBLE, companions
+from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, FLEXIBLE, Choice, Tried, better, doubt, merit
+from rthm_analysis.diagnosis.search.pairing import companions
 from rthm_analysis.diagnosis.search.pieces import is_plain
 from rthm_analysis.diagnosis.search.refining import FINISHING
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of, plainer

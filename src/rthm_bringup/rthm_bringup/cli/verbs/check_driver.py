@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
+from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.topics import NAMESPACE
 
 if TYPE_CHECKING:
     from rthm_bringup.driver.check import Check
@@ -31,6 +32,7 @@ def verb(
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
+    namespace: Namespace = NAMESPACE,
     json: Json = None,
 ) -> int:
     """Check whatever publishes plant/state: names, sizes, numbers, stamps, period, ages, delivery.
@@ -44,7 +46,7 @@ def verb(
 
     test = spec_named(spec)
     test.loop()
-    with network_of(domain, network, peers, shared=True) as reach, status("listening"):
+    with network_of(domain, network, peers, namespace, shared=True) as reach, status("listening"):
         checks = check_driver(test, reach, seconds, wait, swing)
     passed = all(one.passed for one in checks)
     put({"passed": passed, "checks": [vars(one) for one in checks]}, map(_line, checks), json)

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
+from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import SpecName
+from rthm_bringup.topics import NAMESPACE
 
 
 def verb(
@@ -25,6 +26,7 @@ def verb(
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
+    namespace: Namespace = NAMESPACE,
     priority: Annotated[
         int | None,
         typer.Option(min=0, max=99, help="Real-time priority of the loop, if the system grants it."),
@@ -39,5 +41,5 @@ def verb(
     from rthm_bringup.run.alone import become
 
     test = spec_named(spec)
-    with network_of(domain, network, peers, shared=True) as reach:
+    with network_of(domain, network, peers, namespace, shared=True) as reach:
         become(part, test, reach, out, priority)

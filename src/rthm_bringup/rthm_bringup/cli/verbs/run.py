@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from rthm_bringup.cli.network import Domain, OpenNetwork, Peers
+from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.topics import NAMESPACE
 
 
 class Plant(StrEnum):
@@ -44,6 +45,13 @@ def verb(
         ),
     ] = "",
     wait: Annotated[float, typer.Option(metavar="S", help="How long to wait for external parts.")] = 300.0,
+    allow_clock_offset: Annotated[
+        bool,
+        typer.Option(
+            "--allow-clock-offset",
+            help="Go on where clocks of hosts differ by more than limits.clock, and correct the analysis.",
+        ),
+    ] = False,
     dry_run: Annotated[
         bool,
         typer.Option("--dry-run", help="Everything runs, but commands go to actuator/command_dry alone."),
@@ -55,6 +63,7 @@ def verb(
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
+    namespace: Namespace = NAMESPACE,
     priority: Annotated[
         int | None,
         typer.Option(min=0, max=99, help="Real-time priority of the loop, if the system grants it."),
@@ -76,7 +85,7 @@ def verb(
     if plant is Plant.external:
         parts |= {"plant"}
     test = spec_named(spec)
-    with network_of(domain, network, peers, shared=bool(parts)) as reach:
+    with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(
             test,
             out or new_folder(),
@@ -86,6 +95,7 @@ def verb(
             parts,
             priority,
             wait,
+            allow_clock_offset,
             hardware=plant is Plant.external,
             dry_run=dry_run,
             heartbeat=heartbeat,

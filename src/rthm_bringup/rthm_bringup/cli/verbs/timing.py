@@ -28,7 +28,19 @@ def _lines(result: dict) -> list[str]:
     clocks = [("clock", "period mean", "period p99", "missed")]
     for name, clock in result["clocks"].items():
         clocks.append((name, _ms(clock["period_mean"]), _ms(clock["period_p99"]), str(clock["missed"])))
-    return [*table(links), "", *table(clocks), *_held_up(**result["held_up"])]
+    return [*table(links), "", *table(clocks), *_hosts(result["hosts"]), *_held_up(**result["held_up"])]
+
+
+def _hosts(hosts: dict) -> list[str]:
+    from rthm_bringup.cli.output import table
+
+    if not hosts:
+        return []
+    rows = [("clock of", "ahead by", "least", "most", "+-", "drift")]
+    for name, host in hosts.items():
+        numbers = (_ms(host[key]) for key in ("offset", "least", "most", "uncertainty"))
+        rows.append((name, *numbers, f"{host['drift'] * 1e6:.0f} ppm"))
+    return ["", *table(rows), "ages are corrected by these"]
 
 
 def _held_up(count: int, share: float, longest: float) -> list[str]:

@@ -1,0 +1,31 @@
+"""Publishes a topic of the loop that is somebody else's: plain rclpy, nothing of the project.
+
+usage: rival.py TOPIC SECONDS [NAMESPACE]
+
+Says `heard N` of plant/state at its end.
+"""
+
+import sys
+import time
+
+import rclpy
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+
+topic, seconds, *rest = sys.argv[1:]
+rclpy.init()
+node = rclpy.create_node("rival", namespace=rest[0] if rest else "/rthm")
+heard = [0]
+node.create_subscription(
+    JointState, "plant/state", lambda _: heard.__setitem__(0, heard[0] + 1), QoSProfile(depth=1000)
+)
+publisher = node.create_publisher(JointState, topic, QoSProfile(depth=100))
+message = JointState(name=["x1", "x2", "a1"])
+message.position = message.velocity = message.effort = [9.0, 9.0, 9.0]
+end = time.time() + float(seconds)
+while time.time() < end:
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
+    publisher.publish(message)
+    rclpy.spin_once(node, timeout_sec=0.005)
+print(f"heard {heard[0]}", flush=True)
+rclpy.shutdown()

@@ -1,0 +1,75 @@
+"""Tests over hosts whose clocks differ: measured, refused, or corrected."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hosts import ADDRESSES, on
+
+from rthm_analysis.recording import read_recording
+from rthm_core.ros.wall import VARIABLE
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+NEAR = 0.0002
+"""How well an offset is measured by the quickest exchange of a test, s, on a busy machine, too."""
+
+
+def run(
+    hosts: tuple[str, str], environment: dict[str, str], clock: str, *options: str | Path
+) -> tuple[int, dict, str]:
+    """Lead a test whose numerical substructure is on a host with this clock; status, JSON and complaints."""
+    words = [sys.executable, "-m", "rthm_bringup", "run", "paper", "--external", "numerical", "--json", "-"]
+    words += ["--peers", ADDRESSES[1], "--wait", "120", *map(str, options)]
+    there = [sys.executable, "-m", "rthm_bringup", "node", "numerical", "paper", "--peers", ADDRESSES[0]]
+    with ExitStack() as ends:
+        numerical = ends.enter_context(on(hosts[1], there, environment | {VARIABLE: clock}))
+        ends.callback(numerical.terminate)
+        leader = ends.enter_context(on(hosts[0], words, environment))
+        told, complaints = leader.communicate(timeout=300)
+    return leader.returncode, json.loads(told), complaints
+
+
+def test_a_clock_that_is_3_ms_ahead_is_refused_before_anything_moves(
+    hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path
+) -> None:
+    status, told, _ = run(hosts, environment, "0.003", "--duration", "3", "--out", tmp_path / "out")
+    assert status != 0
+    host = told["hosts"]["numerical"]
+    assert abs(host["offset"] - 0.003) <= host["uncertainty"] + 1e-5
+    assert any(
+        "the clock of numerical is" in words and "ahead of this host's" in words for words in told["problems"]
+    )
+    assert any("--allow-clock-offset" in words for words in told["problems"])
+    assert not list((tmp_path / "out").glob("report.html"))
+
+
+@pytest.mark.parametrize("drift", [0.0, 500e-6])
+def test_a_clock_that_may_be_off_is_measured_and_the_delays_are_told_right(
+    hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path, drift: float
+) -> None:
+    begun = time.time()
+    clock = f"0.003 {drift!r} {begun!r}"
+    options = ("--duration", "5", "--allow-clock-offset", "--out", tmp_path / "out")
+    _, told, complaints = run(hosts, environment, clock, *options)
+    recording = read_recording(told["bag"])
+    measured = recording.clocks.nodes["numerical"]
+    true = 0.003 + drift * (measured.at_ns / 1e9 - begun)
+    assert np.all(np.abs(measured.offset - true) <= measured.uncertainty + 1e-5), complaints
+    quickest = int(np.argmin(measured.uncertainty))
+    assert abs(measured.offset[quickest] - true[quickest]) < NEAR, complaints
+    timing = subprocess.run(
+        [sys.executable, "-m", "rthm_bringup", "timing", told["bag"], "--json", "-"],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    links = json.loads(timing.stdout)["links"]
+    ahead = np.median(true)
+    assert links["tau3"]["excess"]["p50"] == pytest.approx(ahead, abs=1e-3)
+    if ahead < 0.006:  # further ahead, samples that are due have not been made yet
+        assert links["tau2"]["excess_undisturbed"]["p50"] == pytest.approx(-ahead, abs=1e-3)

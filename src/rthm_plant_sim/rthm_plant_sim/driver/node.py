@@ -17,10 +17,12 @@ from rthm_core.limits import kept_limits
 from rthm_core.link import Link
 from rthm_core.ros import system
 from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.comparing import Clock
 from rthm_core.ros.diagnostics import ERROR, OK, Diagnostics
 from rthm_core.ros.ports import Input, Ports
 from rthm_core.ros.qos import samples
 from rthm_core.ros.realtime import RealTime
+from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec, read_spec, shipped_names, shipped_spec
 from rthm_plant_sim.driver.device import Device, Layout, Reading, stamp_of
 from rthm_plant_sim.driver.gate import Gate
@@ -71,7 +73,9 @@ class DriverNode(Node):  # type: ignore[misc]
         link.delay_ns = max(link.delay_ns - self._dead, 0)
         self._commands = self.ports.input("actuator/command", self._layout.actuators, link)
         self._diagnostics = Diagnostics(self)
-        self._agenda, self._loop = Agenda(), None
+        self._clock = Clock(self, lambda: self._wall_ns() - time.time_ns())  # type: ignore[arg-type]
+        self._agenda = Agenda()
+        self._loop: RealTime | None = None
         self._owners, self._seen, self._quiet, self._unread = 1, 0, 0, 0
         self._said = ""
         self._next_report = 0
@@ -96,6 +100,9 @@ class DriverNode(Node):  # type: ignore[misc]
         self.gate.motor = np.array(position[len(self._layout.dofs) :])
         self._state.send(at, position, velocity, effort)
 
+    def _wall_ns(self) -> int:
+        return self._loop.wall_ns() if self._loop else wall_ns()
+
     def _begun(self) -> RealTime:
         """Begin the grid at the next full Td1 of the wall clock."""
         reading = self._read() if self._polled else None
@@ -103,7 +110,7 @@ class DriverNode(Node):  # type: ignore[misc]
             self._layout.arrays(reading)
         system.prepare(PRIORITY, lock_memory=True)
         system.hold_garbage()
-        self.ports.start = (time.time_ns() // self._period + 2) * self._period
+        self.ports.start = (wall_ns() // self._period + 2) * self._period
         self.ports.listening = self.ports.speaking = True
         self._agenda.when_due(_Waiting(self._commands), self._receive)
         if self._polled:
@@ -187,7 +194,7 @@ class DriverNode(Node):  # type: ignore[misc]
         loop = self._diagnostics.loop(facts, self._agenda.clocks, self.ports.inputs)
         level = ERROR if any(self.gate.refused.values()) else OK
         gate = self._diagnostics.status("gate", level, self._said or "waits for commands", values)
-        self._diagnostics.publish(time.time_ns(), loop, gate)
+        self._diagnostics.publish(self._wall_ns(), loop, gate)
 
 
 class _Waiting:

@@ -9,7 +9,6 @@ run ends, what comes after ``wait`` is done: the recorder closes its bag, and no
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -24,6 +23,7 @@ from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external, wait_for_heartbeat
 from rthm_bringup.run.guards import Guards
 from rthm_bringup.run.keys import Keys
+from rthm_bringup.run.leaving import Leaving, Parts
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
@@ -81,10 +81,15 @@ class Session:
             self._watch.end()
             self.ending.abort = conductor.abort
             with suppress(KeyboardInterrupt):
-                self._come_to_rest(conductor)
-                self._end(conductor)
+                leaving = Leaving(self._plan, conductor, self._parts(), self.ending)
+                leaving.come_to_rest()
+                self._view.phase("ending the test")
+                leaving.end()
             self.ending.diagnostics = conductor.diagnostics
         return self.ending
+
+    def _parts(self) -> Parts:
+        return Parts(self._managed, self._processes, self._watch.silent)
 
     def _connect(self, conductor: Conductor) -> None:
         """Start and configure all parts, and wait until they are connected."""
@@ -213,9 +218,6 @@ class Session:
         duration = self._plan.duration
 
         def over() -> bool:
-            self._refuse_rivals()
-            self._clocks.look()
-            self._refuse_clocks()
             self._view.progress(max(0.0, now()), duration)
             return bool(duration) and now() >= duration
 
@@ -225,60 +227,3 @@ class Session:
         """Sentence with what the node at fault said last, if it is ours."""
         words = [p.last_words() for p in self._processes.living() if p.name == stopped.node]
         return ": ".join([str(stopped), *(word for word in words if word)])
-
-    def _come_to_rest(self, conductor: Conductor) -> None:
-        """After an abort, wait until the controller has brought the motors to where they stay."""
-        conductor.watch = lambda: None
-        dead = [process.fate() for process in self._processes.dead() if process.name not in roles.OBSERVERS]
-        if conductor.abort is not None and dead:
-            self.ending.reason = self.ending.reason or dead[0]
-        if conductor.abort is not None and "actuator" in self._answering():
-            with suppress(StoppedError):
-                conductor.wait_until(lambda: conductor.rested, 1.0 + self._way_back(), str)
-
-    def _way_back(self) -> float:
-        """Longest time that the motors take back to rest, s: a limited rate may take longer than the ramp."""
-        limits = self._plan.spec.limits
-        return 2.0 * (limits.ramp or 0.0) if limits else 0.0
-
-    def _end(self, conductor: Conductor) -> None:
-        """End the test in good order: the loop first, the recorder last."""
-        self._view.phase("ending the test")
-        self._wake_silent()
-        alive = self._answering()
-        self._deactivate(conductor, [name for name in alive if name == "coordinator"])
-        # The controller first: its motors come to rest while the plant still moves.
-        self._deactivate(conductor, [name for name in reversed(roles.LOOP) if name in alive])
-        watching = self._deactivate(conductor, [name for name in alive if name == "analysis"])
-        self._deactivate(conductor, [name for name in alive if name == "recorder"])
-        if watching and self.ending.begin is not None:
-            self._wait_for_analysis(conductor)
-        with suppress(StoppedError):
-            conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
-
-    def _wait_for_analysis(self, conductor: Conductor) -> None:
-        """Give the analysis node the time that it needs for the recording that was closed."""
-        told = self._plan.bag.with_name("bag.energy.json")
-        mine = "analysis" not in self._plan.external and "recorder" not in self._plan.external
-        if mine and self._plan.bag.joinpath("metadata.yaml").exists():
-            with suppress(StoppedError):
-                conductor.wait_until(told.exists, 60.0, str)
-
-    def _wake_silent(self) -> None:
-        """Let a recorder that was stopped close its bag; what moves motors stays as it is, and is killed."""
-        for process in self._processes.living():
-            if process.name in self._watch.silent:
-                process.send(signal.SIGCONT if process.name == "recorder" else signal.SIGKILL)
-
-    def _answering(self) -> list[str]:
-        gone = {process.name for process in self._processes.dead()} | (self._watch.silent - {"recorder"})
-        return [name for name in self._managed if name not in gone]
-
-    def _deactivate(self, conductor: Conductor, names: Iterable[str]) -> list[str]:
-        """Deactivate nodes, one after the other; return those that were."""
-        done = []
-        for name in names:
-            with suppress(StoppedError):
-                conductor.step("deactivate", [name], 5.0 + self._way_back())
-                done.append(name)
-        return done

@@ -25,9 +25,7 @@ from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 EXAMPLES = Path(__file__).parents[1] / "examples"
 STANDS, RATE = 0.1, 5.0
-LIMITS = LimitsSpec(
-    command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0)
-)
+LIMITS = LimitsSpec(command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0))
 """A sample that a busy machine holds up is not called stale."""
 
 
@@ -99,7 +97,6 @@ def assert_within_rate(recording: Recording) -> None:
     u = np.concatenate([[STANDS], recording.plant.columns("position", ["a1"])[:, 0]])
     waits = np.concatenate([[0.004], np.diff(recording.plant.stamp_ns) / NS]) + 0.004
     assert np.all(np.abs(np.diff(u)) <= RATE * waits + 1e-9)
-    assert np.ptp(u) > 0.02
 
 
 def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
@@ -114,9 +111,8 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
     assert ended.json["abort"] is None
     recording = ended.recording
     assert_within_rate(recording)
-    steps = np.diff(recording.plant.stamp_ns)
-    assert steps.min() > 0
-    assert np.median(steps) == 1_200_000
+    assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.02
     assert len(recording.links["tau4"]) > 100
 
 

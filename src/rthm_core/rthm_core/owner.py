@@ -45,13 +45,10 @@ class Ownership:
     ----------
     words
         Why not all samples can be of one publisher; empty while they can.
-    skipped
-        How many samples its publisher had sent between the last two that came; None: not numbered.
     """
 
     def __init__(self, spacing: int = 0) -> None:
         self.words = ""
-        self.skipped: int | None = 0
         self._spacing = spacing
         self._number: int | None = None
         self._stamp = 0
@@ -67,12 +64,10 @@ class Ownership:
             Its stamp, ns.
         """
         if number >= UNNUMBERED:
-            self.skipped = None
             return True
         if self._number is not None and not self._follows(number, stamp):
             self.words = self.words or f"sample {number} came after {self._number}, of another publisher"
             return False
-        self.skipped = 0 if self._number is None else number - self._number - 1
         self._number, self._stamp = number, stamp
         return True
 

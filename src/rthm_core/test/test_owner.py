@@ -60,12 +60,3 @@ def test_a_forged_sample_far_ahead_is_not_used_and_the_owner_goes_on() -> None:
 def test_without_numbers_nothing_is_known() -> None:
     ownership = Ownership(SPACING)
     assert all(ownership.accept(UNNUMBERED, stamp) for stamp in (3, 2, 1))
-
-
-def test_a_gap_in_the_numbers_is_a_loss_and_a_gap_in_the_stamps_is_none() -> None:
-    follows = Ownership(SPACING)
-    skipped = []
-    for number, stamp in ((1, 0), (2, SPACING), (3, 9 * SPACING), (6, 12 * SPACING), (UNNUMBERED, 13 * SPACING)):
-        assert follows.accept(number, stamp)
-        skipped.append(follows.skipped)
-    assert skipped == [0, 0, 0, 2, None]

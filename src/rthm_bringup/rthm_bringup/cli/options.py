@@ -26,8 +26,6 @@ def spec_named(name: str) -> Spec:
     InputError
         If it is neither, or not a spec.
     """
-    from rthm_core.spec import read_spec, shipped_names, shipped_spec
+    from rthm_core.spec import spec_at
 
-    if name in shipped_names() and not Path(name).is_file():
-        return shipped_spec(name)
-    return read_spec(Path(name))
+    return spec_at(name)

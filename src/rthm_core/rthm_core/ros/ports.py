@@ -139,8 +139,7 @@ class Input:
     names
         Names that the receiver needs, in the order in which it needs them.
     period
-        Period of the topic, ns, if nothing is sent between its ticks: samples that do not come are then missing,
-        by the numbers of their publisher, else by gaps between the stamps.
+        Period of the topic, ns, if nothing is sent between its ticks: gaps then count as missing samples.
     spacing
         Mean distance of samples at their highest rate, ns, for telling a second publisher; 0: `period`.
 
@@ -233,9 +232,7 @@ class Input:
         """Put a sample into the inbox; one that comes too late is due now."""
         self.received += 1
         if self._period and self._newest is not None:
-            skipped = self.ownership.skipped
-            gap = max(round((sample.stamp - self._newest) / self._period) - 1, 0)
-            self.missing += gap if skipped is None else skipped
+            self.missing += max(round((sample.stamp - self._newest) / self._period) - 1, 0)
         self._newest = max(sample.stamp, self._newest or 0)
         due, now = self.link.due(sample.stamp), self._ports.now()
         self.inbox.push(sample.stamp, due if due is None else max(due, now), sample)

@@ -4,7 +4,7 @@ from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import apply, number_at
 from rthm_core.spec.numbers import numbers
 from rthm_core.spec.parameters import Parameter, parameters
-from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text
+from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text, spec_at
 from rthm_core.spec.schema import (
     ActuatorSpec,
     ConstantLoad,
@@ -57,6 +57,7 @@ __all__ = [
     "shipped_names",
     "shipped_spec",
     "shipped_text",
+    "spec_at",
     "spec_from_parameters",
     "write_spec",
 ]

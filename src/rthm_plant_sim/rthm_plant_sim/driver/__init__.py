@@ -43,6 +43,7 @@ def drive(device: Device, spec: Spec | Path | str, dead_time: float = 0.0) -> in
         Exit status: 0, or 2 with one sentence on standard error when spec and device do not fit.
     """
     from rthm_core.ros.process import run  # ROS is imported only by who drives
-    from rthm_plant_sim.driver.node import DriverNode, spec_at
+    from rthm_core.spec import spec_at
+    from rthm_plant_sim.driver.node import DriverNode
 
     return run(lambda: DriverNode(device, spec_at(spec), dead_time))

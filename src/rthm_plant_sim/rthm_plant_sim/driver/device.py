@@ -13,8 +13,6 @@ from rthm_core.spec import Spec
 
 Values = float | Sequence[float] | NDArray[np.float64]
 """One number per dof or per actuator; a lone number where there is one."""
-ON_TIME = 0.1
-"""How late a reading may be to belong to its tick, share of Td1."""
 
 
 class Reading(NamedTuple):
@@ -46,8 +44,8 @@ class Reading(NamedTuple):
 class Device(Protocol):
     """A rig: sensors that are read, motors that are commanded.
 
-    It may also have ``hold()``, called when commands end or are no longer executed, and ``close()``, called at
-    the end. Motors that keep their last command need neither.
+    It may also have ``hold()``, called when commands end, ``close()``, called at the end, and ``words()``, what
+    is to be told of it. Motors that keep their last command need none of these.
     """
 
     def read(self) -> Reading | tuple[Values, ...] | None:
@@ -72,8 +70,8 @@ class Layout:
         loop = spec.loop()
         self.dofs, self.actuators = loop.plant.dofs, loop.actuator.names
 
-    def arrays(self, reading: Reading) -> tuple[list[float], list[float], list[float]]:
-        """Position, velocity and effort, each of the dofs and then of the actuators.
+    def values(self, reading: Reading) -> NDArray[np.float64]:
+        """Position, velocity and effort (3, n + m), each of the dofs and then of the actuators.
 
         Raises
         ------
@@ -81,21 +79,17 @@ class Layout:
             When a reading has another size than the spec.
         """
         n, m = len(self.dofs), len(self.actuators)
-        return (
-            _sized("position", reading.position, n) + _sized("motor", reading.motor, m),
-            _sized("velocity", reading.velocity, n) + _sized("motor_velocity", reading.motor_velocity, m),
-            _sized("load", reading.load, n) + _sized("force", reading.force, m),
+        return np.array(
+            [
+                _sized("position", reading.position, n) + _sized("motor", reading.motor, m),
+                _sized("velocity", reading.velocity, n) + _sized("motor_velocity", reading.motor_velocity, m),
+                _sized("load", reading.load, n) + _sized("force", reading.force, m),
+            ]
         )
 
-
-def stamp_of(tick: int, began: int, ended: int, period: int) -> int:
-    """Stamp of a reading that was made between two instants for a tick; all in ns.
-
-    It is the tick's as long as the reading belongs to it, so that samples lie on a grid; a reading that came
-    late has the instant at which it was made.
-    """
-    made = (began + ended) // 2
-    return tick if abs(made - tick) <= ON_TIME * period else made
+    def motor(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Motor positions (m,) among the values of a reading."""
+        return values[0, len(self.dofs) :]
 
 
 def _sized(name: str, values: Values | None, size: int) -> list[float]:

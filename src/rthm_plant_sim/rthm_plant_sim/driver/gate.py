@@ -1,7 +1,7 @@
 """What a driver executes: nothing before it is armed, nothing after a silence, and then within limits.
 
-    disarmed --- a command within limits.start of the measured motor position ---> armed
-    armed ------ no command executed for command_age, or two who command --------> disarmed, motors hold
+disarmed --- a command within limits.start of the measured motor position ---> armed
+armed ------ no command executed for command_age, or two who command --------> disarmed, motors hold
 """
 
 from __future__ import annotations
@@ -25,8 +25,6 @@ class Gate:
 
     Attributes
     ----------
-    armed
-        Whether the motors are under command.
     refused
         How many commands were not executed, by the limit that they broke.
     motor
@@ -42,6 +40,7 @@ class Gate:
 
     @property
     def armed(self) -> bool:
+        """Whether the motors are under command."""
         return self._guard is not None
 
     def executed(self, stamp: int, at: int, command: Floats, owners: int = 1) -> Floats | None:

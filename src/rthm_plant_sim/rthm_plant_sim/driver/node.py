@@ -7,7 +7,6 @@ It publishes ``plant/state`` of its own accord, on a grid of Td1 that begins wit
 from __future__ import annotations
 
 import time
-from pathlib import Path
 
 import numpy as np
 from rclpy.node import Node
@@ -23,9 +22,10 @@ from rthm_core.ros.ports import Input, Ports
 from rthm_core.ros.qos import samples
 from rthm_core.ros.realtime import RealTime
 from rthm_core.ros.wall import wall_ns
-from rthm_core.spec import Spec, read_spec, shipped_names, shipped_spec
-from rthm_plant_sim.driver.device import Device, Layout, Reading, stamp_of
+from rthm_core.spec import Spec
+from rthm_plant_sim.driver.device import Device, Layout, Reading
 from rthm_plant_sim.driver.gate import Gate
+from rthm_plant_sim.driver.grid import Grid
 
 PRIORITY = 49
 """Real-time priority that is asked for: that of the simulated plant."""
@@ -33,15 +33,6 @@ MARGIN = 100_000
 """Time before a tick in which the clock is watched without sleep, ns."""
 LOOK = NS // 20
 """Period at which publishers of commands are counted, ns."""
-
-
-def spec_at(place: Spec | Path | str) -> Spec:
-    """Spec itself, of a file, or shipped under a name; InputError if it is none of these."""
-    if isinstance(place, Spec):
-        return place
-    if str(place) in shipped_names() and not Path(place).is_file():
-        return shipped_spec(str(place))
-    return read_spec(Path(place))
 
 
 class DriverNode(Node):  # type: ignore[misc]
@@ -66,6 +57,7 @@ class DriverNode(Node):  # type: ignore[misc]
         super().__init__("driver", namespace="/rthm")
         self.device, self._polled = device, polled
         self._period, self._dead = timing.ns("td1"), to_ns(dead_time)
+        self._grid = Grid(self._period)
         self.gate = Gate(self.limits, timing.ns("td3"))
         self.ports = Ports(self, samples())  # type: ignore[arg-type]
         self._state = self.ports.output("plant/state", (*self._layout.dofs, *self._layout.actuators))
@@ -77,7 +69,7 @@ class DriverNode(Node):  # type: ignore[misc]
         self._agenda = Agenda()
         self._loop: RealTime | None = None
         self._owners, self._seen, self._quiet, self._unread = 1, 0, 0, 0
-        self._said = ""
+        self._said = self._device_said = ""
         self._next_report = 0
 
     def turn(self) -> None:
@@ -92,13 +84,11 @@ class DriverNode(Node):  # type: ignore[misc]
         self._tell_device("hold")
         self._tell_device("close")
 
-    def publish(self, reading: Reading, at: int) -> None:
-        """Publish a reading as the sample of the instant `at`, ns after the begin, or of its own stamp."""
-        if reading.stamp is not None:
-            at = reading.stamp - (self.ports.start or 0)
-        position, velocity, effort = self._layout.arrays(reading)
-        self.gate.motor = np.array(position[len(self._layout.dofs) :])
-        self._state.send(at, position, velocity, effort)
+    def publish(self, reading: Reading) -> None:
+        """Publish a reading that has a stamp of its own."""
+        values = self._layout.values(reading)
+        self.gate.motor = self._layout.motor(values)
+        self._state.send((reading.stamp or 0) - (self.ports.start or 0), *values)
 
     def _wall_ns(self) -> int:
         return self._loop.wall_ns() if self._loop else wall_ns()
@@ -107,7 +97,7 @@ class DriverNode(Node):  # type: ignore[misc]
         """Begin the grid at the next full Td1 of the wall clock."""
         reading = self._read() if self._polled else None
         if reading is not None:
-            self._layout.arrays(reading)
+            self._layout.values(reading)
         system.prepare(PRIORITY, lock_memory=True)
         system.hold_garbage()
         self.ports.start = (wall_ns() // self._period + 2) * self._period
@@ -125,7 +115,13 @@ class DriverNode(Node):  # type: ignore[misc]
         if reading is None:
             self._unread += 1
             return
-        self.publish(reading, stamp_of(at, now, self.ports.now(), self._period))
+        if reading.stamp is not None:
+            self.publish(reading)
+            return
+        values = self._layout.values(reading)
+        self.gate.motor = self._layout.motor(values)
+        for stamp, sample in self._grid.samples(at, (now + self.ports.now()) // 2, values):
+            self._state.send(stamp, *sample)
 
     def _read(self) -> Reading | None:
         try:
@@ -136,7 +132,7 @@ class DriverNode(Node):  # type: ignore[misc]
         return reading if reading is None or isinstance(reading, Reading) else Reading(*reading)
 
     def _receive(self, at: int, now: int) -> None:
-        command = self._commands.take(now)
+        command = self._commands.take(at)
         if command is None:
             return
         wanted, armed = np.array(command.position), self.gate.armed
@@ -152,6 +148,7 @@ class DriverNode(Node):  # type: ignore[misc]
     def _watch(self, at: int, now: int) -> None:
         """Hold when commands end; a new controller is then expected, with a new count of its samples."""
         self._owners = self.count_publishers(self._commands.topic)
+        self._say_device()
         silence = self.gate.silent(now)
         if silence is not None:
             self._say(f"no command has been executed for {silence:.3f} s: disarmed, the motors hold")
@@ -181,6 +178,13 @@ class DriverNode(Node):  # type: ignore[misc]
             self._said = words.split(":")[0]
             self.get_logger().warning(words)
 
+    def _say_device(self) -> None:
+        """Pass on what the device says of itself, when it changes."""
+        words = getattr(self.device, "words", str)()
+        if words != self._device_said:
+            self._device_said = words
+            self.get_logger().warning(f"the device: {words}")
+
     def _tell_device(self, what: str) -> None:
         getattr(self.device, what, lambda: None)()
 
@@ -190,7 +194,12 @@ class DriverNode(Node):  # type: ignore[misc]
             return
         self._next_report = now + NS
         values = {f"commands refused by {name}": count for name, count in self.gate.refused.items()}
-        facts = {"armed": self.gate.armed, "ticks without a reading": self._unread} | values
+        facts = {
+            "armed": self.gate.armed,
+            "ticks without a reading": self._unread,
+            "samples between two readings": self._grid.between,
+            "samples missing": self._grid.missing,
+        }
         loop = self._diagnostics.loop(facts, self._agenda.clocks, self.ports.inputs)
         level = ERROR if any(self.gate.refused.values()) else OK
         gate = self._diagnostics.status("gate", level, self._said or "waits for commands", values)

@@ -14,7 +14,7 @@ REQUEST, STATE = 1, 2
 COMMANDS = 1
 """Flag of a request: it has a command."""
 ARMED, OLD, FAR, BAD = 1, 2, 4, 8
-"""Flags of a state: motors are under command; the last command was too old, too far, or bad, so not executed."""
+"""Flags of a state: motors are under command; the command that it answers was too old, too far, or bad."""
 LARGEST = 16
 """Most dofs, and most actuators."""
 MODULUS = 2**32

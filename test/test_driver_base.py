@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,10 +22,11 @@ import pytest
 from rthm_analysis.recording import Recording, read_recording
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
-from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
+from rthm_core.spec import LimitsSpec, Spec, apply, shipped_spec, spec_at, write_spec
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 EXAMPLES = Path(__file__).parents[1] / "examples"
+STAND_IN = Path(__file__).parent / "programs" / "ros2_control.py"
 STANDS, RATE = 0.1, 5.0
 LIMITS = LimitsSpec(command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0))
 """A sample that a busy machine holds up is not called stale."""
@@ -47,10 +50,20 @@ class Laboratory:
 
     def __init__(self, environment: dict[str, str], folder: Path) -> None:
         self.environment, self.folder = environment, folder
-        self.spec = folder / "rig.yaml"
-        paper = shipped_spec()
-        plant = paper.plant.model_copy(update={"initial_position": (STANDS,)})
-        self.spec.write_text(write_spec(paper.model_copy(update={"plant": plant, "limits": LIMITS})))
+        self.spec = self.written(
+            apply(shipped_spec(), {"plant.initial_position": [STANDS]}).model_copy(update={"limits": LIMITS})
+        )
+
+    def written(self, spec: Spec) -> Path:
+        """File with a spec."""
+        file = self.folder / "rig.yaml"
+        file.write_text(write_spec(spec))
+        return file
+
+    def at_rest(self) -> Path:
+        """The spec of the examples, which begins at rest; a busy machine may be late."""
+        rig = spec_at(EXAMPLES / "rig.yaml")
+        return self.written(apply(rig, {"limits.stale": 0.5, "limits.heartbeat": 1.0}))
 
     @contextmanager
     def process(self, *command: str | Path) -> Iterator[subprocess.Popen[bytes]]:
@@ -87,14 +100,21 @@ class Laboratory:
             time.sleep(0.05)
 
 
+def free_port() -> int:
+    """UDP port that nobody has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
 @pytest.fixture
 def laboratory(environment: dict[str, str], network: Network, tmp_path: Path) -> Laboratory:
     return Laboratory(environment, tmp_path)
 
 
-def assert_within_rate(recording: Recording) -> None:
+def assert_within_rate(recording: Recording, stands: float = STANDS) -> None:
     """The motor, as its driver measures it, moved within the rate and began where it stood."""
-    u = np.concatenate([[STANDS], recording.plant.columns("position", ["a1"])[:, 0]])
+    u = np.concatenate([[stands], recording.plant.columns("position", ["a1"])[:, 0]])
     waits = np.concatenate([[0.004], np.diff(recording.plant.stamp_ns) / NS]) + 0.004
     assert np.all(np.abs(np.diff(u)) <= RATE * waits + 1e-9)
 
@@ -129,3 +149,78 @@ def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: sig
     assert ended.json["abort"]["limit"] == "stale"
     assert ended.json["abort"]["at"] < 20.0
     assert_within_rate(ended.recording)
+
+
+@contextmanager
+def emulated(laboratory: Laboratory) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """The emulated device in Python, at rest, and its address."""
+    spec, port = laboratory.at_rest(), free_port()
+    command = [sys.executable, "-m", "rthm_plant_sim.udp.emulated", spec, str(port)]
+    with laboratory.process(*command) as device:
+        yield device, f"127.0.0.1:{port}"
+
+
+@contextmanager
+def in_c(laboratory: Laboratory) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """The C example at 0.1 m, and its address."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.skip("no C compiler (cc, gcc, clang) is on the path")
+    program, port = laboratory.folder / "udp_device", free_port()
+    sources = [EXAMPLES / "udp_device.c", EXAMPLES / "udp_device_posix.c"]
+    subprocess.run([compiler, "-std=c99", "-O2", "-o", program, *sources, "-lm"], check=True)
+    with laboratory.process(program, str(port), str(STANDS)) as device:
+        yield device, f"127.0.0.1:{port}"
+
+
+Kind = Callable[[Laboratory], AbstractContextManager[tuple[subprocess.Popen[bytes], str]]]
+
+
+@pytest.mark.parametrize("kind", [emulated, in_c])
+def test_a_device_behind_udp_takes_the_place_of_the_plant(laboratory: Laboratory, kind: Kind) -> None:
+    with (
+        kind(laboratory) as (_, address),
+        laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
+        laboratory.begun("--duration", "3") as run,
+    ):
+        ended = laboratory.ended(run)
+    assert ended.status == 0, ended.out
+    assert ended.json["abort"] is None
+    recording = ended.recording
+    assert_within_rate(recording, 0.0 if kind is emulated else STANDS)
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.01
+    assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+def test_a_device_that_is_pulled_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
+    with (
+        emulated(laboratory) as (device, address),
+        laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
+        laboratory.begun("--duration", "30") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.kill(device.pid, number)
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    assert ended.json["abort"]["at"] < 20.0
+
+
+def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
+    bridge = [sys.executable, "-m", "rthm_plant_sim.ros2_control", laboratory.spec]
+    with (
+        laboratory.process(sys.executable, STAND_IN, str(STANDS)) as manager,
+        laboratory.process(*bridge, "--joints", "x1=table,a1=piston"),
+        laboratory.begun("--duration", "60") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        manager.terminate()
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    recording = ended.recording
+    assert recording.plant.names == ("x1", "a1")
+    assert_within_rate(recording)
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.0
+    assert len(recording.links["tau4"]) > 10

@@ -45,7 +45,7 @@ class Device(Protocol):
     """A rig: sensors that are read, motors that are commanded.
 
     It may also have ``hold()``, called when commands end, ``close()``, called at the end, and ``words()``, what
-    is to be told of it. Motors that keep their last command need none of these.
+    it has to tell. Motors that keep their last command need none of these.
     """
 
     def read(self) -> Reading | tuple[Values, ...] | None:

@@ -1,8 +1,8 @@
 """Stands for a controller manager of ros2_control, with nothing but rclpy.
 
 A joint state broadcaster publishes its joints on /joint_states, in an order of its own; a forward command
-controller of the joint "piston" takes commands on /forward_position_controller/commands. The table follows the
-piston like a filter of first order.
+controller of the joint "piston" takes commands on /forward_position_controller/commands. The joint "table"
+follows the piston like a filter of first order.
 
 usage: ros2_control.py METRES
 """

@@ -1,5 +1,6 @@
 """The spec: one ROS 2 parameter file that describes a test for every part of the system."""
 
+from rthm_core.spec.amplitude import scaled_motion
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import apply, number_at
 from rthm_core.spec.numbers import numbers
@@ -54,6 +55,7 @@ __all__ = [
     "numbers",
     "parameters",
     "read_spec",
+    "scaled_motion",
     "shipped_names",
     "shipped_spec",
     "shipped_text",

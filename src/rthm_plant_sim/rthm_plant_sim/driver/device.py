@@ -44,8 +44,8 @@ class Reading(NamedTuple):
 class Device(Protocol):
     """A rig: sensors that are read, motors that are commanded.
 
-    It may also have ``hold()``, called when commands end, ``close()``, called at the end, and ``words()``, what
-    it has to tell. Motors that keep their last command need none of these.
+    It may also have ``hold()``, called when commands end, ``close()``, called at the end, and ``words()``,
+    what it has to tell. Motors that keep their last command need none of these.
     """
 
     def read(self) -> Reading | tuple[Values, ...] | None:

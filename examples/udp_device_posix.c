@@ -8,6 +8,7 @@
 
 #include <arpa/inet.h>
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/socket.h>
@@ -40,6 +41,7 @@ int main(int count, char **arguments)
     struct device device = {.limits = {1.0, 5.0, 0.02, 500000, 4000}, .read = read_sensors};
     struct sockaddr_in own = {.sin_family = AF_INET}, from;
     struct timeval look = {0, 1000};
+    struct sched_param real_time = {.sched_priority = 60};
     uint8_t packet[2048], answer[DEVICE_STATE_SIZE];
     int ear = socket(AF_INET, SOCK_DGRAM, 0);
 
@@ -47,6 +49,7 @@ int main(int count, char **arguments)
     own.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     x = u = count > 2 ? atof(arguments[2]) : 0.0;
     moved = clock_us();
+    sched_setscheduler(0, SCHED_FIFO, &real_time); /* where the system grants it */
     setsockopt(ear, SOL_SOCKET, SO_RCVTIMEO, &look, sizeof look);
     if (bind(ear, (struct sockaddr *)&own, sizeof own) != 0) {
         perror("udp_device");

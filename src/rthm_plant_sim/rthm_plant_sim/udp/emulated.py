@@ -8,10 +8,12 @@ at rest. Its limits are those of the spec.
 
 from __future__ import annotations
 
+import os
 import signal
 import socket
 import sys
 import time
+from contextlib import suppress
 from types import FrameType
 
 import numpy as np
@@ -23,6 +25,8 @@ from rthm_core.spec import Spec, spec_at
 from rthm_plant_sim.udp.device import DeviceLimits, DeviceLogic, Values
 from rthm_plant_sim.udp.host import LARGEST_PACKET, PORT
 
+PRIORITY = 60
+"""Real-time priority that is asked for: a microcontroller waits for nobody."""
 LOOK = 0.01
 """Longest time between two looks at the watchdog, s."""
 
@@ -74,6 +78,8 @@ def serve(spec: Spec, port: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
         ear.bind(("127.0.0.1", port))
         ear.settimeout(LOOK)
+        with suppress(PermissionError):
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
         device = Emulated(spec)
         device.receive(b"")
         print(f"emulated device at 127.0.0.1:{ear.getsockname()[1]}", flush=True)

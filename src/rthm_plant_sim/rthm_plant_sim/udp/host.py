@@ -18,6 +18,8 @@ from rthm_plant_sim.udp.packets import ARMED, BAD, FAR, MODULUS, OLD, Request, S
 
 PORT = 9750
 """Where a device listens, by default."""
+PATIENCE = NS // 100
+"""Longest wait for an answer, ns: later than that, nobody knows when the sensors were read."""
 LARGEST_PACKET = 2048
 WHY = {OLD: "too old", FAR: "too far from the motors to begin there", BAD: "not finite or too large"}
 
@@ -30,7 +32,7 @@ class UdpDevice:
     address
         ``HOST`` or ``HOST:PORT``.
     spec
-        A complete loop: numbers of dofs and actuators, and Td1, in which an answer must come.
+        A complete loop: numbers of dofs and actuators.
 
     Attributes
     ----------
@@ -48,7 +50,6 @@ class UdpDevice:
     def __init__(self, address: str, spec: Spec) -> None:
         loop = spec.loop()
         self._dofs, self._actuators = len(loop.plant.dofs), len(loop.actuator.names)
-        self._patience = loop.timing.ns("td1")
         self._address = _address(address)
         self._socket: socket.socket | None = None
         self._session = secrets.randbelow(MODULUS - 1) + 1
@@ -56,7 +57,7 @@ class UdpDevice:
         self.unanswered = self.flags = 0
 
     def read(self) -> Reading | None:
-        """Ask for a state; None where no answer comes within Td1. OSError where the network refuses."""
+        """Ask for a state; None where no answer comes in time. OSError where the network refuses."""
         state = self._answer_to(self._send(None))
         if state is None:
             self.unanswered += 1
@@ -94,7 +95,7 @@ class UdpDevice:
     def _answer_to(self, number: int) -> State | None:
         """State that answers a request; answers to earlier ones were made earlier, and are passed over."""
         assert self._socket is not None
-        end = time.monotonic_ns() + self._patience
+        end = time.monotonic_ns() + PATIENCE
         while (left := end - time.monotonic_ns()) > 0:
             self._socket.settimeout(left / NS)
             try:

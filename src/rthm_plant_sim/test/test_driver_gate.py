@@ -12,6 +12,7 @@ from rthm_core.limits import kept_limits
 from rthm_core.spec import LimitsSpec, apply, shipped_spec
 from rthm_plant_sim.driver.device import Layout, Reading
 from rthm_plant_sim.driver.gate import Gate
+from rthm_plant_sim.driver.telling import Teller
 
 MS = 1_000_000
 LIMITS = LimitsSpec(command=1.0, rate=5.0, force=50.0, stale=0.05, ramp=0.5)
@@ -34,6 +35,10 @@ def test_nothing_moves_before_a_command_begins_where_the_motor_stands() -> None:
     assert at(100, 0.42, made) is None
     assert not made.armed
     assert made.refused["start"] == 1
+    assert made.why(np.array([0.42]), 1) == (
+        "not armed: the motors are commanded to [0.42] m and stand at [0.4] m; limits.start allows 0.01 m,"
+        " and limits.command_age 0.05 s"
+    )
     assert at(104, 0.405, made) == 0.405
     assert made.armed
 
@@ -100,3 +105,14 @@ def test_a_reading_of_another_size_is_refused_in_one_sentence() -> None:
 def test_a_spec_without_the_limits_of_a_machine_is_refused() -> None:
     with pytest.raises(InputError, match=r"limits.rate is missing"):
         kept_limits(apply(SPEC, {"limits.rate": None}), hardware=True)
+
+
+def test_a_driver_tells_each_thing_once() -> None:
+    said: list[str] = []
+    teller = Teller(said.append)
+    for words in ("armed", "not armed: 0.1 m", "not armed: 0.2 m", "armed"):
+        teller.say(words)
+    teller.say_of_device("")
+    teller.say_of_device("holds")
+    teller.say_of_device("holds")
+    assert said == ["armed", "not armed: 0.1 m", "armed", "the device: holds"]

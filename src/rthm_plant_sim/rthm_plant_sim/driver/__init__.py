@@ -13,8 +13,10 @@ Clock grid, stamps, tau4, watchdog, limits and arming are the base's (docs/drive
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
+from rthm_core.errors import InputError
 from rthm_plant_sim.driver.device import Device, Reading
 
 if TYPE_CHECKING:
@@ -46,4 +48,8 @@ def drive(device: Device, spec: Spec | Path | str, dead_time: float = 0.0) -> in
     from rthm_core.spec import spec_at
     from rthm_plant_sim.driver.node import DriverNode
 
-    return run(lambda: DriverNode(device, spec_at(spec), dead_time))
+    try:
+        return run(lambda: DriverNode(device, spec_at(spec), dead_time))
+    except InputError as error:  # of a first reading
+        print(error, file=sys.stderr)
+        return 2

@@ -67,6 +67,18 @@ class Gate:
         self._count(guard)
         return executed
 
+    def why(self, command: Floats, owners: int) -> str:
+        """Say why a command was not executed."""
+        if owners > 1:
+            return f"commands of {owners} nodes: none is executed"
+        if self.armed:
+            return "a command is refused: too old, not finite, or beyond a limit"
+        motor = "are not measured" if self.motor is None else f"stand at {self.motor.round(6).tolist()} m"
+        return (
+            f"not armed: the motors are commanded to {command.round(6).tolist()} m and {motor}; limits.start"
+            f" allows {self._away:g} m, and limits.command_age {self._limits.command_age:g} s"
+        )
+
     def silent(self, at: int) -> float | None:
         """How long no command has been executed, s, once it is too long; the motors are then disarmed."""
         silence = self._guard.silent(at) if self._guard else None

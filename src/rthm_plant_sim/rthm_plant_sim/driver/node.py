@@ -26,6 +26,7 @@ from rthm_core.spec import Spec
 from rthm_plant_sim.driver.device import Device, Layout, Reading
 from rthm_plant_sim.driver.gate import Gate
 from rthm_plant_sim.driver.grid import Grid
+from rthm_plant_sim.driver.telling import Teller
 
 PRIORITY = 49
 """Real-time priority that is asked for: that of the simulated plant."""
@@ -69,7 +70,7 @@ class DriverNode(Node):  # type: ignore[misc]
         self._agenda = Agenda()
         self._loop: RealTime | None = None
         self._owners, self._seen, self._quiet, self._unread = 1, 0, 0, 0
-        self._said = self._device_said = ""
+        self._teller = Teller(self.get_logger().warning)
         self._next_report = 0
 
     def turn(self) -> None:
@@ -127,7 +128,7 @@ class DriverNode(Node):  # type: ignore[misc]
         try:
             reading = self.device.read()
         except OSError as error:
-            self._say(f"the device cannot be read ({error})")
+            self._teller.say(f"the device cannot be read: {error}")
             return None
         return reading if reading is None or isinstance(reading, Reading) else Reading(*reading)
 
@@ -138,52 +139,30 @@ class DriverNode(Node):  # type: ignore[misc]
         wanted, armed = np.array(command.position), self.gate.armed
         executed = self.gate.executed(command.stamp, now, wanted, self._owners)
         if executed is None:
-            self._say(self._why(wanted))
+            self._teller.say(self.gate.why(wanted, self._owners))
             return
         if not armed:
-            self._say(f"armed, the motors at {np.round(self.gate.motor, 6).tolist()} m")
-        self.device.command(executed)
+            self._teller.say(f"armed, the motors at {np.round(self.gate.motor, 6).tolist()} m")
+        try:
+            self.device.command(executed)
+        except OSError as error:
+            self._teller.say(f"the device cannot be commanded: {error}")
+            return
         self._commands.tell(now + self._dead, command.stamp)
 
     def _watch(self, at: int, now: int) -> None:
         """Hold when commands end; a new controller is then expected, with a new count of its samples."""
         self._owners = self.count_publishers(self._commands.topic)
-        self._say_device()
+        self._teller.say_of_device(getattr(self.device, "words", str)())
         silence = self.gate.silent(now)
         if silence is not None:
-            self._say(f"no command has been executed for {silence:.3f} s: disarmed, the motors hold")
+            self._teller.say(f"no command has been executed for {silence:.3f} s: disarmed, the motors hold")
             self._tell_device("hold")
         if self._commands.received != self._seen:
             self._seen, self._quiet = self._commands.received, now
         elif self._seen and now - self._quiet > to_ns(self.limits.command_age or 1.0):
             self._commands.clear()
-            self._seen, self._said = 0, ""
-
-    def _why(self, wanted: np.ndarray) -> str:
-        if self._owners > 1:
-            return f"{self._owners} nodes publish {self._commands.topic}: commands are not executed"
-        if self.gate.armed:
-            return "commands are refused: too old, not finite, or beyond a limit"
-        motor = "not known" if self.gate.motor is None else np.round(self.gate.motor, 6).tolist()
-        assert self.limits.start is not None
-        return (
-            f"not armed: the motors are commanded to {np.round(wanted, 6).tolist()} m and stand at {motor} m;"
-            f" limits.start allows {self.limits.start[0]:g} m, and limits.command_age"
-            f" {self.limits.command_age:g} s"
-        )
-
-    def _say(self, words: str) -> None:
-        """Say what is new, once."""
-        if words.split(":")[0] != self._said:
-            self._said = words.split(":")[0]
-            self.get_logger().warning(words)
-
-    def _say_device(self) -> None:
-        """Pass on what the device says of itself, when it changes."""
-        words = getattr(self.device, "words", str)()
-        if words != self._device_said:
-            self._device_said = words
-            self.get_logger().warning(f"the device: {words}")
+            self._seen, self._teller.last = 0, ""
 
     def _tell_device(self, what: str) -> None:
         getattr(self.device, what, lambda: None)()
@@ -202,7 +181,7 @@ class DriverNode(Node):  # type: ignore[misc]
         }
         loop = self._diagnostics.loop(facts, self._agenda.clocks, self.ports.inputs)
         level = ERROR if any(self.gate.refused.values()) else OK
-        gate = self._diagnostics.status("gate", level, self._said or "waits for commands", values)
+        gate = self._diagnostics.status("gate", level, self._teller.last or "waits for commands", values)
         self._diagnostics.publish(self._wall_ns(), loop, gate)
 
 

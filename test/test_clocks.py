@@ -15,6 +15,7 @@ from hosts import ADDRESSES, on
 
 from rthm_analysis.recording import read_recording
 from rthm_core.ros.wall import VARIABLE
+from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 NEAR = 0.0002
@@ -22,12 +23,16 @@ NEAR = 0.0002
 
 
 def run(
-    hosts: tuple[str, str], environment: dict[str, str], clock: str, *options: str | Path
+    hosts: tuple[str, str],
+    environment: dict[str, str],
+    clock: str,
+    *options: str | Path,
+    spec: str | Path = "paper",
 ) -> tuple[int, dict, str]:
     """Lead a test whose numerical substructure is on a host with this clock; status, JSON and complaints."""
-    words = [sys.executable, "-m", "rthm_bringup", "run", "paper", "--external", "numerical", "--json", "-"]
+    words = [sys.executable, "-m", "rthm_bringup", "run", str(spec), "--external", "numerical", "--json", "-"]
     words += ["--peers", ADDRESSES[1], "--wait", "120", *map(str, options)]
-    there = [sys.executable, "-m", "rthm_bringup", "node", "numerical", "paper", "--peers", ADDRESSES[0]]
+    there = [sys.executable, "-m", "rthm_bringup", "node", "numerical", str(spec), "--peers", ADDRESSES[0]]
     with ExitStack() as ends:
         numerical = ends.enter_context(on(hosts[1], there, environment | {VARIABLE: clock}))
         ends.callback(numerical.terminate)
@@ -48,6 +53,25 @@ def test_a_clock_that_is_3_ms_ahead_is_refused_before_anything_moves(
     )
     assert any("--allow-clock-offset" in words for words in told["problems"])
     assert not list((tmp_path / "out").glob("report.html"))
+
+
+def test_a_clock_that_drifts_beyond_its_limit_ends_the_running_test(
+    hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path
+) -> None:
+    limit, drift, begun = 0.04, 500e-6, time.time()  # reached 80 s after the start of the processes
+    file = tmp_path / "drifting.yaml"
+    file.write_text(write_spec(shipped_spec().model_copy(update={"limits": LimitsSpec(clock=limit)})))
+    options = ("--duration", "120", "--out", tmp_path / "out")
+    status, told, complaints = run(hosts, environment, f"0.0 {drift!r} {begun!r}", *options, spec=file)
+    abort = told["abort"]
+    assert (status, abort and abort["limit"]) == (3, "clock"), (told, complaints)
+    assert abort["value"] > abort["allowed"] == limit
+    assert abort["words"].startswith("the clock of numerical is")
+    recording = read_recording(told["bag"])
+    assert recording.abort is not None
+    assert recording.abort.words == abort["words"]
+    crossed = (begun + limit / drift) - recording.start_ns / 1e9
+    assert crossed - 0.1 < abort["at"] < crossed + 5.0
 
 
 @pytest.mark.parametrize("drift", [0.0, 500e-6])

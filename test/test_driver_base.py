@@ -27,6 +27,7 @@ from rthm_core.spec import LimitsSpec, Spec, apply, shipped_spec, spec_at, write
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 EXAMPLES = Path(__file__).parents[1] / "examples"
 STAND_IN = Path(__file__).parent / "programs" / "ros2_control.py"
+RTHM = [sys.executable, "-m", "rthm_bringup"]
 STANDS, RATE = 0.1, 5.0
 LIMITS = LimitsSpec(command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0))
 """A sample that a busy machine holds up is not called stale."""
@@ -76,7 +77,7 @@ class Laboratory:
 
     @contextmanager
     def begun(self, *options: str) -> Iterator[subprocess.Popen[str]]:
-        command = [sys.executable, "-m", "rthm_bringup", "run", str(self.spec), "--plant", "external"]
+        command = [*RTHM, "run", str(self.spec), "--plant", "external"]
         command += ["--out", str(self.folder / "out"), "--json", str(self.folder / "result.json"), *options]
         with subprocess.Popen(
             command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
@@ -224,3 +225,26 @@ def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Labor
     assert_within_rate(recording)
     assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.0
     assert len(recording.links["tau4"]) > 10
+
+
+def test_a_class_is_a_driver_that_a_forged_command_does_not_move(laboratory: Laboratory) -> None:
+    """Commands from nowhere are refused; a swing that begins where the motor stands is followed."""
+    rig, moved = laboratory.folder / "rig.py", laboratory.folder / "moved"
+    code = (EXAMPLES / "driver.py").read_text().replace("sys.exit(drive(Rig(), sys.argv[1]))", "")
+    rig.write_text(code + f'        open("{moved}", "a").write(f"{{self.u}}\\n")\n')
+    rival = [sys.executable, STAND_IN.with_name("rival.py"), "actuator/command", "8"]
+    check = ["check-driver", laboratory.spec, "--swing", "0.05", "--seconds", "3", "--wait", "60"]
+    check += ["--json", laboratory.folder / "checks.json"]
+    with laboratory.process(*RTHM, "driver", laboratory.spec, "--python", f"{rig}:Rig"):
+        heard = subprocess.run(rival, env=laboratory.environment, capture_output=True, text=True, check=True)
+        assert not moved.exists()
+        subprocess.run([*RTHM, *check], env=laboratory.environment, check=False)
+    assert int(heard.stdout.split()[-1]) > 100  # while it published
+    checks = {
+        one["name"]: one for one in json.loads((laboratory.folder / "checks.json").read_text())["checks"]
+    }
+    assert checks["answers"]["passed"], checks["answers"]["words"]
+    assert checks["names"]["passed"] and checks["one publisher"]["passed"]
+    u = [float(line) for line in moved.read_text().splitlines()]
+    assert u[0] == pytest.approx(STANDS, abs=0.02)
+    assert STANDS + 0.04 < max(u) <= STANDS + 0.05 + 1e-9

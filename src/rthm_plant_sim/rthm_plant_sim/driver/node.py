@@ -115,6 +115,7 @@ class DriverNode(Node):  # type: ignore[misc]
         reading = self._read()
         if reading is None:
             self._unread += 1
+            self.gate.motor = None  # nothing is armed by where the motors stood some time ago
             return
         if reading.stamp is not None:
             self.publish(reading)

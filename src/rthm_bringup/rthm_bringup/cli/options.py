@@ -15,6 +15,9 @@ Json = Annotated[
     typer.Option("--json", metavar="PATH", help="Write the result as JSON; - is standard output."),
 ]
 SpecName = Annotated[str, typer.Argument(metavar="[SPEC]", help="A spec file, or the name of a shipped one.")]
+Amplitude = Annotated[
+    float, typer.Option(metavar="A", help="Loads and initial motion times A, as 0.1 for a first try.")
+]
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
 
 
@@ -26,8 +29,6 @@ def spec_named(name: str) -> Spec:
     InputError
         If it is neither, or not a spec.
     """
-    from rthm_core.spec import read_spec, shipped_names, shipped_spec
+    from rthm_core.spec import spec_at
 
-    if name in shipped_names() and not Path(name).is_file():
-        return shipped_spec(name)
-    return read_spec(Path(name))
+    return spec_at(name)

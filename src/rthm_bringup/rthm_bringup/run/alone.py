@@ -39,6 +39,25 @@ def become(role: str, spec: Spec, network: Network, out: Path | None, priority: 
     os.execve(sys.executable, roles.command(role, file, told, network.namespace), environment)
 
 
+def become_driver(kind: str, spec: Spec, network: Network, arguments: list[str]) -> NoReturn:
+    """Replace this process by a driver, which then waits for tests.
+
+    Parameters
+    ----------
+    kind
+        Package of `rthm_plant_sim`: ``driver``, ``udp`` or ``ros2_control``.
+    spec, network
+        The same as those of its tests.
+    arguments
+        What the driver is told beside the spec.
+    """
+    file = _kept_open(write_spec(spec))
+    environment = without_parents_ros(os.environ, has_wheels()) | network.variables()
+    print(f"the driver is in {network.place()}; Ctrl-C ends it.", file=sys.stderr, flush=True)
+    words = [sys.executable, "-m", f"rthm_plant_sim.{kind}", str(file), *arguments]
+    os.execve(sys.executable, [*words, "--ros-args", "-r", f"__ns:={network.namespace}"], environment)
+
+
 def _kept_open(text: str) -> Path:
     """File without a name that lives as long as the process, whatever ends it."""
     descriptor = os.memfd_create("spec", 0)

@@ -1,10 +1,11 @@
 """The spec: one ROS 2 parameter file that describes a test for every part of the system."""
 
+from rthm_core.spec.amplitude import scaled_motion
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import apply, number_at
 from rthm_core.spec.numbers import numbers
 from rthm_core.spec.parameters import Parameter, parameters
-from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text
+from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text, spec_at
 from rthm_core.spec.schema import (
     ActuatorSpec,
     ConstantLoad,
@@ -54,9 +55,11 @@ __all__ = [
     "numbers",
     "parameters",
     "read_spec",
+    "scaled_motion",
     "shipped_names",
     "shipped_spec",
     "shipped_text",
+    "spec_at",
     "spec_from_parameters",
     "write_spec",
 ]

@@ -105,3 +105,18 @@ def shipped_text(name: str) -> str:
 def shipped_spec(name: str = "paper") -> Spec:
     """Return a spec that comes with the package; InputError names all of them."""
     return spec_from_parameters(parameters_in(shipped_text(name)))
+
+
+def spec_at(place: Spec | Path | str) -> Spec:
+    """Return the spec that a place names: a spec itself, a file, else a shipped spec.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+    """
+    if isinstance(place, Spec):
+        return place
+    if str(place) in shipped_names() and not Path(place).is_file():
+        return shipped_spec(str(place))
+    return read_spec(Path(place))

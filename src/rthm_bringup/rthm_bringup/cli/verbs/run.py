@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
-from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.cli.options import Amplitude, Json, SpecName
 from rthm_bringup.topics import NAMESPACE
 
 
@@ -60,6 +60,7 @@ def verb(
         bool,
         typer.Option("--heartbeat", help="Wait for an operator's heartbeat, without which the test ends."),
     ] = False,
+    amplitude: Amplitude = 1.0,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -80,11 +81,12 @@ def verb(
     from rthm_bringup.cli.output import put
     from rthm_bringup.run.perform import perform
     from rthm_bringup.run.plan import Plan, new_folder
+    from rthm_core.spec import scaled_motion
 
     parts = frozenset(part.strip() for part in external.split(",") if part.strip())
     if plant is Plant.external:
         parts |= {"plant"}
-    test = spec_named(spec)
+    test = scaled_motion(spec_named(spec), amplitude)
     with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(
             test,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.cli.options import Amplitude, Json, SpecName
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,14 +48,16 @@ def verb(
             "another; all: with every number of the physics.",
         ),
     ] = None,
+    amplitude: Amplitude = 1.0,
     json: Json = None,
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
     from rthm_bringup.cli.trajectory import trajectory_file
+    from rthm_core.spec import scaled_motion
 
-    test = spec_named(spec)
+    test = scaled_motion(spec_named(spec), amplitude)
     if not out.parent.is_dir():
         raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
     if as_recorded is not None and (sensitivity or not test.is_loop or system is not System.hybrid):

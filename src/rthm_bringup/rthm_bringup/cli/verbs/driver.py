@@ -1,0 +1,60 @@
+"""``rthm driver``: a rig as the plant of tests."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
+from rthm_bringup.cli.options import SpecName
+from rthm_bringup.topics import NAMESPACE
+
+
+def verb(
+    spec: SpecName = "paper",
+    python: Annotated[
+        str, typer.Option(metavar="FILE.py:CLASS", help="A class with read() and command(u).")
+    ] = "",
+    udp: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="A device that speaks docs/udp.md.")] = "",
+    ros2_control: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=JOINT,...", help="A rig under ros2_control; its joints of the names of the spec."
+        ),
+    ] = "",
+    order: Annotated[
+        str, typer.Option(metavar="JOINT,...", help="Joints of the command controller, in its order.")
+    ] = "",
+    dead_time: Annotated[
+        float, typer.Option(metavar="S", help="Time from a command to its effect, a part of tau4.", min=0.0)
+    ] = 0.0,
+    domain: Domain = None,
+    network: OpenNetwork = False,
+    peers: Peers = "",
+    namespace: Namespace = NAMESPACE,
+) -> int:
+    """Drive a rig, for whatever tests come: ``rthm run SPEC --plant external``.
+
+    Nothing moves but by a test, within the limits of the spec. Ctrl-C ends it.
+    """
+    from rthm_bringup.cli.network import network_of
+    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.run.alone import become_driver
+    from rthm_core.errors import InputError
+    from rthm_core.limits import require_limits
+
+    words = {
+        "driver": [python],
+        "udp": [udp],
+        "ros2_control": ["--joints", ros2_control, "--order", order],
+    }
+    asked = [kind for kind, given in zip(words, (python, udp, ros2_control), strict=True) if given]
+    if len(asked) != 1:
+        raise InputError("A driver has one rig; give it by one of --python, --udp and --ros2-control.")
+    test = spec_named(spec)
+    test.loop()
+    require_limits(test)
+    arguments = [*words[asked[0]], "--dead-time", str(dead_time)]
+    with network_of(domain, network, peers, namespace, shared=True) as reach:
+        become_driver(asked[0], test, reach, arguments)

@@ -1,0 +1,250 @@
+"""A driver on the project's base takes the place of the simulated plant; pulling the device ends the test."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rthm_analysis.recording import Recording, read_recording
+from rthm_bringup.run.environment import Network
+from rthm_core.clock import NS
+from rthm_core.spec import LimitsSpec, Spec, apply, shipped_spec, spec_at, write_spec
+
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+EXAMPLES = Path(__file__).parents[1] / "examples"
+STAND_IN = Path(__file__).parent / "programs" / "ros2_control.py"
+RTHM = [sys.executable, "-m", "rthm_bringup"]
+STANDS, RATE = 0.1, 5.0
+LIMITS = LimitsSpec(command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0))
+"""A sample that a busy machine holds up is not called stale."""
+
+
+@dataclass
+class Ended:
+    """A run that is over."""
+
+    status: int
+    json: dict[str, Any]
+    out: str
+
+    @property
+    def recording(self) -> Recording:
+        return read_recording(self.json["bag"])
+
+
+class Laboratory:
+    """Devices, drivers and runs in one domain."""
+
+    def __init__(self, environment: dict[str, str], folder: Path) -> None:
+        self.environment, self.folder = environment, folder
+        self.spec = self.written(
+            apply(shipped_spec(), {"plant.initial_position": [STANDS]}).model_copy(update={"limits": LIMITS})
+        )
+
+    def written(self, spec: Spec) -> Path:
+        """File with a spec."""
+        file = self.folder / "rig.yaml"
+        file.write_text(write_spec(spec))
+        return file
+
+    def at_rest(self) -> Path:
+        """The spec of the examples, which begins at rest; a busy machine may be late."""
+        rig = spec_at(EXAMPLES / "rig.yaml")
+        return self.written(apply(rig, {"limits.stale": 0.5, "limits.heartbeat": 1.0}))
+
+    @contextmanager
+    def process(self, *command: str | Path) -> Iterator[subprocess.Popen[bytes]]:
+        with subprocess.Popen([str(word) for word in command], env=self.environment) as one:
+            try:
+                yield one
+            finally:
+                one.send_signal(signal.SIGCONT)
+                one.terminate()
+
+    @contextmanager
+    def begun(self, *options: str) -> Iterator[subprocess.Popen[str]]:
+        command = [*RTHM, "run", str(self.spec), "--plant", "external"]
+        command += ["--out", str(self.folder / "out"), "--json", str(self.folder / "result.json"), *options]
+        with subprocess.Popen(
+            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as run:
+            try:
+                yield run
+            finally:
+                run.kill()
+
+    def ended(self, run: subprocess.Popen[str]) -> Ended:
+        said, _ = run.communicate(timeout=300)
+        file = self.folder / "result.json"
+        assert file.exists(), said
+        return Ended(run.returncode, json.loads(file.read_text()), said)
+
+    def wait_until_it_moves(self, run: subprocess.Popen[str]) -> None:
+        deadline = time.monotonic() + 240
+        bag = self.folder / "out" / "bag"
+        while sum(file.stat().st_size for file in bag.glob("*.mcap")) < 60_000 and run.poll() is None:
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+
+
+def free_port() -> int:
+    """UDP port that nobody has."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+@pytest.fixture
+def laboratory(environment: dict[str, str], network: Network, tmp_path: Path) -> Laboratory:
+    return Laboratory(environment, tmp_path)
+
+
+def assert_within_rate(recording: Recording, stands: float = STANDS) -> None:
+    """The motor, as its driver measures it, moved within the rate and began where it stood."""
+    u = np.concatenate([[stands], recording.plant.columns("position", ["a1"])[:, 0]])
+    waits = np.concatenate([[0.004], np.diff(recording.plant.stamp_ns) / NS]) + 0.004
+    assert np.all(np.abs(np.diff(u)) <= RATE * waits + 1e-9)
+
+
+def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
+    code = [line for line in (EXAMPLES / "driver.py").read_text().splitlines()[1:] if line.strip()]
+    assert len(code) <= 15
+    with (
+        laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec),
+        laboratory.begun("--duration", "3") as run,
+    ):
+        ended = laboratory.ended(run)
+    assert ended.status == 0, ended.out
+    assert ended.json["abort"] is None
+    recording = ended.recording
+    assert_within_rate(recording)
+    assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.02
+    assert len(recording.links["tau4"]) > 100
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGTERM])
+def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
+    with (
+        laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
+        laboratory.begun("--duration", "30") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.kill(driver.pid, number)
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    assert ended.json["abort"]["at"] < 20.0
+    assert_within_rate(ended.recording)
+
+
+@contextmanager
+def emulated(laboratory: Laboratory) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """The emulated device in Python, at rest, and its address."""
+    spec, port = laboratory.at_rest(), free_port()
+    command = [sys.executable, "-m", "rthm_plant_sim.udp.emulated", spec, str(port)]
+    with laboratory.process(*command) as device:
+        yield device, f"127.0.0.1:{port}"
+
+
+@contextmanager
+def in_c(laboratory: Laboratory) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """The C example at 0.1 m, and its address."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        pytest.skip("no C compiler (cc, gcc, clang) is on the path")
+    program, port = laboratory.folder / "udp_device", free_port()
+    sources = [EXAMPLES / "udp_device.c", EXAMPLES / "udp_device_posix.c"]
+    subprocess.run([compiler, "-std=c99", "-O2", "-o", program, *sources, "-lm"], check=True)
+    with laboratory.process(program, str(port), str(STANDS)) as device:
+        yield device, f"127.0.0.1:{port}"
+
+
+Kind = Callable[[Laboratory], AbstractContextManager[tuple[subprocess.Popen[bytes], str]]]
+
+
+@pytest.mark.parametrize("kind", [emulated, in_c])
+def test_a_device_behind_udp_takes_the_place_of_the_plant(laboratory: Laboratory, kind: Kind) -> None:
+    with (
+        kind(laboratory) as (_, address),
+        laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
+        laboratory.begun("--duration", "3") as run,
+    ):
+        ended = laboratory.ended(run)
+    assert ended.status == 0, ended.out
+    assert ended.json["abort"] is None
+    recording = ended.recording
+    assert_within_rate(recording, 0.0 if kind is emulated else STANDS)
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.01
+    assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+def test_a_device_that_is_pulled_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
+    with (
+        emulated(laboratory) as (device, address),
+        laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
+        laboratory.begun("--duration", "30") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.kill(device.pid, number)
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    assert ended.json["abort"]["at"] < 20.0
+
+
+def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
+    bridge = [sys.executable, "-m", "rthm_plant_sim.ros2_control", laboratory.spec]
+    with (
+        laboratory.process(sys.executable, STAND_IN, str(STANDS)) as manager,
+        laboratory.process(*bridge, "--joints", "x1=table,a1=piston"),
+        laboratory.begun("--duration", "60") as run,
+    ):
+        laboratory.wait_until_it_moves(run)
+        manager.terminate()
+        ended = laboratory.ended(run)
+    assert ended.status == 3, ended.out
+    assert ended.json["abort"]["limit"] == "stale"
+    recording = ended.recording
+    assert recording.plant.names == ("x1", "a1")
+    assert_within_rate(recording)
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.0
+    assert len(recording.links["tau4"]) > 10
+
+
+def test_a_class_is_a_driver_that_a_forged_command_does_not_move(laboratory: Laboratory) -> None:
+    """Commands from nowhere are refused; a swing that begins where the motor stands is followed."""
+    rig, moved = laboratory.folder / "rig.py", laboratory.folder / "moved"
+    code = (EXAMPLES / "driver.py").read_text().replace("sys.exit(drive(Rig(), sys.argv[1]))", "")
+    rig.write_text(code + f'        open("{moved}", "a").write(f"{{self.u}}\\n")\n')
+    rival = [sys.executable, STAND_IN.with_name("rival.py"), "actuator/command", "8"]
+    check = ["check-driver", laboratory.spec, "--swing", "0.05", "--seconds", "3", "--wait", "60"]
+    check += ["--json", laboratory.folder / "checks.json"]
+    with laboratory.process(*RTHM, "driver", laboratory.spec, "--python", f"{rig}:Rig"):
+        heard = subprocess.run(rival, env=laboratory.environment, capture_output=True, text=True, check=True)
+        assert not moved.exists()
+        subprocess.run([*RTHM, *check], env=laboratory.environment, check=False)
+    assert int(heard.stdout.split()[-1]) > 100  # while it published
+    checks = {
+        one["name"]: one for one in json.loads((laboratory.folder / "checks.json").read_text())["checks"]
+    }
+    assert checks["answers"]["passed"], checks["answers"]["words"]
+    assert checks["names"]["passed"] and checks["one publisher"]["passed"]
+    u = [float(line) for line in moved.read_text().splitlines()]
+    assert u[0] == pytest.approx(STANDS, abs=0.02)
+    assert STANDS + 0.04 < max(u) <= STANDS + 0.05 + 1e-9

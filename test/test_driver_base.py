@@ -137,7 +137,7 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
     assert len(recording.links["tau4"]) > 100
 
 
-@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGSTOP, marks=pytest.mark.long), signal.SIGTERM])
 def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
     with (
         laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
@@ -177,7 +177,7 @@ def in_c(laboratory: Laboratory) -> Iterator[tuple[subprocess.Popen[bytes], str]
 Kind = Callable[[Laboratory], AbstractContextManager[tuple[subprocess.Popen[bytes], str]]]
 
 
-@pytest.mark.parametrize("kind", [emulated, in_c])
+@pytest.mark.parametrize("kind", [emulated, pytest.param(in_c, marks=pytest.mark.long)])
 def test_a_device_behind_udp_takes_the_place_of_the_plant(laboratory: Laboratory, kind: Kind) -> None:
     with (
         kind(laboratory) as (_, address),
@@ -193,7 +193,7 @@ def test_a_device_behind_udp_takes_the_place_of_the_plant(laboratory: Laboratory
     assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
 
 
-@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGSTOP, marks=pytest.mark.long), signal.SIGKILL])
 def test_a_device_that_is_pulled_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
     with (
         emulated(laboratory) as (device, address),

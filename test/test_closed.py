@@ -33,7 +33,7 @@ def plain(environment: dict[str, str], **more: str) -> dict[str, str]:
     return {name: value for name, value in environment.items() if name not in OURS} | more
 
 
-@pytest.mark.parametrize("way", ["peers", "profile"])
+@pytest.mark.parametrize("way", ["peers", pytest.param("profile", marks=pytest.mark.long)])
 def test_another_host_hears_nothing_and_is_not_heard_whatever_is_set_on_either(
     hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path, way: str
 ) -> None:

@@ -202,7 +202,7 @@ def test_a_dry_run_computes_commands_and_sends_none(laboratory: Laboratory) -> N
     [
         ("nan", "finite", "the force sensor of a1 reads not a number"),
         pytest.param("step", "step", "the position sensor of x1 steps by", marks=pytest.mark.long),
-        ("frozen", "frozen", "the position sensor of x1 has read"),
+        pytest.param("frozen", "frozen", "the position sensor of x1 has read", marks=pytest.mark.long),
         pytest.param("old", "stale", "plant/state has had no fresh sample", marks=pytest.mark.long),
         pytest.param("silent", "stale", "plant/state has had no fresh sample", marks=pytest.mark.long),
     ],

@@ -93,6 +93,27 @@ def test_a_late_reference_is_used_from_its_arrival_on():
     assert sent.time[first] == arrived[0] - one.start_ns
 
 
+def test_ticks_that_the_controller_left_out_sent_no_command():
+    one = recording(paper(), SECONDS)
+    commands, arrived = one.tables["actuator/command"], one.links["tau4"]
+    begin, end = one.start_ns + 2_000_000_000, one.start_ns + 2_050_000_000
+    kept = (arrived.sample_ns < begin) | (arrived.sample_ns >= end)
+    uses = {name: getattr(arrived, name)[kept] for name in ("use_ns", "sample_ns")}
+    stalled = replace(
+        one,
+        links=one.links | {"tau4": replace(arrived, **uses)},
+        tables=one.tables
+        | {
+            "actuator/command": commands.rows(
+                np.flatnonzero((commands.stamp_ns < begin) | (commands.stamp_ns >= end))
+            )
+        },
+    )
+    schedule = RecordedSchedule(paper(), stalled)
+    assert not schedule.commands(2_000_000_000, 2_050_000_000).time.size
+    assert schedule.commands(2_050_000_000, 2_060_000_000).time.size
+
+
 def test_what_cannot_be_repeated_is_refused():
     one = recording(paper(), SECONDS)
     without = replace(one, links={name: uses for name, uses in one.links.items() if name != "tau2"})

@@ -30,9 +30,10 @@ CLOCKS = ("td1", "td2", "td3", "td4")
 class RecordedSchedule(Schedule):
     """Schedule of a loop as it was in a recording.
 
-    Commands are those of the recording, with the samples that the links tell; a tick whose use is not
-    recorded uses what the spec's schedule has there, or what was in use before if that is newer. Stamps
-    that are off their clock count as its nearest tick. What a safety monitor did is not in it.
+    Commands are those of the recording, with the samples that the links tell: a tick that the controller
+    left out sent none. A tick whose use is not recorded uses what the spec's schedule has there, or what was
+    in use before if that is newer. Stamps that are off their clock count as its nearest tick. What a safety
+    monitor did is not in it.
 
     Parameters
     ----------
@@ -133,8 +134,7 @@ class RecordedSchedule(Schedule):
 
     def _all_commands(self) -> Commands:
         sent = self._recording.tables["actuator/command"].stamp_ns - self._recording.start_ns
-        regular = np.arange(self.end // self.td3 + 1, dtype=np.int64) * self.td3
-        time = np.unique(np.concatenate([regular, sent, self._told("tau4")[1]]))
+        time = np.unique(np.concatenate([sent, self._told("tau4")[1]]))
         time = time[(time >= 0) & (time <= self.end)]
         taken, number = self._references_taken(time)
         latest = np.searchsorted(taken, time, side="right") - 1
@@ -155,7 +155,7 @@ class RecordedSchedule(Schedule):
             tick = ticks_of(use, self.td4)
             return tick[tick >= 0] * self.td4, number[tick >= 0]
         due = self.links["tau3"].due_all(stamp)
-        punctual = np.where(due % self.td3 == 0, use <= self._tick_done(due), np.isin(due, commands))
+        punctual = np.isin(due, commands) & ((due % self.td3 != 0) | (use <= self._tick_done(due)))
         punctual &= use > due - self.td3 // EARLY
         extra = np.setdiff1d(commands[commands % self.td3 != 0], due[punctual])
         at = np.where(punctual, due, use)

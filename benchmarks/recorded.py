@@ -60,6 +60,7 @@ class Recorded:
     columns: tuple[str, ...] = ()
 
 
+AT_REST = 1e-3  # part of a signal's standard deviation below which it stands still
 PENDULUM = ("--map", "position:x1=Theta", "--time", "Time")
 DRONE = ("--map", "position:x1=theta", "--map", "load:x1=u", "--time", "t")
 RECORDINGS = (
@@ -94,11 +95,14 @@ def diagnosed(one: Recorded, folder: Path, scratch: Path) -> dict[str, Any]:
 
 
 def _by_hand(one: Recorded, bag: Path) -> str:
-    """Error of the model made by hand, over the standard deviation of the last third."""
+    """Error of the model made by hand, over the standard deviation of the last third; of the whole recording
+    where the rig is at rest there.
+    """
     if one.by_hand is None:
         return ""
     position = read_recording(bag).plant.position[:, 0]
-    size = 1.0 if one.relative else float(np.nanstd(position[2 * position.size // 3 :]))
+    whole, last = float(np.nanstd(position)), float(np.nanstd(position[2 * position.size // 3 :]))
+    size = 1.0 if one.relative else last if last > AT_REST * whole else whole
     return f"{100.0 * one.by_hand / size:.3g} %"
 
 

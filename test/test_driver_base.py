@@ -9,17 +9,15 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from rigs import RTHM, Runs, Told
 
-from rthm_analysis.recording import Recording, read_recording
+from rthm_analysis.recording import Recording
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
 from rthm_core.spec import LimitsSpec, Spec, apply, shipped_spec, spec_at, write_spec
@@ -27,30 +25,16 @@ from rthm_core.spec import LimitsSpec, Spec, apply, shipped_spec, spec_at, write
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 EXAMPLES = Path(__file__).parents[1] / "examples"
 STAND_IN = Path(__file__).parent / "programs" / "ros2_control.py"
-RTHM = [sys.executable, "-m", "rthm_bringup"]
 STANDS, RATE = 0.1, 5.0
 LIMITS = LimitsSpec(command=1.0, rate=RATE, force=50.0, stale=0.5, ramp=0.5, heartbeat=1.0, start=(0.02, 1.0))
 """A sample that a busy machine holds up is not called stale."""
 
 
-@dataclass
-class Ended:
-    """A run that is over."""
-
-    status: int
-    json: dict[str, Any]
-    out: str
-
-    @property
-    def recording(self) -> Recording:
-        return read_recording(self.json["bag"])
-
-
-class Laboratory:
+class Laboratory(Runs):
     """Devices, drivers and runs in one domain."""
 
     def __init__(self, environment: dict[str, str], folder: Path) -> None:
-        self.environment, self.folder = environment, folder
+        super().__init__(environment, folder)
         self.spec = self.written(
             apply(shipped_spec(), {"plant.initial_position": [STANDS]}).model_copy(update={"limits": LIMITS})
         )
@@ -75,30 +59,11 @@ class Laboratory:
                 one.send_signal(signal.SIGCONT)
                 one.terminate()
 
-    @contextmanager
-    def begun(self, *options: str) -> Iterator[subprocess.Popen[str]]:
-        command = [*RTHM, "run", str(self.spec), "--plant", "external"]
-        command += ["--out", str(self.folder / "out"), "--json", str(self.folder / "result.json"), *options]
-        with subprocess.Popen(
-            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        ) as run:
-            try:
-                yield run
-            finally:
-                run.kill()
-
-    def ended(self, run: subprocess.Popen[str]) -> Ended:
-        said, _ = run.communicate(timeout=300)
-        file = self.folder / "result.json"
-        assert file.exists(), said
-        return Ended(run.returncode, json.loads(file.read_text()), said)
-
-    def wait_until_it_moves(self, run: subprocess.Popen[str]) -> None:
-        deadline = time.monotonic() + 240
-        bag = self.folder / "out" / "bag"
-        while sum(file.stat().st_size for file in bag.glob("*.mcap")) < 60_000 and run.poll() is None:
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+    def begun_beside(
+        self, *options: str
+    ) -> AbstractContextManager[tuple[subprocess.Popen[str], Callable[[], Told]]]:
+        """A run whose plant is not its own, as a process, and what ends it."""
+        return self.begun(self.spec, "--plant", "external", *options)
 
 
 def free_port() -> int:
@@ -125,9 +90,9 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
     assert len(code) <= 15
     with (
         laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec),
-        laboratory.begun("--duration", "3") as run,
+        laboratory.begun_beside("--duration", "3") as (_, end),
     ):
-        ended = laboratory.ended(run)
+        ended = end()
     assert ended.status == 0, ended.out
     assert ended.json["abort"] is None
     recording = ended.recording
@@ -141,11 +106,11 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
 def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
     with (
         laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
-        laboratory.begun("--duration", "30") as run,
+        laboratory.begun_beside("--duration", "30") as (run, end),
     ):
         laboratory.wait_until_it_moves(run)
         os.kill(driver.pid, number)
-        ended = laboratory.ended(run)
+        ended = end()
     assert ended.status == 3, ended.out
     assert ended.json["abort"]["limit"] == "stale"
     assert ended.json["abort"]["at"] < 20.0
@@ -182,9 +147,9 @@ def test_a_device_behind_udp_takes_the_place_of_the_plant(laboratory: Laboratory
     with (
         kind(laboratory) as (_, address),
         laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
-        laboratory.begun("--duration", "3") as run,
+        laboratory.begun_beside("--duration", "3") as (_, end),
     ):
-        ended = laboratory.ended(run)
+        ended = end()
     assert ended.status == 0, ended.out
     assert ended.json["abort"] is None
     recording = ended.recording
@@ -198,11 +163,11 @@ def test_a_device_that_is_pulled_ends_the_test(laboratory: Laboratory, number: s
     with (
         emulated(laboratory) as (device, address),
         laboratory.process(sys.executable, "-m", "rthm_plant_sim.udp", laboratory.spec, address),
-        laboratory.begun("--duration", "30") as run,
+        laboratory.begun_beside("--duration", "30") as (run, end),
     ):
         laboratory.wait_until_it_moves(run)
         os.kill(device.pid, number)
-        ended = laboratory.ended(run)
+        ended = end()
     assert ended.status == 3, ended.out
     assert ended.json["abort"]["limit"] == "stale"
     assert ended.json["abort"]["at"] < 20.0
@@ -213,11 +178,11 @@ def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Labor
     with (
         laboratory.process(sys.executable, STAND_IN, str(STANDS)) as manager,
         laboratory.process(*bridge, "--joints", "x1=table,a1=piston"),
-        laboratory.begun("--duration", "60") as run,
+        laboratory.begun_beside("--duration", "60") as (run, end),
     ):
         laboratory.wait_until_it_moves(run)
         manager.terminate()
-        ended = laboratory.ended(run)
+        ended = end()
     assert ended.status == 3, ended.out
     assert ended.json["abort"]["limit"] == "stale"
     recording = ended.recording

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -10,12 +9,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rigs import RTHM, Runs, Told
 
 from rthm_analysis.recording import Recording, read_recording
 from rthm_analysis.recording.files import read_raw
@@ -26,35 +25,14 @@ from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 DRIVER = Path(__file__).parent / "programs" / "driver.py"
 OPERATOR = DRIVER.with_name("operator.py")
-RUN = [sys.executable, "-m", "rthm_bringup", "run"]
 STANDS = 0.1
 RATE, RAMP = 5.0, 0.5
 LIMITS = {"command": 1.0, "rate": RATE, "force": 50.0, "stale": 0.5, "ramp": RAMP, "heartbeat": 1.0}
 """A sample that a busy machine holds up is not called stale."""
 
 
-@dataclass
-class Told:
-    """A run that is over: its status, its JSON, what it printed, and its recording."""
-
-    status: int
-    json: dict[str, Any]
-    out: str
-
-    @property
-    def recording(self) -> Recording:
-        return read_recording(self.json["bag"])
-
-    @property
-    def page(self) -> str:
-        return Path(self.json["report"]).read_text()
-
-
-class Laboratory:
+class Laboratory(Runs):
     """A driver at 0.1 m, and a run with it."""
-
-    def __init__(self, environment: dict[str, str], folder: Path) -> None:
-        self.environment, self.folder = environment, folder
 
     def spec(self, begins: float = STANDS, **limits: Any) -> Path:
         """A spec whose plant begins somewhere; its motor stands 15 mm away from this driver's."""
@@ -75,44 +53,10 @@ class Laboratory:
             finally:
                 driver.terminate()
 
-    @contextmanager
-    def begun(
-        self, spec: Path, *options: str, keyboard: int | None = None
-    ) -> Iterator[tuple[subprocess.Popen[str], Callable[[], Told]]]:
-        """A run as a process, and what ends it."""
-        json_file = self.folder / "result.json"
-        command = [*RUN, str(spec), "--out", str(self.folder / "out"), "--json", str(json_file), *options]
-        with subprocess.Popen(
-            command,
-            env=self.environment,
-            stdin=keyboard,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        ) as run:
-
-            def ended() -> Told:
-                said, _ = run.communicate(timeout=300)
-                assert json_file.exists(), said
-                return Told(run.returncode, json.loads(json_file.read_text()), said)
-
-            try:
-                yield run, ended
-            finally:
-                run.kill()
-
     def run(self, spec: Path, *options: str, fault: tuple[str, ...] = ()) -> Told:
         """A run with the driver, from its begin to its end."""
         with self.driver(*fault), self.begun(spec, "--plant", "external", *options) as (_, ended):
             return ended()
-
-    def wait_until_it_moves(self, run: subprocess.Popen[str], size: int = 60_000) -> None:
-        """Wait for some recording."""
-        deadline = time.monotonic() + 240
-        bag = self.folder / "out" / "bag"
-        while sum(file.stat().st_size for file in bag.glob("*.mcap")) < size and run.poll() is None:
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
 
 
 @pytest.fixture
@@ -161,7 +105,7 @@ def assert_back_at_rest(told: Told, stands: float = STANDS) -> None:
 
 
 def test_a_real_machine_is_not_moved_without_limits(laboratory: Laboratory) -> None:
-    command = [*RUN, "paper", "--plant", "external", "--out", str(laboratory.folder / "out")]
+    command = [*RTHM, "run", "paper", "--plant", "external", "--out", str(laboratory.folder / "out")]
     done = subprocess.run(command, env=laboratory.environment, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1

@@ -23,7 +23,7 @@ LIMIT = "clock"
 SHARE = 0.1
 """Offset that is allowed by default, as a share of the shortest delay of the loop."""
 
-LINKS = {
+ENDS = {
     "tau1": ("plant", "actuator"),
     "tau2": ("plant", "numerical"),
     "tau3": ("numerical", "actuator"),
@@ -102,5 +102,5 @@ def limit_of(spec: Spec) -> float:
     if spec.limits is not None and spec.limits.clock is not None:
         return spec.limits.clock
     assert spec.timing is not None
-    delays = [tau for name in LINKS if (tau := getattr(spec.timing, name)) > 0.0]
+    delays = [tau for name in ENDS if (tau := getattr(spec.timing, name)) > 0.0]
     return SHARE * min(delays, default=math.inf)

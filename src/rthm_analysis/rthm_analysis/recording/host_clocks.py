@@ -13,7 +13,7 @@ import numpy as np
 
 from rthm_analysis.recording.table import Table
 from rthm_core.clock import NS
-from rthm_core.clocks import LINKS
+from rthm_core.clocks import ENDS
 from rthm_core.compiled import Floats, Integers
 
 QUICK = 2.0
@@ -69,7 +69,7 @@ class HostClocks:
 
     def missing_age_ns(self, link: str, at_ns: Integers) -> Integers:
         """What ages on a link have to be longer than their stamps say, ns."""
-        sender, receiver = LINKS[link]
+        sender, receiver = ENDS[link]
         return self.lead_ns(sender, at_ns) - self.lead_ns(receiver, at_ns)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rthm_analysis.recording.reading import PLANT_STATE, Recording
-from rthm_core.clocks import LINKS
+from rthm_core.clocks import ENDS
 
 OWNERS = {
     PLANT_STATE: "plant",
@@ -30,7 +30,7 @@ def synchronised(recording: Recording) -> Recording:
         owner = OWNERS.get(name, "")
         tables[name] = replace(table, stamp_ns=table.stamp_ns - clocks.lead_ns(owner, table.stamp_ns))
     for name, link in links.items():
-        sender, receiver = LINKS[name]
+        sender, receiver = ENDS[name]
         use = link.use_ns - clocks.lead_ns(receiver, link.use_ns)
         links[name] = replace(
             link, use_ns=use, sample_ns=link.sample_ns - clocks.lead_ns(sender, link.sample_ns)

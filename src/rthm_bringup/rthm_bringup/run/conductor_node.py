@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -41,6 +41,8 @@ SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters"
 
 LONG = "run"
 """Service that takes long, and would be done twice if it were asked for twice."""
+
+M = TypeVar("M")
 
 
 class StoppedError(Exception):
@@ -270,21 +272,18 @@ class Conductor:
             pause = time.monotonic() + 0.05
             self.wait_until(lambda until=pause: time.monotonic() > until, 1.0, str)
 
-    @contextmanager
-    def samples(self, topic: str) -> Iterator[list[JointState]]:
+    def samples(self, topic: str) -> AbstractContextManager[list[JointState]]:
         """List that fills with the samples of a topic as long as the ``with`` block lasts."""
-        found: list[JointState] = []
-        subscription = self._node.create_subscription(JointState, topic, found.append, 100)
-        try:
-            yield found
-        finally:
-            self._node.destroy_subscription(subscription)
+        return self._heard(JointState, topic, 100)
+
+    def beats(self, topic: str) -> AbstractContextManager[list[Bool]]:
+        """List that fills with what an operator's heartbeat says as long as the ``with`` block lasts."""
+        return self._heard(Bool, topic, 10)
 
     @contextmanager
-    def beats(self, topic: str) -> Iterator[list[Bool]]:
-        """List that fills with what an operator's heartbeat says as long as the ``with`` block lasts."""
-        found: list[Bool] = []
-        subscription = self._node.create_subscription(Bool, topic, found.append, 10)
+    def _heard(self, message_type: type[M], topic: str, depth: int) -> Iterator[list[M]]:
+        found: list[M] = []
+        subscription = self._node.create_subscription(message_type, topic, found.append, depth)
         try:
             yield found
         finally:

@@ -173,14 +173,14 @@ def effect(kind: str, block: str) -> type[Effect]:
     RefusedError
         If the block is not known or has no such kind; names those that it has.
     """
-    declared = _EFFECTS.get((family(block), kind)) if block in BLOCKS else None
-    if declared is not None:
-        return declared
-    known = kinds(block)
-    if kind not in known:
+    check_block(block)
+    _load()
+    declared = _EFFECTS.get((family(block), kind))
+    if declared is None:
+        known = kinds(block)
         allowed = f"a kind that {block} knows ({', '.join(known)})"
         raise RefusedError(kind, allowed, suggestion(str(kind), known), "kind")
-    return _EFFECTS[family(block), kind]
+    return declared
 
 
 def suggestion(given: str, known: tuple[str, ...] | list[str]) -> str:

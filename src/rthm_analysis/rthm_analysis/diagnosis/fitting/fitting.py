@@ -162,6 +162,15 @@ class Fitting:
         finally:
             self._bases = before
 
+    @contextmanager
+    def simple_only(self) -> Iterator[None]:
+        """Look for no effect that can imitate others for a while."""
+        self.simple = True
+        try:
+            yield
+        finally:
+            self.simple = False
+
     def states(self, model: Model, here: Floats) -> Floats:
         """Change of the prediction with the initial states (2 n, s k), over the noise."""
         size = 1e-3 * (float(np.nanstd(self.experiment.evidence.measured[:, 0])) or 1.0)

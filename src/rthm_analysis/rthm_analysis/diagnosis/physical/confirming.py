@@ -35,15 +35,17 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     Each must help beside those before it, and all together.
     """
     choice, refused = physical.choice, []
-    nothing = _left_by(physical, choice.base)
+    if not choice.rounds:
+        return physical, ()
+    nothing, error = _left_by(physical, choice.base), _left_by(physical, choice.best)
     while choice.rounds:
         before = _without_last(choice)
-        error, less = _left_by(physical, choice.best), _left_by(physical, before.best)
+        less = _left_by(physical, before.best) if before.rounds else nothing
         patches = less - error < SMALL_PART * less and _patches(choice)
         if min(less, nothing) - error > CONFIRMED and not patches:
             break
         refused.append(_last_refused(choice, PATCHING if patches else UNCONFIRMED))
-        choice = before
+        choice, error = before, less
     return replace(physical, choice=choice), tuple(refused)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
-from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, slow_power
+from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.budget import FURTHER
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
@@ -63,12 +64,11 @@ def _simple(begun: Begun, near: Begun | None, found: tuple[Begun, Choice]) -> tu
     """
     begun.fitting.progress("looking for plain kinds alone")
     begun.fitting.budget.allow(FURTHER)
-    fittings = [one.fitting for one in (begun, near) if one is not None]
-    for fitting in fittings:
-        fitting.simple = True
-    explained, choice = _by_effects(begun, near)
-    for fitting in fittings:
-        fitting.simple = False
+    with ExitStack() as stack:
+        for one in (begun, near):
+            if one is not None:
+                stack.enter_context(one.fitting.simple_only())
+        explained, choice = _by_effects(begun, near)
     if not choice.rounds:
         return found
     left = tuple(tried[0].label for tried in found[1].rounds if imitates(*tried[0].label[:2]))
@@ -83,8 +83,8 @@ def going_on(begun: Begun, choice: Choice) -> tuple[Begun, Choice] | None:
     if whole is None or doubt(begun.fitting, whole) > FLOOR**2:
         return None
     begun.fitting.doubt = doubt(begun.fitting, whole)
-    led = Choice(begun.retuned, whole, choice.rounds, choice.limits, choice.imitating)
-    return begun, choose(begun.fitting, begun.retuned, begun=led)
+    led = Choice(begun.retuned, whole, choice.rounds, choice.limits)
+    return begun, replace(choose(begun.fitting, begun.retuned, begun=led), imitating=choice.imitating)
 
 
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
@@ -92,8 +92,10 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     if doubt(fitting, fitted) > CLOSE:
         return False
     errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
-    allowed = [SLOW if white else COLOURED for white in fitting.whites]
-    return all(slow_power(column)[0] < most for column, most in zip(errors.T, allowed, strict=True))
+    return all(
+        slow_power(column)[0] < tolerance(white)
+        for column, white in zip(errors.T, fitting.whites, strict=True)
+    )
 
 
 def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | None) -> Choice:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.physical.remainder import COLOURED, SLOW, Remainder, remainder_of
+from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
@@ -90,7 +90,4 @@ def held_out_squares(physical: Physical, predicted: Floats) -> float:
 def remainders(physical: Physical, predicted: Floats) -> tuple[Remainder, ...]:
     """What is left of each channel."""
     pairs = zip(errors_of(physical, predicted).T, physical.noise.colours, strict=True)
-    return tuple(
-        remainder_of(column, physical.train, SLOW if colour.is_white else COLOURED)
-        for column, colour in pairs
-    )
+    return tuple(remainder_of(column, physical.train, colour.is_white) for column, colour in pairs)

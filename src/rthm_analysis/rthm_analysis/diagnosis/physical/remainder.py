@@ -70,7 +70,7 @@ class Remainder:
         return self.held_out > self.allowed[1]
 
 
-def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remainder:
+def remainder_of(errors: Floats, train: int, white: bool = True) -> Remainder:
     """Judge the errors of one channel.
 
     Parameters
@@ -79,8 +79,8 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
         Over the noise and whitened; NaN where nothing was measured.
     train : int
         Samples of the training part.
-    tolerance : float
-        Power of the slow residual from which something is left.
+    white : bool
+        Whether the noise has no colour.
     """
     errors = _clipped(errors)
     edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
@@ -88,7 +88,7 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
     left = [
         (int(a), int(b))
         for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
-        if count and ratio > _allowed(tolerance, count)
+        if count and ratio > _allowed(white, count)
     ]
     held = errors[train:]
     (before, count), (after, unseen) = slow_power(errors[:train]), slow_power(held)
@@ -98,17 +98,22 @@ def remainder_of(errors: Floats, train: int, tolerance: float = SLOW) -> Remaind
         float(np.sqrt(np.nanmean(np.square(held)))) if np.isfinite(held).any() else 0.0,
         float(np.sqrt(max(1.0, _fast_power(held)))),
         np.array(left, dtype=float).reshape(-1, 2),
-        (_allowed(tolerance, count), _allowed(tolerance, unseen)),
+        (_allowed(white, count), _allowed(white, unseen)),
     )
 
 
-def _allowed(tolerance: float, count: int) -> float:
+def tolerance(white: bool) -> float:
+    """Power of the slow residual from which something is left."""
+    return SLOW if white else COLOURED
+
+
+def _allowed(white: bool, count: int) -> float:
     """Power of so many averages from which something is left: beyond chance, and beyond the arithmetic."""
     from scipy.special import chdtri
 
     some = max(count, 1)
     chance = max(CHANCE * float(np.sqrt(2.0 / some)), float(chdtri(some, UNLIKELY)) / some - 1.0)
-    return 1.0 + max(tolerance - 1.0, chance * (1.0 if tolerance == SLOW else BLURRED))
+    return 1.0 + max(tolerance(white) - 1.0, chance if white else BLURRED * chance)
 
 
 def _clipped(errors: Floats) -> Floats:

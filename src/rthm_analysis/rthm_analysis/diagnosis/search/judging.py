@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -100,6 +101,11 @@ class Choice:
 def imitates(block: str, kind: str) -> bool:
     """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
     return kind in FLEXIBLE or block.startswith("sensor.")
+
+
+def looked_for(fitting: Fitting, starts: Iterable[Start]) -> Iterator[Start]:
+    """Those starts that are looked for: all, or only what imitates no others."""
+    return (one for one in starts if not (fitting.simple and imitates(*one.label[:2])))
 
 
 def doubt(fitting: Fitting, fitted: Fitted) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
-from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, imitates
+from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, looked_for
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
@@ -106,10 +106,9 @@ def _others(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
     experiment, there = fitting.experiment, {tried[0].label for tried in choice.rounds}
     motion = experiment.motion(choice.best.model.spec, fitting.windows)
     starts: dict[object, Start] = {}
-    for start in candidates(choice.base.model.spec, experiment.evidence, motion, fitting.sigma):
+    every = candidates(choice.base.model.spec, experiment.evidence, motion, fitting.sigma)
+    for start in looked_for(fitting, every):
         plain = is_plain(start)
-        if fitting.simple and imitates(*start.label[:2]):
-            continue
         if start.label not in there and start.amplitude and (plain or fitting.doubt > CLOSE):
             starts.setdefault(start.label if plain else len(starts), start)
     changes = fitting.cores.each(lambda start: _change(fitting, choice, start), starts.values())

@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.candidates import candidates
-from rthm_analysis.diagnosis.search.judging import ENOUGH, imitates
+from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
@@ -35,10 +35,10 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]:
     """
     experiment, spec = fitting.experiment, fitted.model.spec
     motion = experiment.motion(spec, fitting.windows)
-    starts = list(candidates(spec, experiment.evidence, motion, fitting.sigma))
-    residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
-    starts += list(harmonic_starts(spec, experiment, residual, fitting.sigma))
-    starts = [one for one in starts if not (fitting.simple and imitates(*one.label[:2]))]
+    starts = list(looked_for(fitting, candidates(spec, experiment.evidence, motion, fitting.sigma)))
+    if not fitting.simple:
+        residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+        starts += harmonic_starts(spec, experiment, residual, fitting.sigma)
     first = screen(fitting, fitted, known, starts)
     # A size far from the trial's was an extrapolation: look again from there.
     again = [s.start for s in best_of_each(first, 1)[:AGAIN] if s.gain > ENOUGH and s.start.amplitude]

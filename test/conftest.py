@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from hosts import two_hosts
+from benchmarks.hosts import NoHostsError
+from benchmarks.hosts import hosts as made_hosts
+from benchmarks.rigs import processes_in
+from benchmarks.stalls import Stalls
 
 from rthm_bringup.run import shared_memory
 from rthm_bringup.run.domain import Claim
@@ -52,48 +53,23 @@ def segments() -> set[str]:
 
 
 @pytest.fixture
-def hosts() -> Iterator[tuple[str, str]]:
-    """Names of two network namespaces that reach each other."""
-    with two_hosts() as names:
-        yield names
+def hosts(request: pytest.FixtureRequest) -> Iterator[tuple[str, ...]]:
+    """Names of network namespaces that reach each other: two, or as many as the parameter says."""
+    try:
+        with made_hosts(getattr(request, "param", 2)) as names:
+            yield names
+    except NoHostsError as error:
+        pytest.skip(str(error))
 
 
 @pytest.fixture
 def held_up() -> Iterator[Callable[[float], float]]:
     """How long this machine let a thread with real-time priority wait in the last so many seconds, s."""
-    waits, over = [(time.monotonic(), 0.0)], threading.Event()
-
-    def watch() -> None:
-        with suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
-        while not over.is_set():
-            due = time.monotonic() + 0.005
-            time.sleep(0.005)
-            waits.append((due, time.monotonic() - due))
-
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
-    yield lambda seconds: sum(wait for at, wait in waits.copy() if at > time.monotonic() - seconds)
-    over.set()
-    watcher.join()
+    with Stalls() as stalls:
+        yield stalls.last
 
 
 @pytest.fixture
 def own_processes(network: Network) -> Callable[[], list[str]]:
     """Command lines of the processes of this project in the domain of the test."""
     return lambda: processes_in(network.domain)
-
-
-def processes_in(domain: int) -> list[str]:
-    """Command lines of the processes of this project in a domain."""
-    found = []
-    for folder in Path("/proc").iterdir():
-        if not folder.name.isdigit() or int(folder.name) == os.getpid():
-            continue
-        try:
-            command, variables = (folder / "cmdline").read_bytes(), (folder / "environ").read_bytes()
-        except OSError:
-            continue
-        if b"rthm" in command and f"ROS_DOMAIN_ID={domain}".encode() in variables.split(b"\0"):
-            found.append(command.replace(b"\0", b" ").decode())
-    return found

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hosts import ADDRESSES, on
+from benchmarks.hosts import ADDRESSES, on
 
 from rthm_analysis.recording import read_recording
 from rthm_core.ros.wall import VARIABLE
@@ -98,3 +98,38 @@ def test_a_clock_that_may_be_off_is_measured_and_the_delays_are_told_right(
     assert links["tau3"]["excess"]["p50"] == pytest.approx(ahead, abs=1e-3)
     if ahead < 0.006:  # further ahead, samples that are due have not been made yet
         assert links["tau2"]["excess_undisturbed"]["p50"] == pytest.approx(-ahead, abs=1e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("hosts", [3], indirect=True)
+def test_on_three_hosts_a_clock_that_is_off_and_one_that_drifts_are_measured(
+    hosts: tuple[str, str, str], environment: dict[str, str], tmp_path: Path
+) -> None:
+    """The leader with its controller, the plant 3 ms ahead, and a numerical substructure that drifts."""
+    drift, begun = 100e-6, time.time()
+    clocks = {"plant": "0.003", "numerical": f"0.0 {drift!r} {begun!r}"}
+    leads = [sys.executable, "-m", "rthm_bringup", "run", "paper", "--external", "plant,numerical"]
+    leads += ["--peers", ",".join(ADDRESSES[1:]), "--wait", "120", "--allow-clock-offset", "--json", "-"]
+    leads += ["--duration", "5", "--out", str(tmp_path / "out")]
+    with ExitStack() as ends:
+        for (part, clock), host, other in zip(clocks.items(), hosts[1:], ADDRESSES[:0:-1], strict=True):
+            words = [sys.executable, "-m", "rthm_bringup", "node", part, "paper"]
+            words += ["--peers", f"{ADDRESSES[0]},{other}"]
+            node = ends.enter_context(on(host, words, environment | {VARIABLE: clock}))
+            ends.callback(node.terminate)
+        leader = ends.enter_context(on(hosts[0], leads, environment))
+        said, complaints = leader.communicate(timeout=300)
+    told = json.loads(said)
+    recording = read_recording(told["bag"])
+    ahead = {}
+    for part, measured in recording.clocks.nodes.items():
+        true = 0.003 if part == "plant" else drift * (measured.at_ns / 1e9 - begun)
+        quickest = int(np.argmin(measured.uncertainty))
+        off = np.abs(measured.offset - true)
+        assert np.all(off <= measured.uncertainty + 1e-5), (part, complaints)
+        assert off[quickest] < NEAR, (part, complaints)
+        ahead[part] = float(np.median(np.broadcast_to(true, measured.offset.shape)))
+    assert set(ahead) == {"plant", "numerical"}
+    links = told["links"]
+    assert links["tau1"]["excess"]["p50"] == pytest.approx(ahead["plant"], abs=1e-3)
+    assert links["tau3"]["excess"]["p50"] == pytest.approx(ahead["numerical"], abs=1e-3)

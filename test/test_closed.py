@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hosts import ADDRESSES, on
+from benchmarks.hosts import ADDRESSES, on
 
 from rthm_analysis.recording import read_recording
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import PROFILES, RANGE, Network
 from rthm_core.ros.reach import PEERS, VARIABLE
 
@@ -75,6 +76,7 @@ def test_a_host_that_is_no_peer_is_never_used_and_ends_the_test_by_publishing(
     assert np.abs(recording.plant.columns("position", ["a1"])).max() < 1.0
 
 
+@pytest.mark.long
 def test_a_second_publisher_on_this_host_ends_the_test(environment: dict[str, str], tmp_path: Path) -> None:
     with subprocess.Popen(
         [*RUN, "--duration", "60", "--out", tmp_path / "out"],
@@ -120,12 +122,21 @@ def test_a_second_run_is_refused_in_one_sentence_and_the_first_ends_undisturbed(
     assert json.loads(told)["problems"] == []
 
 
+def wait_for_node(name: str, network: Network) -> None:
+    """Wait until a node is on the graph; a cold start takes a busy host many seconds."""
+    with Conductor(lambda: None, network.domain, network.namespace) as conductor:
+        deadline = time.monotonic() + 60.0
+        while name not in {found for found, _ in conductor.nodes()}:
+            assert time.monotonic() < deadline, conductor.nodes()
+            time.sleep(0.05)
+
+
 def test_nodes_of_somebody_else_are_noticed_before_anything_is_started(
-    environment: dict[str, str], tmp_path: Path
+    environment: dict[str, str], tmp_path: Path, network: Network
 ) -> None:
     node = [sys.executable, "-m", "rthm_actuator.node", "--ros-args", "-p", "autostart:=false"]
     with subprocess.Popen(node, env=environment) as other:
-        time.sleep(5.0)
+        wait_for_node("actuator", network)
         with start(environment, "--duration", "1", "--out", tmp_path / "out") as run:
             _, refusal = run.communicate(timeout=120)
         assert other.poll() is None

@@ -9,13 +9,14 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rigs import RTHM, Runs, Told
+from benchmarks.rigs import RTHM, Runs, Told
 
 from rthm_analysis.recording import Recording
 from rthm_bringup.run.environment import Network
@@ -102,7 +103,27 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
     assert len(recording.links["tau4"]) > 100
 
 
-@pytest.mark.parametrize("number", [pytest.param(signal.SIGSTOP, marks=pytest.mark.long), signal.SIGTERM])
+@pytest.mark.long
+def test_a_driver_that_was_held_up_makes_the_samples_of_the_ticks_that_went_by(
+    laboratory: Laboratory,
+) -> None:
+    with (
+        laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
+        laboratory.begun_beside("--duration", "4") as (run, end),
+    ):
+        laboratory.wait_until_it_moves(run)
+        os.kill(driver.pid, signal.SIGSTOP)
+        time.sleep(0.2)
+        os.kill(driver.pid, signal.SIGCONT)
+        ended = end()
+    assert ended.status == 0, ended.out
+    assert set(np.diff(ended.recording.plant.stamp_ns).tolist()) == {1_200_000}
+    late = ended.recording.plant.sent_ns - ended.recording.plant.stamp_ns
+    assert late.max() > 0.1 * NS
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGTERM])
 def test_a_driver_that_is_gone_ends_the_test(laboratory: Laboratory, number: signal.Signals) -> None:
     with (
         laboratory.process(sys.executable, EXAMPLES / "driver.py", laboratory.spec) as driver,
@@ -173,6 +194,23 @@ def test_a_device_that_is_pulled_ends_the_test(laboratory: Laboratory, number: s
     assert ended.json["abort"]["at"] < 20.0
 
 
+def test_a_whole_test_under_ros2_control_ends_with_status_0(laboratory: Laboratory) -> None:
+    bridge = [sys.executable, "-m", "rthm_plant_sim.ros2_control", laboratory.spec]
+    with (
+        laboratory.process(sys.executable, STAND_IN, str(STANDS)),
+        laboratory.process(*bridge, "--joints", "x1=table,a1=piston"),
+        laboratory.begun_beside("--duration", "3") as (_, end),
+    ):
+        ended = end()
+    assert ended.status == 0, ended.out
+    assert ended.json["abort"] is None and not ended.json["problems"]
+    recording = ended.recording
+    assert_within_rate(recording)
+    assert set(np.diff(recording.plant.stamp_ns).tolist()) == {1_200_000}
+    assert np.ptp(recording.plant.columns("position", ["a1"])) > 0.02
+
+
+@pytest.mark.long
 def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Laboratory) -> None:
     bridge = [sys.executable, "-m", "rthm_plant_sim.ros2_control", laboratory.spec]
     with (
@@ -192,6 +230,7 @@ def test_a_rig_under_ros2_control_takes_the_place_of_the_plant(laboratory: Labor
     assert len(recording.links["tau4"]) > 10
 
 
+@pytest.mark.long
 def test_a_class_is_a_driver_that_a_forged_command_does_not_move(laboratory: Laboratory) -> None:
     """Commands from nowhere are refused; a swing that begins where the motor stands is followed."""
     rig, moved = laboratory.folder / "rig.py", laboratory.folder / "moved"

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 from benchmarks.realtime.__main__ import main
+from benchmarks.realtime.bare import CLOCKS, missed_ticks
 from benchmarks.realtime.judge import judge_real_time, judge_simulated_time
+from benchmarks.realtime.short_periods import judge_short_periods
 
 from rthm_bringup.run.environment import Network
 
@@ -49,12 +51,35 @@ def test_runs_in_simulated_time_that_fall_short_are_named(change: dict) -> None:
     assert len(unmet(SIMULATED | change)) == 1
 
 
+def missed(bare: int, composed: int, apart: int = 99) -> dict:
+    found = {"ticks": 60000, "bare": bare, "composed": composed, "apart": apart}
+    return {"periods": {"0.001": found, "0.0005": found}}
+
+
+def test_a_composed_loop_at_1_ms_misses_no_more_than_a_bare_one() -> None:
+    assert [line.met for line in judge_short_periods(missed(5, 5))] == [True] * 4
+    unmet = [line.what for line in judge_short_periods(missed(5, 6)) if not line.met]
+    assert unmet == ["ticks missed at 1 ms, composed"]
+    assert "ratio 1.20" in judge_short_periods(missed(5, 6))[0].value
+    assert "ratio" not in judge_short_periods(missed(0, 0))[0].value
+
+
+@pytest.mark.graph
+@pytest.mark.usefixtures("nothing_left")
+def test_a_bare_loop_counts_the_ticks_that_it_missed(environment: dict[str, str]) -> None:
+    """Clocks faster than any interpreter miss all their ticks; slow ones hardly any."""
+    impossible = missed_ticks(1e-6, 0.01)
+    assert impossible > 0.9 * CLOCKS * 10_000
+    assert missed_ticks(0.5, 1.0) <= CLOCKS
+
+
+@pytest.mark.long
 @pytest.mark.graph
 @pytest.mark.usefixtures("nothing_left")
 def test_the_benchmark_measures_both_ways_of_running(
     environment: dict[str, str], network: Network, tmp_path: Path, held_up: Callable[[float], float]
 ) -> None:
-    main(["--out", str(tmp_path / "result"), "--duration", "1"])
+    main(["--out", str(tmp_path / "result"), "--duration", "1", "--only", "real", "--only", "virtual"])
     told = json.loads((tmp_path / "result.json").read_text())
     assert told["real"]["lost"] == 0 or held_up(60.0) > 0.1
     assert set(told["real"]["excess"]) == {"tau1", "tau2", "tau3", "tau4"}

@@ -82,7 +82,7 @@ def off_along_recorded_delays(recording: Recording) -> float:
     return float(np.abs(x1 - motion.plant_position[: x1.shape[0]]).max())
 
 
-@pytest.mark.parametrize("mode", [[], ["--virtual"]], ids=["real time", "virtual"])
+@pytest.mark.parametrize("mode", [[], ["--compose"], ["--virtual"]], ids=["real time", "composed", "virtual"])
 def test_a_run_ends_by_itself_with_a_bag_and_a_report(
     environment: dict[str, str], out: Path, mode: list[str]
 ) -> None:
@@ -100,6 +100,11 @@ def test_a_run_ends_by_itself_with_a_bag_and_a_report(
     assert {"mean", "p50", "p99", "max"} <= set(told["links"]["tau1"]["excess"])
     assert told["energies"]["E_fx"] != 0.0
     assert off_along_recorded_delays(recording) < 1e-11
+    logs = {log.stem for log in (out / "log").glob("*.log")}
+    assert ("numerical+actuator" in logs, "actuator" in logs) == (
+        "--compose" in mode,
+        "--compose" not in mode,
+    )
     assert set(told["energies"]) >= {"E_num", "E_ff", "E_fx", "E_err", "E_damping", "E_total"}
 
 

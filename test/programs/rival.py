@@ -2,7 +2,7 @@
 
 usage: rival.py TOPIC SECONDS [NAMESPACE]
 
-Says `heard N` of plant/state at its end.
+Says `publishing since NS` on standard error when it begins, and `heard N` of plant/state at its end.
 """
 
 import sys
@@ -23,6 +23,7 @@ publisher = node.create_publisher(JointState, topic, QoSProfile(depth=100))
 message = JointState(name=["x1", "x2", "a1"])
 message.position = message.velocity = message.effort = [9.0, 9.0, 9.0]
 end = time.time() + float(seconds)
+print(f"publishing since {time.time_ns()}", file=sys.stderr, flush=True)
 while time.time() < end:
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
     publisher.publish(message)

@@ -32,7 +32,7 @@ class Hidden:
     blocks
         Where it is; several where the recorded channels cannot tell them apart.
     families
-        Families of kinds that state it, in these blocks.
+        Families of kinds, or kinds, that state it, in these blocks.
     faults
         Kinds of entries in `faults` that state it; their blocks must be among `blocks`, but for faults of
         the spec.
@@ -57,7 +57,8 @@ class Hidden:
 
     def stated_by_kind(self, block: str, kind: str) -> bool:
         """Whether a named kind states this."""
-        return block in self.blocks and (kind == self.kind or wide_family(block, kind) in self.families)
+        of_it = kind == self.kind or kind in self.families or wide_family(block, kind) in self.families
+        return block in self.blocks and of_it
 
     def stated_by_fault(self, block: str, kind: str) -> bool:
         """Whether a fault states this; what is wrong with a spec may be told anywhere."""

@@ -6,11 +6,15 @@ two ticks is told by an extra command, or at the next tick of Td4. Ticks that we
 
 Beside a real machine it is armed first: until the measured state has been compared with the spec nothing is
 sent, and the first command is where the motors stand.
+
+To measure a rig it commands a small motion about there instead (`rthm_core.excitation`), through the same
+limits, whatever plant and numerical side do.
 """
 
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -29,6 +33,7 @@ from rthm_core import events
 from rthm_core.clock import NS, Rank, to_ns
 from rthm_core.controller import Controller
 from rthm_core.errors import InputError
+from rthm_core.excitation import excitation
 from rthm_core.limits import kept_limits
 from rthm_core.link import Link
 from rthm_core.owner import LIMIT as OWNER
@@ -38,6 +43,7 @@ from rthm_core.ros.messages import JointSample
 from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.ros.realtime import RealTime
+from rthm_core.slew import Floats
 from rthm_core.spec import LimitsSpec, Spec
 from rthm_core.substructure import interface
 
@@ -45,6 +51,10 @@ PARAMETERS = {
     "hardware": (False, "whether the plant is a real machine: it is armed first, and no limit is off"),
     "dry_run": (False, "whether commands go to actuator/command_dry, and none is sent to the motors"),
     "heartbeat": (False, "whether an operator's heartbeat must be there from the start"),
+    "excitation": (
+        0.0,
+        "size of a motion that measures the rig, in m; 0: the test is controlled",
+    ),
 }
 
 
@@ -72,18 +82,23 @@ class ActuatorNode(PartNode):
         )
         self._plant.seen = self._see
         self._reference = self.ports.input("numerical/force_reference", names, Link(spec, "tau3"), period=td2)
+        for port in (self._plant, self._reference):
+            port.unread = partial(self._unread, port.topic)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the controller to the initial state that it has seen for ever, and the motors at rest."""
         timing = spec.loop().timing
         self._td3, td4 = timing.ns("td3"), timing.ns("td4")
         self._controller, self._test = Controller(spec), spec
+        travel = self.value("excitation")
+        self._excitation = excitation(spec, travel) if travel else None
+        self._rest = self._controller.command(0)
         self._limits = kept_limits(spec, self.value("hardware"))
         self._watch = Watch(spec, self._limits, self.value("hardware"), not self.value("dry_run"))
         self._pulse = Pulse(to_ns(self._limits.heartbeat or 0.0), self.value("heartbeat"))
         self._safety = self._monitor(spec)
         if not self.value("hardware"):
-            self._safety.arm(self._controller.command(0))
+            self._safety.arm(self._rest)
         self._told: set[str] = set()
         self._heard: events.Abort | None = None
         self._position = np.array(spec.plant.initial_position)[interface(spec).plant]
@@ -111,7 +126,11 @@ class ActuatorNode(PartNode):
             return
         now = self.ports.now()
         self._safety.heard(self._plant.topic, sample.stamp, now)
-        self._safety.judge(now, self._watch.see(sample, self._safety.last))
+        self._safety.judge(now, self._watch.see(sample, self._safety.last, now - sample.stamp))
+
+    def _unread(self, topic: str, why: str) -> None:
+        """Somebody sends what cannot be used."""
+        self._safety.unread(topic, why)
 
     def _arm(self, at: int) -> None:
         """Compare the rig with the start of the spec; the first command is where the motors stand."""
@@ -128,7 +147,9 @@ class ActuatorNode(PartNode):
         except InputError as error:
             self._safety.judge(at, Broken("command", float(np.abs(motors).max()), None, str(error)))
             return
-        self._tell(events.ARMED, events.write_event(events.ARMED, at=at / NS, motor=motors.tolist()))
+        self._rest, travel = motors, self.value("excitation")
+        armed = events.write_event(events.ARMED, at=at / NS, motor=motors.tolist(), excitation=travel)
+        self._tell(events.ARMED, armed)
 
     def _control(self, at: int, now: int) -> None:
         self._watch_owners()
@@ -181,11 +202,17 @@ class ActuatorNode(PartNode):
         self._reference.tell(now, self._reference_used)
 
     def _send(self, at: int, now: int) -> None:
-        u_d = self._safety.command(at, now, self._controller.command(at), self._position)
+        u_d = self._safety.command(at, now, self._wanted(at), self._position)
         if u_d is not None:
             self._command.send(at, u_d, self._controller.force)
         if self._safety.abort is not None:
             self._tell_abort(now)
+
+    def _wanted(self, at: int) -> Floats:
+        """Command (m,) before all limits."""
+        if self._excitation is None:
+            return self._controller.command(at)
+        return self._rest + self._excitation.at(at / NS)
 
     def _tell_abort(self, now: int) -> None:
         """Tell everybody, once, that the test is over, and once that the motors are where they stay."""
@@ -232,6 +259,10 @@ def _state(safety: SafetyMonitor, test: Spec) -> tuple[bytes, str]:
     if safety.reason:
         return ERROR, f"stopped: {safety.reason}"
     return OK, "within limits" if test.limits not in (None, LimitsSpec()) else "no limits are set"
+
+
+Node = ActuatorNode
+"""Node of this module."""
 
 
 def main() -> int:

@@ -81,11 +81,20 @@ class Age:
     ) -> None:
         self._topic, self._stale, self._age, self._bad = topic, stale, age, bad
         self._taken = self._stamp = first
+        self._why = ""
+
+    def unread(self, why: str) -> None:
+        """Note what is wrong with a message that could not be read, to be told when nothing is fresh."""
+        self._why = f": {why}"
 
     def heard(self, stamp: int, now: int) -> Broken | None:
         """Look at the stamp of a sample that arrives at `now`, both ns after the start."""
         ahead = stamp - now
-        if self._age is None or ahead <= self._age:
+        if self._age is None or abs(ahead) <= self._age:
+            self._why = ""
+            return None
+        if ahead < 0:
+            self._why = f": the last one that came is stamped {-ahead / NS:.3f} s in the past"
             return None
         words = f"a sample of {self._topic} is stamped {ahead / NS:.3f} s in the future"
         return Broken("age", -ahead / NS, self._age / NS, words)
@@ -99,7 +108,7 @@ class Age:
         old, silent = now - self._stamp, now - self._taken
         if self._stale is not None and (silent > self._stale or self._outlived(old, silent)):
             seconds = max(old, silent) / NS
-            words = f"{self._topic} has had no fresh sample for {seconds:.3f} s"
+            words = f"{self._topic} has had no fresh sample for {seconds:.3f} s{self._why}"
             return Broken("stale", seconds, self._stale / NS, words, self._bad)
         if self._age is not None and old > self._age:
             words = f"{self._topic} is {old / NS:.3f} s old where it is used, allowed is {self._age / NS:g} s"

@@ -115,6 +115,10 @@ class SafetyMonitor:
         """Look at the stamp of a sample of an input that has arrived."""
         self.judge(now, self._ages[name].heard(stamp, now))
 
+    def unread(self, name: str, why: str) -> None:
+        """Note what is wrong with a message of an input that cannot be used."""
+        self._ages[name].unread(why)
+
     def accept(self, name: str, stamp: int, now: int, *values: Floats) -> bool:
         """Look at a sample that the controller is about to use; whether it may."""
         if not all(np.isfinite(value).all() for value in values):

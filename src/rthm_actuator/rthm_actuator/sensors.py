@@ -21,10 +21,25 @@ SENSORS = {
 class Sample(Protocol):
     """A JointState in the order of dofs, then actuators."""
 
-    stamp: int
-    position: list[float]
-    velocity: list[float]
-    effort: list[float]
+    @property
+    def stamp(self) -> int:
+        """Instant to which the values belong, ns."""
+        ...
+
+    @property
+    def position(self) -> list[float]:
+        """Positions, m."""
+        ...
+
+    @property
+    def velocity(self) -> list[float]:
+        """Velocities, m/s."""
+        ...
+
+    @property
+    def effort(self) -> list[float]:
+        """Forces, N."""
+        ...
 
 
 class Channel(NamedTuple):

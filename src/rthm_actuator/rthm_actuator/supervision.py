@@ -53,11 +53,13 @@ class Step:
         What each value of a sample is.
     limit, period
         Largest step (m) between samples one period (ns) apart; in longer gaps it grows with the time.
+    commands
+        Period of the commands, ns: a motor may go at once as far as they step.
     """
 
-    def __init__(self, channels: Sequence[Channel], limit: float, period: int) -> None:
+    def __init__(self, channels: Sequence[Channel], limit: float, period: int, commands: int = 0) -> None:
         self._watched = [i for i, channel in enumerate(channels) if channel.kind in (POSITION, MOTOR)]
-        self._channels, self._limit, self._period = channels, limit, period
+        self._channels, self._limit, self._period, self._commands = channels, limit, period, commands
         self._last: tuple[int, Sequence[float]] | None = None
 
     def look(self, stamp: int, values: Sequence[float]) -> Broken | None:
@@ -67,9 +69,10 @@ class Step:
         before, self._last = self._last, (stamp, values)
         if before is None:
             return None
-        allowed = self._limit * max((stamp - before[0]) / self._period, 1.0)
         for i in self._watched:
             step = abs(values[i] - before[1][i])
+            apart = max(stamp - before[0], self._commands if self._channels[i].kind == MOTOR else 0)
+            allowed = self._limit * max(apart / self._period, 1.0)
             if step > allowed:
                 channel = self._channels[i]
                 words = f"{channel.words} steps by {step:.6g} m in one sample, allowed is {allowed:.6g} m"
@@ -95,8 +98,13 @@ class Frozen:
         self._values: list[float] = []
         self._since: list[tuple[int, Floats]] = []
 
-    def look(self, stamp: int, values: Sequence[float], command: Floats) -> Broken | None:
-        """Look at a sample; `command` (m,) is the one that was sent last."""
+    def look(self, stamp: int, values: Sequence[float], command: Floats, late: int = 0) -> Broken | None:
+        """Look at a sample; `command` (m,) is the one that was sent last.
+
+        A sample that comes `late` (ns), as after a stall, knows nothing of the commands since.
+        """
+        if late > self._limit // 2:
+            self._values = []
         if len(self._values) != len(values):
             self._values, self._since = list(values), [(stamp, command)] * len(values)
         for i, value in enumerate(values):

@@ -43,17 +43,20 @@ class Watch:
         self.values: list[float] = []
         self._stiffness = np.array(spec.k_tot)
         self._largest = Largest(channels, {name: getattr(limits, name) for name in MEASURED})
-        self._looks: list[Callable[[int, list[float], Floats], Broken | None]] = []
+        self._looks: list[Callable[[int, list[float], Floats, int], Broken | None]] = []
         if limits.step is not None:
-            step = Step(channels, limits.step, spec.loop().timing.ns("td1"))
-            self._looks.append(lambda stamp, values, command: step.look(stamp, values))
-        self._looks.append(lambda stamp, values, command: self._largest.look(values))
+            timing = spec.loop().timing
+            step = Step(channels, limits.step, timing.ns("td1"), timing.ns("td3"))
+            self._looks.append(lambda stamp, values, command, late: step.look(stamp, values))
+        self._looks.append(lambda stamp, values, command, late: self._largest.look(values))
         if executed and limits.frozen is not None:
             travel = FROZEN_TRAVEL * (limits.command or 0.0)
             self._looks.append(Frozen(channels, to_ns(limits.frozen), travel).look)
         if executed and limits.following is not None:
             following = Following(spec.loop().actuator.names, limits.following)
-            self._looks.append(lambda stamp, values, command: following.look(self.motors.tolist(), command))
+            self._looks.append(
+                lambda stamp, values, command, late: following.look(self.motors.tolist(), command)
+            )
 
     @property
     def motors(self) -> Floats:
@@ -63,7 +66,8 @@ class Watch:
     @property
     def unloaded(self) -> Floats:
         """Where the motors (m,) would pull with no force, m."""
-        return self.motors - np.array(self._sensors.of(FORCE, self.values)) / self._stiffness
+        pull: Floats = np.array(self._sensors.of(FORCE, self.values)) / self._stiffness
+        return self.motors - pull
 
     def interface(self, sample: Sample) -> tuple[Floats, Floats]:
         """Position and velocity (m,) of the plant in a sample, at the interface."""
@@ -74,15 +78,15 @@ class Watch:
         """Take a sample as the newest one, without a look at it."""
         self.values = self._known(self._sensors.values(sample))
 
-    def see(self, sample: Sample, command: Floats) -> Broken | None:
-        """Look at a sample; `command` (m,) is the one that was sent last."""
+    def see(self, sample: Sample, command: Floats, late: int = 0) -> Broken | None:
+        """Look at a sample that is `late` ns old; `command` (m,) is the one that was sent last."""
         values = self._known(self._sensors.values(sample))
         broken = not_finite(self._sensors.channels, values, sample.stamp)
         if broken is not None:
             return broken
         self.values = values
         for look in self._looks:
-            broken = look(sample.stamp, values, command)
+            broken = look(sample.stamp, values, command, late)
             if broken is not None:
                 return broken
         return None

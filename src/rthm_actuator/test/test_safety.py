@@ -218,6 +218,24 @@ def test_a_sample_from_the_future_ends_the_test() -> None:
     assert "1.000 s in the future" in safety.abort.words
 
 
+def test_messages_that_cannot_be_used_are_the_words_of_what_is_stale() -> None:
+    safety = monitor(stale=0.05)
+    feed(safety, 0)
+    safety.unread(STATE, "a message on plant/state names y1, but not x1")
+    commanded(safety, 60 * MS, REST)
+    assert safety.reason.endswith(
+        "no fresh sample for 0.060 s: a message on plant/state names y1, but not x1"
+    )
+
+
+def test_stamps_in_the_past_are_the_words_of_what_is_stale() -> None:
+    safety = monitor(stale=0.05, age=0.05)
+    feed(safety, NS)
+    safety.heard(STATE, 60 * MS, NS + 60 * MS)
+    commanded(safety, NS + 60 * MS, REST)
+    assert safety.reason.endswith("the last one that came is stamped 1.000 s in the past")
+
+
 @pytest.mark.parametrize(("on_abort", "rest"), [("return", REST), ("hold", REST + 0.1), ("unload", UNLOADED)])
 def test_an_abort_ends_where_it_is_told_to(on_abort: str, rest: np.ndarray) -> None:
     safety = monitor(ramp=1.0, on_abort=on_abort)

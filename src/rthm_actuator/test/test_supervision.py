@@ -52,6 +52,16 @@ def test_a_step_between_two_samples_is_judged_by_the_time_between_them() -> None
     assert "position sensor of x1 steps by 0.3 m" in broken.words
 
 
+def test_a_motor_may_go_at_once_as_far_as_commands_step_and_the_plant_may_not() -> None:
+    step = Step(CHANNELS, 0.01, MS, commands=4 * MS)
+    assert step.look(0, [0.0, 0.0, 0.0, 0.0]) is None
+    assert step.look(MS, [0.009, 0.0, 0.039, 0.0]) is None
+    broken = step.look(2 * MS, [0.009, 0.0, 0.08, 0.0])
+    assert broken is not None
+    assert broken.allowed == pytest.approx(0.04)
+    assert "motor position sensor of a1" in broken.words
+
+
 def test_one_frozen_sensor_is_found_while_the_others_change() -> None:
     frozen = Frozen(CHANNELS, 250 * MS, 0.01)
     found = None
@@ -70,6 +80,15 @@ def test_a_sensor_may_stand_while_the_command_stands_or_trembles() -> None:
     for k in range(2000):
         command = np.array([0.5 + 1e-4 * math.sin(k)])
         assert frozen.look(k * MS, [0.5, 0.0, 0.5, 0.0], command) is None
+
+
+def test_samples_that_come_late_say_nothing_of_commands_that_they_did_not_see() -> None:
+    frozen = Frozen(CHANNELS, 250 * MS, 0.01)
+    for k in range(1000):
+        assert frozen.look(k * MS, [0.5, 0.0, 0.5, 0.0], np.array([0.5]), late=(1000 - k) * MS) is None
+        if k < 800:  # the last ones come in time, and have seen the first commands
+            assert frozen.look(k * MS, [0.5, 0.0, 0.5, 0.0], np.array([0.6]), late=(1000 - k) * MS) is None
+    assert any(frozen.look((1000 + k) * MS, [0.5, 0.0, 0.5, 0.0], np.array([0.7])) for k in range(251))
 
 
 def test_measured_positions_velocities_and_forces_have_limits_of_their_own() -> None:

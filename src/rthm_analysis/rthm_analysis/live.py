@@ -29,6 +29,9 @@ TOPICS = {
 LAG_NS = NS // 2
 """How far the books stay behind the newest sample: a message of an older one has come by then."""
 
+FAR_NS = 600 * NS
+"""A stamp that is this far ahead of the newest sample is wrong, and is not waited for."""
+
 
 class LiveLedger:
     """Books of a running test.
@@ -103,7 +106,9 @@ class LiveLedger:
 
     def _table(self, topic: RawTopic) -> Table:
         table = joint_table(topic)[0]
-        return table.rows(np.flatnonzero(table.stamp_ns >= self._begin))
+        table = table.rows(np.flatnonzero(table.stamp_ns >= self._begin))
+        until = (self._newest or int(table.stamp_ns.min(initial=np.iinfo(np.int64).max - FAR_NS))) + FAR_NS
+        return table.rows(np.flatnonzero(table.stamp_ns <= until))
 
     def _told(self) -> tuple[int, dict[str, float]]:
         assert self._last is not None and self._first is not None

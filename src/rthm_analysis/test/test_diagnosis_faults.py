@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.faults import mend
+from rthm_analysis.diagnosis.faults.naming import BLOCKS
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_core.spec import Spec, apply
@@ -257,8 +258,29 @@ def test_ugly_recordings_have_no_faults(spec: Spec) -> None:
     for many in (2, 5, 10):
         repeated = evidence.measured[np.arange(samples) // many * many]
         assert said(replace(evidence, measured=repeated), spec) == []
-    for column in range(evidence.measured.shape[1]):
-        assert said(changed(evidence, column, np.zeros_like), spec) == []
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3])
+@pytest.mark.parametrize("spec", [PAPER, PLAIN, FREE])
+def test_a_channel_that_never_changes_is_told_and_left_out(spec: Spec, value: float) -> None:
+    evidence = hybrid() if spec is PAPER else plain(spec, driven=spec is PLAIN)
+    for column, channel in enumerate(evidence.channels):
+        mended = mend(changed(evidence, column, lambda y: np.full_like(y, value)), spec)
+        kind = "stuck" if value else "dropout"
+        assert [(one.kind, one.block) for one in mended.faults] == [(kind, BLOCKS[channel.family])]
+        assert channel not in mended.evidence.channels
+        assert len(mended.evidence.channels) == len(evidence.channels) - 1
+
+
+def test_a_rig_that_rests_has_no_dead_channel(loop: Evidence) -> None:
+    still = replace(loop, commands=np.zeros_like(loop.commands), measured=np.zeros_like(loop.measured))
+    assert said(still, PAPER) == []
+
+
+def test_a_position_of_wrong_sign_leaves_the_velocity_unblamed() -> None:
+    evidence = plain(FREE, driven=False)
+    position = [one.family for one in evidence.channels].index("position")
+    assert said(changed(evidence, position, np.negative), FREE) == [("sign", "x1.position")]
 
 
 def test_a_rig_at_rest_has_no_faults(loop: Evidence) -> None:

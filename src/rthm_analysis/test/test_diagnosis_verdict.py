@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,21 @@ def test_other_damping_and_stiffness_than_the_exact_ones_of_the_spec_are_no_miss
     assert set(part.retuned) == {"plant.damping", "plant.stiffness"}
     for name, true in (("plant.damping", 3.0 * DAMPING), ("plant.stiffness", 1.027 * STIFFNESS)):
         assert abs(part.retuned[name].value - true) < 4.0 * part.retuned[name].std
+
+
+def test_a_stiffness_that_is_off_over_forty_periods_is_retuned() -> None:
+    part = part_of(recorded(force=0.0, start=0.4, duration=80.0, stiffness=0.985 * STIFFNESS), plant(0.4))
+    assert not part.physics and not part.unexplained
+    value = part.retuned["plant.stiffness"]
+    assert abs(value.value - 0.985 * STIFFNESS) < 4.0 * value.std
+
+
+def test_few_samples_of_each_period_are_no_mismatch() -> None:
+    often = recorded(force=0.0, start=2.0, duration=60.0)
+    few = slice(None, None, 20)
+    seen = replace(often, stamps_ns=often.stamps_ns[few], load=often.load[few], measured=often.measured[few])
+    part = part_of(seen, plant(2.0))
+    assert not part.physics and not part.unexplained and not part.retuned
 
 
 def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:

@@ -46,3 +46,21 @@ def test_nothing_is_told_before_the_plant_moves() -> None:
     ledger = LiveLedger(SPEC)
     assert ledger.advance() is None
     assert ledger.advance(final=True) is None
+
+
+def test_a_stamp_a_day_ahead_is_not_waited_for() -> None:
+    messages = recorded(SPEC, 2.0)
+    ledger, told = LiveLedger(SPEC), None
+    start = min(message[1] for message in messages)
+    for topic, stamp, _, payload in sorted(messages, key=lambda message: message[1]):
+        name = topic.removeprefix("/rthm/")
+        if name in TOPICS:
+            ledger.take(name, payload)
+        if name == "plant/state" and (stamp - start) % 120_000_000 == 0:
+            told = ledger.advance() or told
+            days = int.from_bytes(payload[4:8], "little") + 86_400
+            ledger.take(name, payload[:4] + days.to_bytes(4, "little") + payload[8:])
+    assert told is not None
+    last = ledger.advance(final=True)
+    assert last is not None
+    assert last[0] - start < 3_000_000_000

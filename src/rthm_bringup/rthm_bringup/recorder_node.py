@@ -37,6 +37,7 @@ from rthm_bringup.topics import (
     TIME_REFERENCE,
 )
 from rthm_core.clock import to_ns
+from rthm_core.clocks import TICKS
 from rthm_core.errors import InputError
 from rthm_core.ros import leader, reach, system
 from rthm_core.ros.alive import Alive
@@ -202,7 +203,7 @@ class Recorder(PollingNode):
             return
         self.take()
         intake, self._intake = self._intake, None
-        intake.writer.custom["lost"] = str(intake.lost)
+        intake.writer.custom |= {"lost": str(intake.lost), "twice": str(intake.twice)}
         try:
             intake.writer.close()
         except InputError as error:
@@ -233,7 +234,7 @@ class Recorder(PollingNode):
         if self._intake is None:
             return
         counts = self._intake.writer.counts
-        values = {"messages": sum(counts.values()), "lost": self._intake.lost} | counts
+        values: dict[str, object] = {"messages": sum(counts.values()), "lost": self._intake.lost, **counts}
         values |= {"reach": os.environ.get(reach.VARIABLE, reach.OPEN)}
         level = DiagnosticStatus.WARN if self._intake.lost else DiagnosticStatus.OK
         status = DiagnosticStatus(level=level, name=self.get_fully_qualified_name(), message="recording")
@@ -258,8 +259,7 @@ class Recorder(PollingNode):
 def periods_of(spec: Spec) -> dict[str, int]:
     """Periods of the topics that are published at the ticks of a clock, ns."""
     timing = spec.loop().timing
-    clocks = {"plant/state": "td1", "numerical/state": "td2", "actuator/command": "td3"}
-    return {topic: timing.ns(clock) for topic, clock in clocks.items()}
+    return {topic: timing.ns(clock) for clock, topic in TICKS.items()}
 
 
 def main() -> int:

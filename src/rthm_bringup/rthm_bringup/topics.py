@@ -9,8 +9,9 @@ JOINT_STATE = "sensor_msgs/msg/JointState"
 TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 
+PLANT_STATE = "plant/state"
 LOOP = {
-    "plant/state": JOINT_STATE,
+    PLANT_STATE: JOINT_STATE,
     "numerical/state": JOINT_STATE,
     "numerical/force_reference": JOINT_STATE,
     "actuator/command": JOINT_STATE,

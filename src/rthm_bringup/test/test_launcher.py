@@ -250,6 +250,14 @@ def test_a_middleware_that_does_not_number_its_messages_loses_none(intake: Intak
     assert intake.lost == 0
 
 
+def test_samples_of_the_plant_that_come_twice_are_counted_within_the_test(intake: Intake) -> None:
+    intake.open(2, None)
+    for number, stamp in enumerate([1, 1, 2, 3, 3, 3, 4], start=1):
+        intake.take(STATE, JOINT_STATE, message(stamp), told(number))
+    intake.writer.close()
+    assert (intake.twice, intake.lost) == (2, 0)
+
+
 def test_a_recording_is_complete_when_no_further_sample_fits(intake: Intake) -> None:
     intake.open(0, 1000)
     intake.take(STATE, JOINT_STATE, message(880), told(1))

@@ -23,6 +23,9 @@ LIMIT = "clock"
 SHARE = 0.1
 """Offset that is allowed by default, as a share of the shortest delay of the loop."""
 
+TICKS = {"td1": "plant/state", "td2": "numerical/state", "td3": "actuator/command"}
+"""Topic that is stamped with the ticks of a clock."""
+
 ENDS = {
     "tau1": ("plant", "actuator"),
     "tau2": ("plant", "numerical"),

@@ -23,6 +23,20 @@ HEARTBEAT, PATIENT_HEARTBEAT = 0.2, 2.0
 """Longest silence of a node beside a real machine, and beside a simulated one, s."""
 
 
+def limit_units(*names: str) -> dict[str, str]:
+    """Units of some limits, as the spec declares them.
+
+    Examples
+    --------
+    >>> limit_units("rate", "following")
+    {'rate': 'm/s', 'following': 'm'}
+    """
+    from rthm_core.spec import LimitsSpec
+
+    declared = dict(LimitsSpec.entries())
+    return {name: declared[name].unit for name in names}
+
+
 def require_limits(spec: Spec) -> None:
     """Refuse a spec with which no real machine may be moved.
 

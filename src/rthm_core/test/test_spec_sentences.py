@@ -217,8 +217,8 @@ CHANGES = [
         "limits: {command: 1.0}",
         "limmits: {command: 1.0}",
         "limmits (given as {'command': 1.0}) is not a key of the spec, which knows plant, "
-        "numerical, interface, actuator, timing, load, noise, uncertainty, limits, effects "
-        "there; write limits.",
+        "numerical, interface, actuator, timing, load, noise, uncertainty, limits, zero, "
+        "effects there; write limits.",
     ),
 ]
 

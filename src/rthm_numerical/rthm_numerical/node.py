@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import sys
 
+import numpy as np
+
 from rthm_core.clock import Rank
 from rthm_core.link import Link
 from rthm_core.numerical import NumericalSide
@@ -46,12 +48,16 @@ class NumericalNode(PartNode):
         side.advance(at)
         z1 = self._plant.take(at)
         if z1 is not None:
-            side.latch(z1.position, z1.velocity)
+            side.latch(np.array(z1.position), np.array(z1.velocity))
             self._used = z1.stamp
         self._reference.send(at, side.force_reference())
         self._state.send(at, side.position, side.velocity, side.load)
         if self._used is not None:
             self._plant.tell(now, self._used)
+
+
+Node = NumericalNode
+"""Node of this module."""
 
 
 def main() -> int:

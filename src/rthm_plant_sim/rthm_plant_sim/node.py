@@ -98,6 +98,10 @@ def _command_rank(spec: Spec) -> Callable[[int], Rank]:
     return lambda stamp: Rank.DELAY if early and stamp % td3 else Rank.CONTROL
 
 
+Node = PlantNode
+"""Node of this module."""
+
+
 def main() -> int:
     """Run the node until it is asked to end."""
     return run(PlantNode)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_plant_sim.driver.grid import LONGEST, Grid
+from rthm_core.spec import LimitsSpec
+from rthm_plant_sim.driver.grid import MOST, Grid, longest_pause
 
 P = 1_200_000
+LONGEST = 200 * P
 
 
 def reading(made: int) -> np.ndarray:
@@ -15,7 +17,7 @@ def reading(made: int) -> np.ndarray:
 
 
 def test_a_reading_on_time_is_the_sample_of_its_tick() -> None:
-    grid = Grid(P)
+    grid = Grid(P, LONGEST)
     for k in range(3):
         ((stamp, values),) = grid.samples(k * P, k * P + P // 20, reading(k * P + P // 20))
         assert stamp == k * P
@@ -24,7 +26,7 @@ def test_a_reading_on_time_is_the_sample_of_its_tick() -> None:
 
 
 def test_ticks_that_went_by_lie_between_the_readings_around_them() -> None:
-    grid = Grid(P)
+    grid = Grid(P, LONGEST)
     grid.samples(0, 0, reading(0))
     made = 5 * P + P // 2
     found = grid.samples(5 * P, made, reading(made))
@@ -37,9 +39,18 @@ def test_ticks_that_went_by_lie_between_the_readings_around_them() -> None:
 
 
 def test_over_a_long_pause_no_samples_are_made_up() -> None:
-    grid = Grid(P)
+    grid = Grid(P, LONGEST)
     grid.samples(0, 0, reading(0))
     late = (LONGEST // P + 2) * P
     ((stamp, _),) = grid.samples(late, late, reading(late))
     assert stamp == late
     assert (grid.between, grid.missing) == (0, LONGEST // P + 1)
+
+
+def test_samples_are_made_over_as_long_a_pause_as_a_test_survives() -> None:
+    assert longest_pause(LimitsSpec(stale=0.05), P) == 50_000_000
+    assert longest_pause(LimitsSpec(stale=60.0), P) == MOST * P
+    grid = Grid(P, longest_pause(LimitsSpec(stale=0.3), P))
+    grid.samples(0, 0, reading(0))
+    made = 240 * P
+    assert [stamp for stamp, _ in grid.samples(made, made, reading(made))] == [k * P for k in range(1, 241)]

@@ -1,6 +1,7 @@
 """Recordings: read any bag of a hybrid test into tables with units."""
 
-from rthm_analysis.recording.reading import LINKS, Recording, read_recording
+from rthm_analysis.recording.reading import LINKS, read_recording
+from rthm_analysis.recording.recording import Recording
 from rthm_analysis.recording.table import LinkTable, Table, hold
 
 __all__ = ["LINKS", "LinkTable", "Recording", "Table", "hold", "read_recording"]

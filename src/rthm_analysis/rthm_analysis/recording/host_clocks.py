@@ -19,6 +19,9 @@ from rthm_core.compiled import Floats, Integers
 QUICK = 2.0
 """Uncertainty up to which an offset is used, as a multiple of the least: slow ways say little."""
 
+GRAIN = 1e-7
+"""Least uncertainty that is believed, s."""
+
 
 @dataclass(frozen=True)
 class HostClock:
@@ -39,9 +42,39 @@ class HostClock:
     @property
     def drift(self) -> float:
         """Growth of the lead over the recording, s/s: slope of a straight line; 0 for a single value."""
-        if self.at_ns.size < 2:
-            return 0.0
-        return float(np.polyfit((self.at_ns - self.at_ns[0]) / NS, self.offset, 1)[0])
+        return self._line(1)[0]
+
+    def lead_ns(self, at_ns: Integers) -> Integers:
+        """Lead at instants by the clock of the node itself, ns.
+
+        The plainest clock that all measured values allow: always as far ahead, or running evenly. Where they
+        allow neither, the lead goes from one value to the next, and is held before the first and after the
+        last.
+        """
+        for slope, first in (self._line(0), self._line(1)):
+            if np.all(np.abs(self.offset - first - slope * self._seconds) <= self.uncertainty):
+                since = (at_ns - self.at_ns[0]) / NS  # which is later by the lead than on the leader's clock
+                return np.rint((first + slope * since) / (1.0 + slope) * NS).astype(np.int64)
+        lead = self.offset * NS
+        return np.rint(np.interp(at_ns, self.at_ns + lead, lead)).astype(np.int64)
+
+    @property
+    def _seconds(self) -> Floats:
+        return (self.at_ns - self.at_ns[0]) / NS
+
+    def _line(self, degree: int) -> tuple[float, float]:
+        """Slope and first value of a constant (0) or straight (1) lead, weighted by the uncertainties."""
+        degree = min(degree, self.at_ns.size - 1)
+        weight = 1.0 / np.maximum(self.uncertainty, GRAIN)
+        *slope, first = np.polyfit(self._seconds, self.offset, degree, w=weight)
+        return float(slope[0]) if slope else 0.0, float(first)
+
+    def words(self, node: str) -> str:
+        """Sentence on the clock of a node."""
+        least, most = self.offset.min() * 1e3, self.offset.max() * 1e3
+        return (
+            f"The clock of {node} was {least:.3f} to {most:.3f} ms ahead of the leader's; ages are corrected."
+        )
 
     def as_dict(self) -> dict[str, float]:
         """What ``rthm timing`` tells of it, s and s/s."""
@@ -56,21 +89,35 @@ class HostClock:
 
 @dataclass(frozen=True)
 class HostClocks:
-    """Clocks that were compared, by the name of the node; others are the leader's own."""
+    """Clocks that were compared.
+
+    Attributes
+    ----------
+    nodes : mapping of HostClock
+        By the name of the node; all others have the leader's clock.
+    applied : bool
+        Whether the stamps of the recording are all by the leader's clock already: nothing is hidden then.
+    """
 
     nodes: Mapping[str, HostClock] = field(default_factory=dict)
+    applied: bool = False
 
     def lead_ns(self, node: str, at_ns: Integers) -> Integers:
-        """Lead of the clock of a node at instants, ns; held before the first and after the last message."""
+        """What has to be taken off stamps of a node to have them by the leader's clock, ns."""
         clock = self.nodes.get(node)
-        if clock is None:
+        if clock is None or self.applied:
             return np.zeros(at_ns.shape, dtype=np.int64)
-        return np.rint(np.interp(at_ns, clock.at_ns, clock.offset * NS)).astype(np.int64)
+        return clock.lead_ns(at_ns)
 
-    def missing_age_ns(self, link: str, at_ns: Integers) -> Integers:
+    def uncertainty(self, link: str) -> float:
+        """By how much the clocks at the two ends of a link may differ from what was measured, s."""
+        known = (self.nodes[node] for node in ENDS[link] if node in self.nodes)
+        return sum(float(np.median(clock.uncertainty)) for clock in known)
+
+    def missing_age_ns(self, link: str, use_ns: Integers, sample_ns: Integers) -> Integers:
         """What ages on a link have to be longer than their stamps say, ns."""
         sender, receiver = ENDS[link]
-        return self.lead_ns(sender, at_ns) - self.lead_ns(receiver, at_ns)
+        return self.lead_ns(sender, sample_ns) - self.lead_ns(receiver, use_ns)
 
 
 def host_clocks(table: Table | None) -> HostClocks:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,17 +12,18 @@ from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
 from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
+from rthm_analysis.recording.recording import PLANT_STATE, Recording
+from rthm_analysis.recording.synchronised import as_ticked
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.events import TOPIC as EVENTS
-from rthm_core.events import Abort, abort_of, read_event
+from rthm_core.events import read_event
 from rthm_core.spec import Spec, read_spec
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
-PLANT_STATE = "plant/state"
 STATES = (PLANT_STATE, "numerical/state", "numerical/force_reference", "actuator/command", "energy")
 LINKS = ("tau1", "tau2", "tau3", "tau4")
 
@@ -36,80 +36,11 @@ _JOINT_STATE = "sensor_msgs/msg/JointState"
 _TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
 
 
-@dataclass(frozen=True)
-class Recording:
-    """What a bag says about one test.
-
-    Attributes
-    ----------
-    path : Path
-        The bag.
-    namespace : str
-        Where its topics were, such as ``/rthm``.
-    spec : Spec or None
-        The spec in the bag; None when there is none, or one that cannot be read (`notes` then says why).
-    spec_text : str
-        The text of the topic ``spec``; empty when there is none.
-    tables : dict of Table
-        By relative topic name, such as ``plant/state``; only topics with samples.
-    links : dict of LinkTable
-        By link name, ``tau1`` to ``tau4``; only links with uses.
-    start_ns : int
-        Start of the test: the first stamp of ``plant/state``, tick 0 of every clock.
-    notes : tuple of str
-        What was missing, damaged or mended, one sentence each.
-    diagnostics : dict of dict of str
-        What each node last said of itself on ``/diagnostics``: values by name of the status and key.
-    clocks : HostClocks
-        Clocks of other hosts, as they were compared during the test.
-    events : tuple of dict
-        What was told on ``events``, in order (`rthm_core.events`).
-    """
-
-    path: Path
-    namespace: str
-    spec: Spec | None
-    spec_text: str
-    tables: dict[str, Table]
-    links: dict[str, LinkTable]
-    start_ns: int
-    notes: tuple[str, ...]
-    diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
-    clocks: HostClocks = field(default_factory=HostClocks)
-    events: tuple[dict[str, Any], ...] = ()
-
-    @property
-    def abort(self) -> Abort | None:
-        """What ended the test before its time; None if nothing did."""
-        aborts = (abort_of(event) for event in self.events)
-        return next((abort for abort in aborts if abort is not None), None)
-
-    @property
-    def plant(self) -> Table:
-        """Samples of ``plant/state``."""
-        return self.tables[PLANT_STATE]
-
-    @property
-    def duration(self) -> float:
-        """Seconds from the first to the last sample of the plant."""
-        return float(self.plant.stamp_ns[-1] - self.start_ns) / NS
-
-    def seconds(self, stamps_ns: Integers) -> np.ndarray:
-        """Seconds since the start of the test."""
-        return (stamps_ns - self.start_ns) / NS
-
-    def known_spec(self) -> Spec:
-        """Return the spec; InputError when the bag has none that can be read."""
-        if self.spec is None:
-            reason = next((note for note in self.notes if "spec" in note), "")
-            raise InputError(
-                f"{self.path} has no spec that can be read: record the topic spec as well. {reason}"
-            )
-        return self.spec
-
-
 def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
     """Read a bag folder, or one .mcap or .db3 file, whole or cut off by a crash.
+
+    Stamps of hosts whose clocks were compared are put on one clock where the ticks of the test are those of
+    one clock (`synchronised.as_ticked`).
 
     Parameters
     ----------
@@ -139,7 +70,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
     start_ns = int(tables[PLANT_STATE].stamp_ns[0])
     present = {name: table for name, table in tables.items() if len(table)}
     used = {name: link for name, link in links.items() if len(link)}
-    return Recording(
+    recording = Recording(
         Path(path),
         namespace,
         spec,
@@ -152,6 +83,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         _clocks(bag, namespace),
         _events(bag, namespace),
     )
+    return as_ticked(recording)
 
 
 def _namespace(bag: RawBag, path: str | Path, wanted: str | None) -> str:

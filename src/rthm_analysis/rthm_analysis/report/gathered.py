@@ -61,12 +61,7 @@ def _about_others(recording: Recording) -> list[str]:
     """What has to be said about who could take part, and about clocks of other hosts."""
     reach = recording.diagnostics.get(f"{recording.namespace}/recorder", {}).get("reach")
     said = ["The network was open: anybody on it could take part in this test."] if reach == "open" else []
-    for node, clock in recording.clocks.nodes.items():
-        least, most = clock.offset.min() * 1e3, clock.offset.max() * 1e3
-        said.append(
-            f"The clock of {node} was {least:.3f} to {most:.3f} ms ahead of the leader's; ages are corrected."
-        )
-    return said
+    return said + [clock.words(node) for node, clock in recording.clocks.nodes.items()]
 
 
 def _ideal(recording: Recording, energy: EnergyResult) -> Trajectory | None:

@@ -9,12 +9,13 @@ import numpy as np
 from rthm_analysis.recording import Recording
 from rthm_analysis.timing.links import ticks_of
 from rthm_core.clock import NS
+from rthm_core.clocks import TICKS
 from rthm_core.compiled import Floats, Integers
 
 CLOCKS = {
-    "td1": ("plant/state", None),
-    "td2": ("numerical/state", "tau2"),
-    "td3": ("actuator/command", "tau1"),
+    "td1": (TICKS["td1"], None),
+    "td2": (TICKS["td2"], "tau2"),
+    "td3": (TICKS["td3"], "tau1"),
     "td4": (None, "tau3"),
 }
 """Topic that is stamped with the ticks of a clock, and link whose uses tell when they were really done."""

@@ -111,7 +111,7 @@ def link_timing(
     use, sample = uses.use_ns - recording.start_ns, uses.sample_ns - recording.start_ns
     exact, due = _exact_age(schedule, name, use, sample)
     stamped = (use - sample).astype(float)
-    hidden = recording.clocks.missing_age_ns(name, uses.use_ns)
+    hidden = recording.clocks.missing_age_ns(name, uses.use_ns, uses.sample_ns)
     age, excess = stamped + hidden, np.where(exact == NEVER, np.nan, stamped - exact)
     told = _told(recording.diagnostics, name)
     stamps = source.stamp_ns - recording.start_ns if source else np.empty(0, dtype=np.int64)

@@ -6,6 +6,7 @@ import os
 import pkgutil
 import sys
 from importlib import import_module
+from typing import Any
 
 import typer
 
@@ -13,7 +14,7 @@ from rthm_bringup.cli import verbs
 from rthm_core.errors import InputError
 
 UsageError = typer.BadParameter.__bases__[0]
-ClickError = UsageError.__bases__[0]
+ClickError: Any = UsageError.__bases__[0]
 
 BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
 
@@ -47,7 +48,7 @@ def _status() -> int:
     except InputError as error:
         return _told(str(error), BAD_INPUT)
     except ClickError as error:
-        return _told(f"{error.format_message().rstrip('.')}; see {_path(error)} --help.", BAD_INPUT)  # type: ignore[attr-defined]
+        return _told(f"{error.format_message().rstrip('.')}; see {_path(error)} --help.", BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         return _told("interrupted.", INTERRUPTED)
     except BrokenPipeError:

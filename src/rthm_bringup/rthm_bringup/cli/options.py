@@ -18,6 +18,7 @@ SpecName = Annotated[str, typer.Argument(metavar="[SPEC]", help="A spec file, or
 Amplitude = Annotated[
     float, typer.Option(metavar="A", help="Loads and initial motion times A, as 0.1 for a first try.")
 ]
+Wait = Annotated[float, typer.Option(metavar="S", help="How long to wait for a sample.", min=0.0, max=3600.0)]
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
 
 

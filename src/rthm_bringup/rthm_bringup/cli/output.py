@@ -8,7 +8,10 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
 
 
 def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> None:
@@ -22,6 +25,19 @@ def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> No
         sys.stdout.write(text)
     else:
         Path(path).write_text(text, encoding="utf-8")
+
+
+def put_spec(
+    spec: Spec, file: Path, why: str, result: Mapping[str, Any], lines: Iterable[str], path: str | None
+) -> int:
+    """Write a spec and tell `result` with it, or why there is none; return the exit status."""
+    from rthm_core.spec import write_spec
+
+    if not why:
+        file.write_text(write_spec(spec), encoding="utf-8")
+    told = {**result, "spec": None if why else str(file), "problem": why or None}
+    put(told, [*lines, why or f"spec:   {file}"], path)
+    return int(bool(why))
 
 
 def plain(value: Any) -> Any:

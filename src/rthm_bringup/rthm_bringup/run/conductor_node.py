@@ -81,6 +81,10 @@ class AbortedError(Exception):
         self.abort = abort
 
 
+def _past(deadline: float) -> bool:
+    return time.monotonic() > deadline
+
+
 class Conductor:
     """Client of the nodes of one test.
 
@@ -123,7 +127,9 @@ class Conductor:
         self.beaten: Callable[[str], None] = lambda name: None
         self._events = self._node.create_publisher(String, events.TOPIC, 100)
         self._node.create_subscription(String, events.TOPIC, self._note_event, 100)
-        self._node.create_subscription(String, alive.TOPIC, lambda message: self.beaten(message.data), 100)
+        self._alive = self._node.create_subscription(
+            String, alive.TOPIC, lambda message: self.beaten(message.data), 100
+        )
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 100)
         self._node.create_subscription(Float64, "virtual/time", self._note_time, 10)
 
@@ -149,10 +155,18 @@ class Conductor:
         """
         deadline = time.monotonic() + seconds
         while not condition():
+            self._hear_beats()
             self.watch()
             if time.monotonic() > deadline:
                 raise StoppedError(why())
             self._executor.spin_once(timeout_sec=every)
+
+    def _hear_beats(self) -> None:
+        """Take all beats that have come: one for each turn of the executor is too few on a busy host."""
+        handle = self._alive.handle
+        with handle:
+            while (taken := handle.take_message(String, False)) is not None:
+                self.beaten(taken[0].data)
 
     def sleep_until(self, wall: int) -> None:
         """Wait for an instant of the wall clock, ns."""
@@ -238,13 +252,24 @@ class Conductor:
         answers = self._ask(dict.fromkeys(names, GetState.Request()), "get_state", PATIENCE)
         return {name: answer.current_state.id for name, answer in answers.items()}
 
-    def set(self, parameters: Mapping[str, Mapping[str, Any]]) -> None:
-        """Set parameters, per node."""
+    def publishers(self, topic: str) -> list[str]:
+        """Names of the nodes in the namespace of the test that publish a topic."""
+        ends = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
+        return [end.node_name for end in ends if end.node_namespace == self._namespace]
+
+    def set(self, parameters: Mapping[str, Mapping[str, Any]], seconds: float = PATIENCE) -> None:
+        """Set parameters, per node; a tuple is a list of numbers.
+
+        Raises
+        ------
+        StoppedError
+            When a node refuses, or does not answer.
+        """
         requests = {
             name: SetParameters.Request(parameters=[_parameter(*item) for item in values.items()])
             for name, values in parameters.items()
         }
-        for name, answer in self._ask(requests, "set_parameters", PATIENCE).items():
+        for name, answer in self._ask(requests, "set_parameters", seconds).items():
             for result in answer.results:
                 if not result.successful:
                     raise StoppedError(f"{name} refused a parameter: {result.reason}")
@@ -270,7 +295,7 @@ class Conductor:
             if waiting and time.monotonic() > deadline:
                 raise UnconnectedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
             pause = time.monotonic() + 0.05
-            self.wait_until(lambda until=pause: time.monotonic() > until, 1.0, str)
+            self.wait_until(partial(_past, pause), 1.0, str)
 
     def samples(self, topic: str) -> AbstractContextManager[list[JointState]]:
         """List that fills with the samples of a topic as long as the ``with`` block lasts."""
@@ -361,6 +386,7 @@ def _parameter(name: str, value: Any) -> Parameter:
         float: (ParameterType.PARAMETER_DOUBLE, "double_value"),
         str: (ParameterType.PARAMETER_STRING, "string_value"),
         list: (ParameterType.PARAMETER_STRING_ARRAY, "string_array_value"),
+        tuple: (ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value"),
     }
     if type(value) not in kinds:
         raise InputError(f"{name} is {value!r}, which is no value of a parameter.")

@@ -33,7 +33,7 @@ AGAIN = 1.0
 """Wall-clock time after which a grant that is not answered is repeated, s."""
 
 
-class Coordinator(LifecycleNode):
+class Coordinator(LifecycleNode):  # type: ignore[misc]
     """Lifecycle node around `LockStep`."""
 
     def __init__(self) -> None:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from rthm_core.clocks import Offset
 from rthm_core.events import Abort
+
+if TYPE_CHECKING:
+    from rthm_bringup.run.prediction import Prediction
 
 
 @dataclass
@@ -32,6 +36,8 @@ class Ending:
         What each node told last, by the name of its status.
     clocks
         Offsets of the clocks of parts that run elsewhere, measured last; None where none was told.
+    prediction
+        What the exact engine predicts of a test with a real machine.
     """
 
     reason: str | None = None
@@ -42,6 +48,7 @@ class Ending:
     wall: float | None = None
     realtime: tuple[str, ...] = ()
     clocks: dict[str, Offset | None] = field(default_factory=dict)
+    prediction: Prediction | None = None
     diagnostics: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def note(self, problem: str) -> None:

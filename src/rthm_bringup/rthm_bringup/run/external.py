@@ -11,11 +11,12 @@ from rthm_actuator.sensors import Sensors
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.view import View
+from rthm_bringup.run.zero import check_tension, tell_zero
+from rthm_bringup.topics import PLANT_STATE
 from rthm_core.clock import NS
 from rthm_core.limits import kept_limits
 from rthm_core.ros.messages import JointSample
 
-PLANT_STATE = "plant/state"
 HEARTBEAT = "heartbeat"
 SAME_CLOCK = 5 * NS
 """A stamp that is further from now than this was not made by a synchronised wall clock, ns."""
@@ -77,6 +78,9 @@ def _has_lifecycle(conductor: Conductor, plan: Plan) -> bool:
         )
     if conductor.is_managed("plant"):
         return True
+    tell_zero(conductor, plan.spec)
+    with conductor.samples(PLANT_STATE) as found:  # what it publishes from now on
+        conductor.wait_until(lambda: bool(found), 5.0, lambda: "The driver stopped publishing plant/state.")
     _check_names(plan, list(found[-1].name))
     _check_clock(_stamp(found[-1]))
     _check_start(plan, found[-1])
@@ -103,6 +107,7 @@ def _check_start(plan: Plan, state: JointState) -> None:
             "give one of each for every name, NaN where nothing is measured."
         )
     limits = kept_limits(plan.spec, hardware=True)
+    check_tension(plan.spec)
     sample = JointSample(_stamp(state), *(list(array) for array in arrays))
     assert limits.start is not None
     away = differences(plan.spec, Sensors(plan.spec).values(sample), limits.start)

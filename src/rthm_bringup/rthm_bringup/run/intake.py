@@ -5,22 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from struct import Struct
-from typing import NamedTuple, TypedDict, TypeGuard
+from typing import NamedTuple, TypeGuard
 
 from rthm_analysis.recording.writing import BagWriter
-from rthm_bringup.topics import LOOP, SPEC, STRING
+from rthm_bringup.topics import LOOP, PLANT_STATE, SPEC, STRING
 from rthm_core.clock import NS
+from rthm_core.ros.polling import Info
 
 _STAMP = Struct("<iI")  # of a header, behind the four bytes of encapsulation
 _UNKNOWN = 2**63  # a middleware that does not number messages gives the largest integer
-
-
-class Info(TypedDict):
-    """What the middleware tells of a message; times in ns."""
-
-    source_timestamp: int
-    received_timestamp: int
-    publication_sequence_number: int | None
 
 
 class Numbered(NamedTuple):
@@ -47,6 +40,8 @@ class Intake:
     ----------
     lost : int
         Samples of the test that were published and never received.
+    twice : int
+        Samples of the plant that came again, with the stamp of the one before.
     """
 
     writer: BagWriter
@@ -55,6 +50,7 @@ class Intake:
     begin: int | None = None
     end: int | None = None
     lost: int = 0
+    twice: int = 0
     _latest: int = 0
     _numbered: dict[str, Numbered] = field(default_factory=dict)
     _stamps: dict[str, int] = field(default_factory=dict)
@@ -94,9 +90,11 @@ class Intake:
         stamp = _stamp(data)
         if topic in LOOP:
             self._count(topic, number, stamp)
+            again = topic == PLANT_STATE and stamp == self._stamps.get(topic)
             self._stamps[topic] = max(stamp, self._stamps.get(topic, 0))
             if not self._within(stamp):
                 return
+            self.twice += again
         received, sent = info["received_timestamp"], info["source_timestamp"]
         if self.virtual:
             received = sent = self._simulated(topic, stamp)

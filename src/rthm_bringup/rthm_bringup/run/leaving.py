@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Iterable
 from contextlib import suppress
 from typing import NamedTuple
 
 from rthm_bringup.run import roles
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor, RefusedError, StoppedError
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Processes
+from rthm_core.clock import NS
+
+MISSED = 7 * NS // 2
+"""Time in which reliable delivery repeats what was missed, ns: the middleware asks every 3 s."""
 
 
 class Parts(NamedTuple):
@@ -55,12 +60,17 @@ class Leaving:
         conductor.watch = lambda: None
         if conductor.abort is None:
             return
-        dead = [one.fate() for one in self._parts.processes.dead() if one.name not in roles.OBSERVERS]
-        if dead:
-            self._ending.reason = self._ending.reason or dead[0]
+        self._note_dead()
         if "actuator" in self._answering():
             with suppress(StoppedError):
                 conductor.wait_until(lambda: conductor.rested, 1.0 + self._way_back, str)
+        self._note_dead()
+
+    def _note_dead(self) -> None:
+        """Tell a process that died; what it left undone may have been seen before its death."""
+        dead = [one.fate() for one in self._parts.processes.dead() if one.name not in roles.OBSERVERS]
+        if dead:
+            self._ending.reason = self._ending.reason or dead[0]
 
     def end(self) -> None:
         """Deactivate the loop first, the recorder last."""
@@ -70,6 +80,7 @@ class Leaving:
         # The controller first: its motors come to rest while the plant still moves.
         self._deactivate(name for name in reversed(roles.LOOP) if name in alive)
         watching = self._deactivate(name for name in alive if name == "analysis")
+        self._await_recorder()
         self._deactivate(name for name in alive if name == "recorder")
         if watching and self._ending.begin is not None:
             self._wait_for_analysis()
@@ -87,11 +98,18 @@ class Leaving:
     def _wake_silent(self) -> None:
         """Let a recorder that was stopped close its bag; what moves motors stays as it is, and is killed."""
         for process in self._parts.processes.living():
-            if process.name in self._parts.silent:
+            if process.nodes & self._parts.silent:
                 process.send(signal.SIGCONT if process.name == "recorder" else signal.SIGKILL)
 
+    def _await_recorder(self) -> None:
+        """Give a recorder that was stopped the time to receive what it has missed, the abort among it."""
+        if self._conductor.abort is not None and "recorder" in self._parts.silent:
+            with suppress(StoppedError):
+                self._conductor.sleep_until(time.time_ns() + MISSED)
+
     def _answering(self) -> list[str]:
-        gone = {process.name for process in self._parts.processes.dead()}
+        processes = self._parts.processes
+        gone = {name for process in processes.dead() for name in process.nodes}
         gone |= self._parts.silent - {"recorder"}
         return [name for name in self._parts.managed if name not in gone]
 
@@ -99,7 +117,11 @@ class Leaving:
         """Deactivate nodes, one after the other; return those that were."""
         done = []
         for name in names:
-            with suppress(StoppedError):
+            try:
                 self._conductor.step("deactivate", [name], 5.0 + self._way_back)
                 done.append(name)
+            except RefusedError:
+                continue
+            except StoppedError:
+                self._ending.note(f"{name} did not answer when the test was ended (log: {self._plan.log}).")
         return done

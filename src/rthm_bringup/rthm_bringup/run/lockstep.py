@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from operator import sub
 from typing import NamedTuple
 
 from rthm_core.clock import Rank
@@ -95,7 +94,7 @@ class Part:
     def behind(self, sent: Counts) -> int:
         """Messages of the busiest topic that it is not known to hold."""
         held = self.done.messages if self.done else NOTHING
-        return max(map(sub, sent, held))
+        return max(here - there for here, there in zip(sent, held, strict=True))
 
 
 class Way(NamedTuple):

@@ -43,6 +43,10 @@ class Plan:
         Whether no command is sent to the motors.
     heartbeat
         Whether an operator's heartbeat has to be there.
+    compose
+        Whether the numerical substructure and the controller share a process.
+    excitation
+        Size of a motion that measures the rig instead of a test, m; 0: none.
     """
 
     spec: Spec
@@ -57,6 +61,8 @@ class Plan:
     hardware: bool = False
     dry_run: bool = False
     heartbeat: bool = False
+    compose: bool = False
+    excitation: float = 0.0
 
     def __post_init__(self) -> None:
         roles.check(self.external)
@@ -70,6 +76,11 @@ class Plan:
             raise InputError(
                 f"A virtual run has only simulated parts, but {', '.join(sorted(self.external))} is external;"
                 " leave out --virtual or --external."
+            )
+        if self.compose and (self.virtual or self.external.intersection(roles.COMPOSED)):
+            raise InputError(
+                f"--compose has {' and '.join(roles.COMPOSED)} in one process, in real time, "
+                "here; leave it out, or --virtual and --external."
             )
         missing = [
             name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shutil
 import signal
 import subprocess
 import time
@@ -13,6 +14,8 @@ from pathlib import Path
 
 PATIENCE = ((signal.SIGTERM, 5.0), (signal.SIGKILL, 2.0))  # how a process is asked to end, s
 _PR_SET_PDEATHSIG = 1
+JOINT = "+"
+"""Stands between the names of nodes that share a process."""
 
 
 @dataclass
@@ -22,7 +25,7 @@ class Process:
     Parameters
     ----------
     name
-        Name of its node.
+        Name of its node; of several, joined by ``+``.
     command
         Program and arguments.
     log
@@ -48,6 +51,11 @@ class Process:
             )
 
     @property
+    def nodes(self) -> frozenset[str]:
+        """Names of its nodes."""
+        return frozenset(self.name.split(JOINT))
+
+    @property
     def pid(self) -> int:
         """Process id."""
         assert self._child is not None
@@ -68,7 +76,7 @@ class Process:
         assert self._child is not None
         status = self._child.returncode
         way = f"was killed by {signal.Signals(-status).name}" if status < 0 else f"ended with status {status}"
-        last = self.last_words()
+        last = self.last_words() or _no_space(self.log.parent)
         return f"{self.name} {way}" + (f": {last}" if last else f" (log: {self.log})")
 
     def last_words(self) -> str:
@@ -131,6 +139,11 @@ def _end_with_parent() -> Callable[[], None]:
             os._exit(1)
 
     return tie
+
+
+def _no_space(folder: Path) -> str:
+    """Words about a disk that is full, where a log could say nothing for that."""
+    return f"no space is left in {folder}" if shutil.disk_usage(folder).free == 0 else ""
 
 
 def _is_realtime(thread: int) -> bool:

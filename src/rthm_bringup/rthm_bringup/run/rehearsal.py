@@ -4,31 +4,57 @@ from __future__ import annotations
 
 import threading
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
 
+if TYPE_CHECKING:
+    from rthm_bringup.run.prediction import Prediction
+
 
 class Rehearsal:
-    """Imports and compiles in the background what the analysis of a test takes.
+    """Imports and compiles in the background what the analysis of a test takes, and predicts the test.
 
     Parameters
     ----------
     spec
         The test.
+    predicted
+        Length of the test, s, if it is to be predicted, as it is where a real machine moves; else None.
+
+    Attributes
+    ----------
+    prediction
+        What is predicted, once that is known.
     """
 
-    def __init__(self, spec: Spec) -> None:
-        self._thread = threading.Thread(target=_rehearse, args=(spec,), name="rehearsal", daemon=True)
+    def __init__(self, spec: Spec, predicted: float | None = None) -> None:
+        self.prediction: Prediction | None = None
+        self._spec, self._predicted, self._ready = spec, predicted, threading.Event()
+        self._thread = threading.Thread(target=self._rehearse, name="rehearsal", daemon=True)
         self._thread.start()
 
     @property
     def over(self) -> bool:
-        """Whether it is done."""
+        """Whether the analysis is ready."""
+        return self._ready.is_set() or not self._thread.is_alive()
+
+    @property
+    def predicted(self) -> bool:
+        """Whether all is predicted that has to be."""
         return not self._thread.is_alive()
 
+    def _rehearse(self) -> None:
+        _prepare(self._spec)
+        self._ready.set()
+        if self._predicted is not None:
+            from rthm_bringup.run.prediction import predicted
 
-def _rehearse(spec: Spec) -> None:
+            self.prediction = predicted(self._spec, self._predicted)
+
+
+def _prepare(spec: Spec) -> None:
     """Move the ideal system of the page for two samples; what is wrong with it, the page itself tells."""
     import rthm_analysis.report.figures
     import rthm_analysis.timing  # noqa: F401

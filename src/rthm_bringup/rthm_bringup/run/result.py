@@ -75,6 +75,8 @@ class Result:
             "lost": self.lost,
             "network": plan.network.reach,
             "hosts": {name: one and one.as_dict() for name, one in self.ending.clocks.items()},
+            "zero": plan.spec.zero.model_dump() if plan.spec.zero else None,
+            "predicted": self.ending.prediction.as_dict() if self.ending.prediction else None,
             "abort": self.ending.abort.as_dict() if self.ending.abort else None,
             "interrupted": self.ending.interrupted,
             "realtime": list(self.ending.realtime),
@@ -92,6 +94,8 @@ class Result:
         ]
         lines = [self.ending.abort.sentence] if self.ending.abort else []
         lines += [f"{name + ':':8}{value}" for name, value in told]
+        if self.ending.prediction is not None:
+            lines.append(self.ending.prediction.words)
         for name, (words, sign) in WORDS.items():
             if name in self.energies:
                 lines.append(f"energy {words}: {sign * self.energies[name]:.4f} J ({name})")
@@ -113,9 +117,12 @@ def result_of(plan: Plan, ending: Ending) -> Result:
     result = Result(plan, ending, problems=([ending.reason] if ending.reason else []) + ending.problems)
     if ending.begin is None or "recorder" in plan.external:
         return result
-    result.lost = lost_in(plan)
+    result.lost = counted_in(plan, "lost")
     if result.lost:
         result.problems.append(f"{result.lost} samples were lost on the way to the recorder.")
+    twice = counted_in(plan, "twice")
+    if twice:
+        result.problems.append(f"{twice} samples of plant/state came twice; the driver may send each once.")
     try:
         _analyse(result)
     except InputError as error:
@@ -123,13 +130,13 @@ def result_of(plan: Plan, ending: Ending) -> Result:
     return result
 
 
-def lost_in(plan: Plan) -> int:
-    """Return how many samples the recorder missed, from its last words in ``metadata.yaml``."""
+def counted_in(plan: Plan, what: str) -> int:
+    """Return what the recorder counted (``lost``, ``twice``), from its last words in ``metadata.yaml``."""
     file = plan.bag / "metadata.yaml"
     if not file.is_file():
         return 0
     told = yaml.safe_load(file.read_text())["rosbag2_bagfile_information"].get("custom_data") or {}
-    return int(told.get("lost", 0))
+    return int(told.get(what, 0))
 
 
 def _analyse(result: Result) -> None:
@@ -140,8 +147,8 @@ def _analyse(result: Result) -> None:
 
     recording = read_recording(result.plan.bag)
     timing = timing_of(recording, recording.spec)
-    told = timing.as_dict()
-    result.links, result.clocks = told["links"], told["clocks"]
+    result.links = {name: link.as_dict() for name, link in timing.links.items()}
+    result.clocks = {name: clock.as_dict() for name, clock in timing.clocks.items()}
     result.missed_deadlines = timing.missed
     result.problems += _lost_between_nodes(result)
     energy = energy_of(recording, recording.known_spec())
@@ -157,7 +164,7 @@ def _lost_between_nodes(result: Result) -> list[str]:
     meant = any(effect.kind == "loss" for effect in result.plan.spec.effects)
     whole = not (result.ending.interrupted or result.ending.reason or result.ending.abort)
     return [
-        f"{count} samples were lost on the link {name}."
+        f"{count} samples are missing on the link {name}: they were lost, or never sent."
         for name, count in lost.items()
         if whole and not meant
     ]

@@ -25,8 +25,14 @@ LOOP = ("plant", "numerical", "actuator")
 OBSERVERS = frozenset({"analysis"})
 """Nodes that may go without the test being ended."""
 
+COMPOSED = ("numerical", "actuator")
+"""Nodes that share a process and a thread where that is asked for."""
+
 COORDINATOR = {"coordinator": "rthm_bringup.run.coordinator_node"}
 """What a run in simulated time has in addition."""
+
+COMPOSITION = "rthm_bringup.run.composed"
+"""Module that runs several nodes of `LOOP` in one process; their modules are its arguments."""
 
 Value = bool | int | float | str | list[str]
 
@@ -37,13 +43,15 @@ def check(names: frozenset[str]) -> None:
         raise InputError(f"{name!r} is no part of a test; choose from {', '.join(PROGRAMS)}.")
 
 
-def command(role: str, spec: Path, parameters: Mapping[str, Value], namespace: str = NAMESPACE) -> list[str]:
-    """Command line of the node of a role.
+def command(
+    role: str | tuple[str, ...], spec: Path, parameters: Mapping[str, Value], namespace: str = NAMESPACE
+) -> list[str]:
+    """Command line of the node of a role, or of several in one process.
 
     Parameters
     ----------
     role
-        Key of `PROGRAMS`, or ``coordinator``.
+        Key of `PROGRAMS`, or ``coordinator``; or several of `LOOP`.
     spec
         Parameter file.
     parameters
@@ -51,8 +59,10 @@ def command(role: str, spec: Path, parameters: Mapping[str, Value], namespace: s
     namespace
         Of the node and its topics.
     """
-    words = [sys.executable, "-m", (PROGRAMS | COORDINATOR)[role], "--ros-args", "-r", f"__ns:={namespace}"]
-    words += ["--params-file", str(spec)]
+    program = (PROGRAMS | COORDINATOR)[role] if isinstance(role, str) else COMPOSITION
+    words = [sys.executable, "-m", program]
+    words += [] if isinstance(role, str) else [PROGRAMS[one] for one in role]
+    words += ["--ros-args", "-r", f"__ns:={namespace}", "--params-file", str(spec)]
     for name, value in parameters.items():
         words += ["-p", f"{name}:={json.dumps(value)}"]
     return words

@@ -25,7 +25,7 @@ from rthm_bringup.run.guards import Guards
 from rthm_bringup.run.keys import Keys
 from rthm_bringup.run.leaving import Leaving, Parts
 from rthm_bringup.run.plan import Plan
-from rthm_bringup.run.processes import Process, Processes
+from rthm_bringup.run.processes import JOINT, Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.run.watch import Watch
@@ -97,9 +97,13 @@ class Session:
         self._view.phase("starting the nodes")
         own = [role for role in roles.PROGRAMS if role not in self._plan.external]
         own += roles.COORDINATOR if self._plan.virtual else []
+        shared = roles.COMPOSED if self._plan.compose else ()
         for role in own:
-            self._start(role)
-        rehearsal = Rehearsal(self._plan.spec)
+            if role not in shared:
+                self._start(role)
+        if shared:
+            self._start(*shared)
+        rehearsal = Rehearsal(self._plan.spec, self._plan.duration if self._plan.hardware else None)
         conductor.wait_for(own, 60.0)
         self._managed = own + wait_for_external(conductor, self._plan, self._view)
         self._refuse_company(conductor, [*roles.PROGRAMS, *own])
@@ -112,8 +116,21 @@ class Session:
         conductor.step("configure", self._managed, COMPILING)
         conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
         self._wait_ready(conductor)
+        self._compare(conductor, rehearsal)
         self._guards = Guards(self._plan, conductor, self._managed, self.ending)
         self._guards.begin(self._view)
+
+    def _compare(self, conductor: Conductor, rehearsal: Rehearsal) -> None:
+        """Say what is predicted of a test with a real machine, which is refused where it is beyond limits."""
+        self._view.phase("predicting the test")
+        conductor.wait_until(
+            lambda: rehearsal.predicted, COMPILING, lambda: "The prediction of the test takes too long."
+        )
+        prediction = self.ending.prediction = rehearsal.prediction
+        if prediction is not None:
+            self._view.note(prediction.words)
+            if prediction.refusal and not self._plan.dry_run:
+                raise StoppedError(prediction.refusal)
 
     def _look_around(self, conductor: Conductor) -> None:
         """Refuse to begin where another test is, before anything is started."""
@@ -143,20 +160,23 @@ class Session:
     def _is_hardware(self) -> bool:
         return self._plan.hardware or self._has_driver()
 
-    def _manner(self) -> dict[str, bool]:
+    def _manner(self) -> dict[str, bool | float]:
         """How the controller treats the plant."""
         plan = self._plan
         return {
             "hardware": self._is_hardware(),
             "dry_run": plan.dry_run,
             "heartbeat": plan.heartbeat,
+            "excitation": plan.excitation,
         }
 
-    def _start(self, role: str) -> None:
-        plan = self._plan
-        told = roles.parameters(role, plan.spec_file, plan.bag, plan.virtual, plan.priority)
+    def _start(self, *names: str) -> None:
+        """Start the process of one node, or of several of the loop."""
+        plan, name = self._plan, JOINT.join(names)
+        told = roles.parameters(names[0], plan.spec_file, plan.bag, plan.virtual, plan.priority)
+        role = names[0] if len(names) == 1 else names
         command = roles.command(role, plan.spec_file, told, plan.network.namespace)
-        process = Process(role, command, plan.log / f"{role}.log")
+        process = Process(name, command, plan.log / f"{name}.log")
         environment = without_parents_ros(os.environ, has_wheels())
         self._processes.start(
             process, environment | plan.network.variables() | {"ROS_LOG_DIR": str(plan.log)}
@@ -168,7 +188,7 @@ class Session:
             wait_for_heartbeat(conductor, self._plan, self._view)
         self.ending.begin = self._begin_virtual(conductor) if self._plan.virtual else self._agree(conductor)
         self.ending.realtime = tuple(
-            p.name for p in self._processes.living() if p.name in roles.LOOP and p.realtime()
+            name for name in roles.LOOP for p in self._processes.living() if name in p.nodes and p.realtime()
         )
         self._watch.begin(conductor, self._guards, self._managed, self._is_hardware())
 
@@ -225,5 +245,5 @@ class Session:
 
     def _explained(self, stopped: StoppedError) -> str:
         """Sentence with what the node at fault said last, if it is ours."""
-        words = [p.last_words() for p in self._processes.living() if p.name == stopped.node]
+        words = [p.last_words() for p in self._processes.living() if stopped.node in p.nodes]
         return ": ".join([str(stopped), *(word for word in words if word)])

@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 
 from rthm_core.clock import NS, to_ns
 from rthm_core.ros import system
-from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.agenda import NEVER, Agenda, Position
 from rthm_core.ros.alive import Alive
 from rthm_core.ros.diagnostics import Diagnostics
 from rthm_core.ros.granted import Grants
@@ -77,13 +77,29 @@ class PartNode(ManagedNode):
         """What the part says of itself on /diagnostics, beside its loop."""
         return []
 
-    def turn(self) -> None:
-        """Do what is next; called again and again while the process runs."""
+    def turn(self) -> bool:
+        """Do what is next; called again and again while the process runs.
+
+        Returns
+        -------
+        bool
+            Whether now is a good moment for work that can wait.
+        """
+        if self.loop is not None:
+            return self.loop.turn()
+        self.executor.spin_once(timeout_sec=0.1)
+        return True
+
+    def next(self) -> Position:
+        """Place of what is next, ns of the wall clock; later than anything while there is no test."""
+        start = self.ports.start if self.loop is not None else None
+        at, rank = self.agenda.next() if start is not None else Position(NEVER, 0)
+        return Position(at + (start or 0), rank)
+
+    def attend(self) -> None:
+        """Do what can wait: begin by itself, say that it lives, and how it is."""
         if self.loop is None:
-            self.executor.spin_once(timeout_sec=0.1)
             self._autostart()
-        elif not self.loop.turn():
-            return
         self._alive.beat()
         self._report()
 

@@ -11,7 +11,7 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 
 from rthm_core.link import Inbox, Link
-from rthm_core.owner import Ownership
+from rthm_core.owner import UNNUMBERED, Ownership
 from rthm_core.ros.messages import (
     FIELDS,
     JointSample,
@@ -139,7 +139,8 @@ class Input:
     names
         Names that the receiver needs, in the order in which it needs them.
     period
-        Period of the topic, ns, if nothing is sent between its ticks: gaps then count as missing samples.
+        Period of the topic, ns, if nothing is sent between its ticks: where samples have no numbers, gaps
+        between their stamps then count as missing samples.
     spacing
         Mean distance of samples at their highest rate, ns, for telling a second publisher; 0: `period`.
 
@@ -155,6 +156,8 @@ class Input:
         Tells samples of a second publisher, which are not used.
     seen
         Called with every sample as it arrives, also with those before the start.
+    unread
+        Called with what is wrong with a message that cannot be used.
     """
 
     def __init__(
@@ -165,6 +168,7 @@ class Input:
         self._spacing = spacing or period
         self._read = JointStateReader(names).sample
         self.seen: Callable[[JointSample], None] | None = None
+        self.unread: Callable[[str], None] = lambda why: None
         self._use = TimeReferenceWriter(link.name).bytes
         self.clear()
         self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
@@ -179,6 +183,7 @@ class Input:
         self.ownership = Ownership(self._spacing)
         self.received = self.missing = 0
         self._newest: int | None = None
+        self._number = UNNUMBERED
 
     def rehearse(self) -> None:
         """Put a sample of zeros into the inbox that is due at the start."""
@@ -213,26 +218,40 @@ class Input:
     def _receive(self, data: bytes, info: Info) -> None:
         if not self._ports.listening:
             return
+        number = info["publication_sequence_number"]
+        before, self._number = self._number, number
         try:
             sample = self._read(data)
         except ValueError as error:
             self.refused = f"a message on {self.topic} {error}"
+            self.unread(self.refused)
             return
         if self._ports.start is None:
             self._ports.start = sample.stamp
-        if not self.ownership.accept(info["publication_sequence_number"], sample.stamp):
+        if not self.ownership.accept(number, sample.stamp):
             return
         sample = sample._replace(stamp=sample.stamp - self._ports.start)
         if self.seen is not None:
             self.seen(sample)
         if sample.stamp >= 0:
+            self.missing += self._missing(before, number, sample.stamp)
             self._keep(sample)
+
+    def _missing(self, before: int, number: int, stamp: int) -> int:
+        """How many samples of the test are missing between the last one and this one.
+
+        Counted by the numbers that the publisher gave them; by the stamps only where there are none, as a
+        wrong stamp is no loss, and neither is what was never sent.
+        """
+        if self._newest is None:
+            return 0
+        if max(before, number) < UNNUMBERED:
+            return max(number - before - 1, 0)
+        return max(round((stamp - self._newest) / self._period) - 1, 0) if self._period else 0
 
     def _keep(self, sample: JointSample) -> None:
         """Put a sample into the inbox; one that comes too late is due now."""
         self.received += 1
-        if self._period and self._newest is not None:
-            self.missing += max(round((sample.stamp - self._newest) / self._period) - 1, 0)
         self._newest = max(sample.stamp, self._newest or 0)
         due, now = self.link.due(sample.stamp), self._ports.now()
         self.inbox.push(sample.stamp, due if due is None else max(due, now), sample)

@@ -1,13 +1,13 @@
-"""One node as one process: begin, turn after turn, and a clean end whatever ends it."""
+"""One node as one process, or several: begin, turn after turn, and a clean end whatever ends it."""
 
 from __future__ import annotations
 
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException
@@ -17,17 +17,42 @@ from rclpy.signals import SignalHandlerOptions
 
 from rthm_core.errors import InputError
 from rthm_core.ros import reach
-from rthm_core.ros.part import PartNode
+from rthm_core.ros.agenda import Position
 
 N = TypeVar("N", bound=Node)
 SAME = 1.0
 """Time within which several signals are one request to end, s."""
 
 
-def run(build: Callable[[], PartNode]) -> int:
+class Worker(Protocol):
+    """A node that does one thing after the other when it is asked to."""
+
+    def turn(self) -> bool:
+        """Do what is next; return whether now is a good moment for work that can wait."""
+        ...
+
+    def next(self) -> Position:
+        """Place of what is next."""
+        ...
+
+    def attend(self) -> None:
+        """Do what can wait."""
+        ...
+
+    def stop(self) -> None:
+        """Come to rest."""
+        ...
+
+
+def run(*builds: Callable[[], Worker]) -> int:
     """Run a node until it is asked to end by SIGINT, SIGTERM or a shutdown.
 
     The first signal ends the turns, so that motors can still be brought to rest; a later one ends at once.
+
+    Parameters
+    ----------
+    builds
+        Builds the node; with several, all their nodes share one executor and one thread.
 
     Returns
     -------
@@ -38,12 +63,21 @@ def run(build: Callable[[], PartNode]) -> int:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda number, frame: _ask(asked))
-    node = built(build)
-    with serving(node), suppress(KeyboardInterrupt):
+    nodes = [built(build) for build in builds]
+    with serving(*nodes), suppress(KeyboardInterrupt):
         while rclpy.ok() and not asked:
-            node.turn()
-        node.stop()
+            take_turn(nodes)
+        for node in reversed(nodes):
+            node.stop()
     return 0
+
+
+def take_turn(nodes: Sequence[Worker]) -> None:
+    """Do what is next of all that nodes of one process have to do, and let the others say that they live."""
+    first = nodes[0] if len(nodes) == 1 else min(nodes, key=lambda node: node.next())
+    if first.turn():
+        for node in nodes:
+            node.attend()
 
 
 def built(build: Callable[[], N]) -> N:
@@ -64,20 +98,22 @@ def built(build: Callable[[], N]) -> N:
 
 
 @contextmanager
-def serving(node: Node) -> Iterator[Executor]:
-    """Executor of a node; at the end it lets go of the node before the node and its context are destroyed.
+def serving(*nodes: Node) -> Iterator[Executor]:
+    """Executor of nodes; at the end it lets go of them before they and their context are destroyed.
 
     An end of the context while it serves is an end like any other.
     """
     executor = EventsExecutor()
-    executor.add_node(node)
+    for node in nodes:
+        executor.add_node(node)
     try:
         yield executor
     except ExternalShutdownException:
         pass
     finally:
         executor.shutdown()
-        node.destroy_node()
+        for node in nodes:
+            node.destroy_node()
         rclpy.try_shutdown()
 
 

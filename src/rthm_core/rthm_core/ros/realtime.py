@@ -19,10 +19,11 @@ from rclpy.executors import Executor
 from rthm_core.clock import NS, to_ns
 from rthm_core.ros import wall
 from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.alive import PERIOD
 from rthm_core.ros.ports import Ports
 
-LONGEST_WAIT = NS // 5
-"""Longest stay in the executor, ns; bounds how late a signal is noticed."""
+LONGEST_WAIT = PERIOD
+"""Longest stay in the executor, ns; bounds how late a signal is noticed, and how long no beat is given."""
 
 
 class WallClock:

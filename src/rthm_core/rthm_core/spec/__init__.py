@@ -25,6 +25,7 @@ from rthm_core.spec.schema import (
     TimingSpec,
     TransmissionSpec,
     UncertaintySpec,
+    ZeroSpec,
 )
 from rthm_core.spec.writing import write_spec
 from rthm_core.spec.yaml_text import NODE_PARAMETERS
@@ -50,6 +51,7 @@ __all__ = [
     "TimingSpec",
     "TransmissionSpec",
     "UncertaintySpec",
+    "ZeroSpec",
     "apply",
     "number_at",
     "numbers",

@@ -36,6 +36,7 @@ def check(spec: Spec) -> None:
     _actuator(spec)
     _interface(spec)
     _loads(spec)
+    _zero(spec)
     for one in spec.effects:
         _effect(spec, one)
     _delays_left(spec)
@@ -138,6 +139,16 @@ def _interface(spec: Spec) -> None:
 def _known(key: str, name: str, known: Sequence[str]) -> None:
     if name not in known:
         raise RefusedError(name, f"one of {', '.join(known)}", suggestion(name, list(known)), key)
+
+
+def _zero(spec: Spec) -> None:
+    if spec.zero is None:
+        return
+    n, m = spec.plant.n, len(spec.actuator.names) if spec.actuator else 0
+    for name, values in spec.zero.items():
+        count, of = (n, "dof") if name in ("position", "velocity") else (m, "actuator")
+        if values is not None:
+            _length(f"zero.{name}", values, count, f"a list with one number for each of {count} {of}(s)")
 
 
 def _loads(spec: Spec) -> None:

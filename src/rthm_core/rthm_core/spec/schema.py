@@ -29,6 +29,7 @@ from rthm_core.spec.sections import (
     TimingSpec,
     TransmissionSpec,
     UncertaintySpec,
+    ZeroSpec,
 )
 
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "TimingSpec",
     "TransmissionSpec",
     "UncertaintySpec",
+    "ZeroSpec",
 ]
 
 
@@ -75,6 +77,7 @@ class Spec(Section):
     noise: NoiseSpec = NoiseSpec()
     uncertainty: UncertaintySpec = UncertaintySpec()
     limits: LimitsSpec | None = None
+    zero: ZeroSpec | None = None
     effects: tuple[EffectSpec, ...] = ()
 
     @model_validator(mode="after")

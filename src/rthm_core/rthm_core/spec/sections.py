@@ -183,6 +183,25 @@ class UncertaintySpec(Section):
     actuator: ActuatorUncertainty = ActuatorUncertainty()
 
 
+class ZeroSpec(Section):
+    """What the sensors of a rig read where nothing moves and nothing pulls; its driver subtracts it.
+
+    ``rthm zero`` and ``rthm pretension`` write it.
+    """
+
+    position: Annotated[tuple[float, ...] | None, Numbers("m", "reading of every dof")] = None
+    velocity: Annotated[tuple[float, ...] | None, Numbers("m/s", "reading of every dof")] = None
+    motor: Annotated[
+        tuple[float, ...] | None, Numbers("m", "reading of every motor; commands are given from there")
+    ] = None
+    force: Annotated[
+        tuple[float, ...] | None, Numbers("N", "reading of every load cell, its pretension included")
+    ] = None
+    tension: Annotated[
+        tuple[float, ...] | None, Numbers("N", "pretension of every wire, as it was measured", minimum=0.0)
+    ] = None
+
+
 class LimitsSpec(Section):
     """What the safety monitor of the actuator allows; an absent entry is no limit, or has the default of
     docs/safety.md.

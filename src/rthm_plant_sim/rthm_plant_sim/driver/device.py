@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
+from rthm_plant_sim.driver.zero import Zero
 
 Values = float | Sequence[float] | NDArray[np.float64]
 """One number per dof or per actuator; a lone number where there is one."""
@@ -64,11 +65,17 @@ class Layout:
     ----------
     spec
         A complete loop: its dofs and actuators.
+
+    Attributes
+    ----------
+    zero
+        What is subtracted from the readings, in their order.
     """
 
     def __init__(self, spec: Spec) -> None:
         loop = spec.loop()
         self.dofs, self.actuators = loop.plant.dofs, loop.actuator.names
+        self.zero = Zero(spec)
 
     def values(self, reading: Reading) -> NDArray[np.float64]:
         """Position, velocity and effort (3, n + m), each of the dofs and then of the actuators.
@@ -79,13 +86,14 @@ class Layout:
             When a reading has another size than the spec.
         """
         n, m = len(self.dofs), len(self.actuators)
-        return np.array(
+        read = np.array(
             [
                 _sized("position", reading.position, n) + _sized("motor", reading.motor, m),
                 _sized("velocity", reading.velocity, n) + _sized("motor_velocity", reading.motor_velocity, m),
                 _sized("load", reading.load, n) + _sized("force", reading.force, m),
             ]
         )
+        return read - self.zero.readings
 
     def motor(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Motor positions (m,) among the values of a reading."""

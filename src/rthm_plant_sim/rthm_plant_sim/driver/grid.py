@@ -10,17 +10,29 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_core.clock import NS
+from rthm_core.clock import to_ns
 from rthm_core.slew import Floats
+from rthm_core.spec import LimitsSpec
 
 ON_TIME = 0.1
 """How late a reading may be to belong to its tick, share of the period."""
-LONGEST = NS // 10
-"""Longest pause between readings over which samples are made, ns.
+MOST = 500
+"""Most samples that are made at once: more would not be kept for a slow receiver."""
 
-Linux takes 50 ms of each second from threads with real-time priority that leave nothing to others. A test
-whose `stale` is shorter has ended before.
-"""
+
+def longest_pause(limits: LimitsSpec, period: int) -> int:
+    """Longest pause between readings over which samples are made, ns.
+
+    The limit `stale` ends a test that has a longer one.
+
+    Parameters
+    ----------
+    limits
+        Of a real machine.
+    period
+        Distance of the ticks, ns.
+    """
+    return min(to_ns(limits.stale or 0.0), MOST * period)
 
 
 class Grid:
@@ -30,6 +42,8 @@ class Grid:
     ----------
     period
         Distance of the ticks, ns.
+    longest
+        Longest pause between readings over which samples are made, ns.
 
     Attributes
     ----------
@@ -37,8 +51,8 @@ class Grid:
         Samples that lie between two readings, and ticks without any.
     """
 
-    def __init__(self, period: int) -> None:
-        self._period, self._late = period, ON_TIME * period
+    def __init__(self, period: int, longest: int) -> None:
+        self._period, self._longest, self._late = period, longest, ON_TIME * period
         self._tick: int | None = None
         self._made = 0
         self._values: Floats = np.empty(0)
@@ -47,15 +61,14 @@ class Grid:
     def samples(self, tick: int, made: int, values: Floats) -> list[tuple[int, Floats]]:
         """Stamps and values of the ticks up to `tick`, by a reading that was made at `made` >= `tick`, ns."""
         found = []
-        if self._tick is None or made - self._made > LONGEST:
-            self.missing += 0 if self._tick is None else (tick - self._tick) // self._period - 1
-        else:
+        unknown = self._tick is None or made - self._made > self._longest
+        if self._tick is not None and unknown:
+            self.missing += (tick - self._tick) // self._period - 1
+        elif self._tick is not None:
             for at in range(self._tick + self._period, tick, self._period):
                 found.append((at, self._line(at, made, values)))
-        on_time = made - tick <= self._late or self._tick is None
-        found.append(
-            (tick, values if on_time or made - self._made > LONGEST else self._line(tick, made, values))
-        )
+        as_read = unknown or made - tick <= self._late
+        found.append((tick, values if as_read else self._line(tick, made, values)))
         self._tick, self._made, self._values = tick, made, values
         return found
 

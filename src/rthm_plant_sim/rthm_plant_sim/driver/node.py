@@ -9,13 +9,15 @@ from __future__ import annotations
 import time
 
 import numpy as np
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from rthm_core.clock import NS, Rank, to_ns
 from rthm_core.limits import kept_limits
 from rthm_core.link import Link
 from rthm_core.ros import system
-from rthm_core.ros.agenda import Agenda
+from rthm_core.ros.agenda import Agenda, Position
 from rthm_core.ros.comparing import Clock
 from rthm_core.ros.diagnostics import ERROR, OK, Diagnostics
 from rthm_core.ros.ports import Input, Ports
@@ -25,8 +27,9 @@ from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec
 from rthm_plant_sim.driver.device import Device, Layout, Reading
 from rthm_plant_sim.driver.gate import Gate
-from rthm_plant_sim.driver.grid import Grid
+from rthm_plant_sim.driver.grid import Grid, longest_pause
 from rthm_plant_sim.driver.telling import Teller
+from rthm_plant_sim.driver.zero import SECTION, WORDS, Zero
 
 PRIORITY = 49
 """Real-time priority that is asked for: that of the simulated plant."""
@@ -58,27 +61,36 @@ class DriverNode(Node):  # type: ignore[misc]
         super().__init__("driver", namespace="/rthm")
         self.device, self._polled = device, polled
         self._period, self._dead = timing.ns("td1"), to_ns(dead_time)
-        self._grid = Grid(self._period)
+        self._grid = Grid(self._period, longest_pause(self.limits, self._period))
         self.gate = Gate(self.limits, timing.ns("td3"))
-        self.ports = Ports(self, samples())  # type: ignore[arg-type]
+        self.ports = Ports(self, samples())
         self._state = self.ports.output("plant/state", (*self._layout.dofs, *self._layout.actuators))
         link = Link(spec.model_copy(update={"effects": ()}), "tau4")
         link.delay_ns = max(link.delay_ns - self._dead, 0)
         self._commands = self.ports.input("actuator/command", self._layout.actuators, link)
         self._diagnostics = Diagnostics(self)
-        self._clock = Clock(self, lambda: self._wall_ns() - time.time_ns())  # type: ignore[arg-type]
+        self._compared = Clock(self, lambda: self._wall_ns() - time.time_ns())
         self._agenda = Agenda()
+        self._offer(self._layout.zero)
         self._loop: RealTime | None = None
         self._owners, self._seen, self._quiet, self._unread = 1, 0, 0, 0
         self._teller = Teller(self.get_logger().warning)
         self._next_report = 0
 
-    def turn(self) -> None:
-        """Do what is next; called again and again while the process runs."""
+    def turn(self) -> bool:
+        """Do what is next; return whether now is a good moment for work that can wait."""
         if self._loop is None:
             self._loop = self._begun()
-        if self._loop.turn():
-            self._report()
+        return self._loop.turn()
+
+    def next(self) -> Position:
+        """Place of what is next, ns of the wall clock."""
+        at, rank = self._agenda.next()
+        return Position(at + (self.ports.start or 0), rank)
+
+    def attend(self) -> None:
+        """Tell how it is, once a second."""
+        self._report()
 
     def stop(self) -> None:
         """End: the motors hold, and the device is let go."""
@@ -90,6 +102,20 @@ class DriverNode(Node):  # type: ignore[misc]
         values = self._layout.values(reading)
         self.gate.motor = self._layout.motor(values)
         self._state.send((reading.stamp or 0) - (self.ports.start or 0), *values)
+
+    def _offer(self, zero: Zero) -> None:
+        """Let the leader of a test say what is subtracted from the readings, while nothing moves."""
+        for name, values in zero.values.items():
+            self.declare_parameter(
+                f"{SECTION}.{name}", values.tolist(), ParameterDescriptor(description=WORDS)
+            )
+
+        def take(changes: list[Parameter]) -> SetParametersResult:
+            told = {one.name.partition(".")[2]: one.value for one in changes if one.name.startswith(SECTION)}
+            reason = "the motors are under command" if told and self.gate.armed else zero.taken(told)
+            return SetParametersResult(successful=not reason, reason=reason)
+
+        self.add_on_set_parameters_callback(take)
 
     def _wall_ns(self) -> int:
         return self._loop.wall_ns() if self._loop else wall_ns()
@@ -131,7 +157,10 @@ class DriverNode(Node):  # type: ignore[misc]
         except OSError as error:
             self._teller.say(f"the device cannot be read: {error}")
             return None
-        return reading if reading is None or isinstance(reading, Reading) else Reading(*reading)
+        if reading is None or isinstance(reading, Reading):
+            return reading
+        position, velocity, motor, force = reading
+        return Reading(position, velocity, motor, force)
 
     def _receive(self, at: int, now: int) -> None:
         command = self._commands.take(at)
@@ -143,9 +172,9 @@ class DriverNode(Node):  # type: ignore[misc]
             self._teller.say(self.gate.why(wanted, self._owners))
             return
         if not armed:
-            self._teller.say(f"armed, the motors at {np.round(self.gate.motor, 6).tolist()} m")
+            self._teller.say(f"armed, the motors at {np.round(np.array(self.gate.motor), 6).tolist()} m")
         try:
-            self.device.command(executed)
+            self.device.command(executed + self._layout.zero.motor)
         except OSError as error:
             self._teller.say(f"the device cannot be commanded: {error}")
             return

@@ -33,7 +33,7 @@ class BridgeNode(DriverNode):
         super().__init__(_Controller(self, joints), spec, dead_time, polled=False)
         self._joints, self._read_state = joints, JointStateReader(joints.names).sample
         self.commands = self.create_publisher(Float64MultiArray, commands, QoSProfile(depth=1))
-        self._listener = Listener(self, JointState, states, samples(), self._hear)  # type: ignore[arg-type]
+        self._listener = Listener(self, JointState, states, samples(), self._hear)
 
     def _hear(self, data: bytes, info: Info) -> None:
         if not self.ports.speaking:
@@ -41,7 +41,7 @@ class BridgeNode(DriverNode):
         try:
             state = self._read_state(data)
         except ValueError as error:
-            self._say(f"a message of {self._listener.subscription.topic_name} {error}")
+            self._teller.say(f"a message of {self._listener.subscription.topic_name} {error}")
             return
         self.publish(self._joints.reading(state))
 

@@ -104,12 +104,12 @@ def read_request(data: bytes) -> Request:
 
 def read_state(data: bytes) -> State:
     """Read a state; ValueError, with what is wrong, where it is none."""
-    n, m, *whose = _head(data, STATE, lambda n, m: 2 * n + 2 * m)
+    n, m, session, number, echo, time, flags = _head(data, STATE, lambda n, m: 2 * n + 2 * m)
     values = unpack_from(f"<{2 * n + 2 * m}d", data, HEAD)
     position, velocity, motor, force = (
         values[a:b] for a, b in ((0, n), (n, 2 * n), (2 * n, 2 * n + m), (2 * n + m, 2 * n + 2 * m))
     )
-    return State(*whose, position, velocity, motor, force)
+    return State(session, number, echo, time, flags, position, velocity, motor, force)
 
 
 def ahead(number: int, other: int) -> int:

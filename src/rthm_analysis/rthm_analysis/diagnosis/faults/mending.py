@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
+from rthm_analysis.diagnosis.faults.dead import find_dead
 from rthm_analysis.diagnosis.faults.delays import find_delays
 from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
@@ -92,11 +93,18 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     >>> [fault.kind for fault in mended.faults]  # doctest: +SKIP
     ['sign']
     """
-    faults: list[Fault] = []
+    evidence, faults = find_dead(evidence, spec)
     for find in (find_dropouts, find_stuck, find_spikes):
         evidence, found = find(evidence)
         faults += found
     for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
-    return Mended(evidence, tuple(faults))
+    return Mended(evidence, _without_turned_back(faults))
+
+
+def _without_turned_back(faults: list[Fault]) -> tuple[Fault, ...]:
+    """The same without signals that were turned round, and back again once more was known."""
+    signs = [(one.block, one.channel) for one in faults if one.kind == "sign"]
+    twice = {where for where in signs if signs.count(where) % 2 == 0}
+    return tuple(one for one in faults if one.kind != "sign" or (one.block, one.channel) not in twice)

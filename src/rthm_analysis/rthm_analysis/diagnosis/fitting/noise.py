@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, white
+from rthm_analysis.diagnosis.replay.resolution import RESOLUTION
 from rthm_core.compiled import Floats
-
-RESOLUTION = 2e-5
-"""Part of a signal's standard deviation below which a replay does not claim to be right."""
 
 UNBLURRED = 2.5
 """Step, over the noise, from which readings show the steps of their rounding."""
@@ -74,8 +72,14 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     typical = 1.4826 * float(np.median(np.abs(third)))
     spread = float(np.sqrt(np.mean(np.square(third))))
     level = typical if typical > 0.3 * spread else min(spread, 3.0 * typical) if typical > 0.0 else spread
-    floor = RESOLUTION * float(np.nanstd(measured))
+    floor = RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
     return max(level, _rounding(lattice(measured), level), floor, 1e-300)
+
+
+def _largest(residual: Floats) -> float:
+    """Largest error: the only scale of a channel that rests throughout."""
+    known = residual[np.isfinite(residual)]
+    return float(np.abs(known).max(initial=0.0))
 
 
 def _rounding(step: float | None, level: float) -> float:

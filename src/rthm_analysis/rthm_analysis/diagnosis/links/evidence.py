@@ -55,7 +55,9 @@ class LinkEvidence:
     due : (n,) array
         When the spec says that the samples arrive, given these stamps, ns.
     offset_ns : int
-        Stamps as the receiver read them minus the sender's, beyond what the spec says.
+        Stamps as the receiver read them minus those by a clock of its own, beyond what the spec says.
+    offset_std : float
+        By how much that may be wrong, s.
     use_ns : (u,) array
         Instants of use: of the tick, where the receiver is on a clock.
     row : (u,) array
@@ -79,6 +81,7 @@ class LinkEvidence:
     period_ns: int
     clocked: bool
     standing: Integers
+    offset_std: float = GRAIN
 
     def between(self, begin_ns: int, end_ns: int) -> LinkEvidence:
         """Return the evidence of the samples stamped, and of the uses made, in a span of time."""
@@ -114,7 +117,8 @@ def link_evidence(
         at, row = _as_commanded(recording, stamp - offset, at, row, link.delay_ns)
     if at.size < 20:
         return f"links/{name} has too few uses: the link cannot be checked."
-    known = link.offset_ns if offset else 0
+    hidden, unsure = _between_hosts(recording, name)
+    known = link.offset_ns if offset or hidden else 0
     due = link.due_all(stamp) - known
     low, high = _intervals(due, at, row, exact=not receiver)
     stalled = stalled_at_ticks(due, at, row) if receiver else overtaken_after_stalls(high, row)
@@ -126,8 +130,20 @@ def link_evidence(
         low = np.where(due >= NEVER - abs(known), -np.inf, low)
         if not _as_drawn(due, low, high):
             return f"the spec's own jitter or loss of link.{name} was drawn otherwise: it cannot be checked."
-    offset = 0 if abs(offset - known) * 1e-9 < GRAIN else offset - known
-    return LinkEvidence(name, stamp, low, high, due, offset, at, row, period, bool(receiver), spans)
+    beyond = offset + hidden - known
+    beyond = 0 if abs(beyond) * 1e-9 < unsure else beyond
+    return LinkEvidence(name, stamp, low, high, due, beyond, at, row, period, bool(receiver), spans, unsure)
+
+
+def _between_hosts(recording: Recording, name: str) -> tuple[int, float]:
+    """Lead of the sender's clock over the receiver's as it was measured, ns, and its uncertainty, s.
+
+    Zero where it was not, or where it may be nothing.
+    """
+    uses = recording.links[name]
+    lead = recording.clocks.missing_age_ns(name, uses.use_ns, uses.sample_ns)
+    middle, unsure = int(np.median(lead)), max(GRAIN, recording.clocks.uncertainty(name))
+    return (middle, unsure) if abs(middle) * 1e-9 > unsure else (0, GRAIN)
 
 
 def _as_drawn(due: Integers, low: Floats, high: Floats) -> bool:

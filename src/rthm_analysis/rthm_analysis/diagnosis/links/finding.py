@@ -97,7 +97,9 @@ def _values(finding: Finding) -> dict[tuple[str, str], Value]:
     """Parameters of what was found, by kind and name."""
     values, model = {}, finding.choice.model
     if finding.evidence.offset_ns:
-        values["clock_offset", "offset"] = Value(finding.evidence.offset_ns / NS, GRAIN, "s")
+        values["clock_offset", "offset"] = Value(
+            finding.evidence.offset_ns / NS, finding.evidence.offset_std, "s"
+        )
     data = counted(finding.evidence.between(0, finding.train_end))
     for kind in finding.choice.kinds:
         std = deviation(data, model, kind)

@@ -77,6 +77,7 @@ def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
     known = [link_evidence(recording, spec, schedule, name, spans) for name in LINKS]
     notes = (
         *stood_still(held_up(spans, recording.duration)),
+        *(clock.words(node) for node, clock in recording.clocks.nodes.items()),
         *(one for one in known if isinstance(one, str)),
     )
     evidences = [one for one in known if isinstance(one, LinkEvidence)]
@@ -86,6 +87,7 @@ def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
     for i, (evidence, choice) in enumerate(zip(evidences, choices, strict=True)):
         others = lates[:i] + lates[i + 1 :]
         busy = float(np.median(others)) if others else 0.0
+        busy += recording.clocks.uncertainty(evidence.name) * recording.clocks.applied
         finding = Finding(evidence, _beyond_machine(choice, busy), busy, train_end, end)
         parts.append(link_part(recording, spec, finding))
     return _joined(parts, notes)

@@ -27,6 +27,9 @@ from rthm_core.spec import Spec
 NEAR = 10.0
 """Squared error per sample, in units of the noise, from which longer windows would only drift further."""
 
+FAR_OFF = 1.5
+"""Doubt of a model from which one that was fitted from it is fitted again."""
+
 LOUDER = 0.7
 """Noise of a channel once more is known, over that before, below which motion had been taken for noise."""
 
@@ -162,10 +165,20 @@ def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
     retuned = best_of_starts(
         fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal)))
     )
-    if fitting.doubt > 1.5:
-        fitting.doubt = doubt(fitting, retuned)
-        retuned = fitting.fit(retuned.model)
-    return retuned
+    return fitted_near(fitting, retuned)
+
+
+def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:
+    """The same, fitted again where it is much nearer to the recording than what was fitted from.
+
+    The initial states then change the prediction as they do in the model that was found: over many periods
+    those of one that is off are out of step.
+    """
+    if fitting.doubt <= FAR_OFF:
+        return found
+    fitting.doubt = doubt(fitting, found)
+    with fitting.based_on(found.model):
+        return fitting.fit(found.model)
 
 
 def best_of_starts(fitting: Fitting, model: Model) -> Fitted:

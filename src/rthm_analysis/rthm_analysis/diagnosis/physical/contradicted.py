@@ -17,8 +17,8 @@ LOUD = 4.0
 """Power that errors would have in the other channel, over that of its noise, from which it can deny them."""
 
 HALF, SURE = 0.5, 3.0
-"""Part of what errors would make of the other channel that it shows at most where it denies them; standard
-deviations by which that must be sure.
+"""Part of what errors would make of the other channel that it shows at most where it denies them, of either
+sign, since a force moves the plant and motion makes a force; standard deviations by which that must be sure.
 """
 
 WORTH = 0.1
@@ -56,7 +56,7 @@ def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof
         return False
     part = float(there @ shown) / power
     spread = float(np.sqrt(np.mean(np.square(there - part * shown)) / (WORTH * power)))
-    return part + SURE * spread < HALF
+    return abs(part) + SURE * spread < HALF
 
 
 def _dof(physical: Physical, channel: Channel) -> int:
@@ -79,7 +79,7 @@ def _response(physical: Physical, families: tuple[str, str], dof: int, omega: Fl
         return np.ones(omega.size)
     held, wire = interface(spec).plant, np.array(spec.k_tot)
     if families[1] == "force":
-        return np.full(omega.size, float(wire[held == dof].sum()))
+        return np.full(omega.size, -float(wire[held == dof].sum()))
     plant = substructure(spec.plant)
     stiffness = plant.stiffness.copy()
     stiffness[held, held] += wire

@@ -54,7 +54,7 @@ def physical_part(physical: Physical) -> Part:
         judged = _judged(physical) if imitating else judged
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
     retuned = _determined(retuned_values(physical))
-    left = not judged.at_noise
+    left = not judged.settled
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.physical.beginning import Begun, best_of_starts
+from rthm_analysis.diagnosis.physical.beginning import Begun, best_of_starts, fitted_near
 from rthm_analysis.diagnosis.replay.entries import entry_of, free_entries
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import period
@@ -38,10 +38,7 @@ def plain_fit(fitting: Fitting, begun: Begun, near: Fitted | None = None) -> Fit
     fitting.doubt = doubt(fitting, begun.retuned)
     start = near.model if near is not None else freed(fitting, begun.nominal.model)
     try:
-        found = best_of_starts(fitting, start)
-        if fitting.doubt > 1.5:
-            fitting.doubt = doubt(fitting, found)
-            found = fitting.fit(found.model)
+        found = fitted_near(fitting, best_of_starts(fitting, start))
         if doubt(fitting, found) < CLOSE:
             fitting.doubt = doubt(fitting, found)
             fitting.rebase(found.model)

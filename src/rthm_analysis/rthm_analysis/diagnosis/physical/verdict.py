@@ -13,14 +13,17 @@ from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.judged import (
     Simulated,
     held_out_squares,
+    nrmse,
     remainders,
     simulate_all,
+    spread,
 )
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.judging import FLOOR
+from rthm_analysis.diagnosis.search.judging import FLOOR, imitates
+from rthm_analysis.diagnosis.search.replacing import is_identified
 
 WANDERS = 2.0
 """The same where another channel denies that the error is motion: it is the sensor's own noise."""
@@ -39,8 +42,14 @@ ALL = 0.999
 SHARE = 0.03
 """Part of the mismatch that each of them must remove where together they do not remove nearly all of it."""
 
+SHAPELESS = "constant_load"
+"""Kind that alone is the mean of whatever keeps its sign: a name only where nearly nothing is left."""
+
 YARDSTICK = 0.6
 """Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
+
+WORSE = 1.2
+"""Error of a signal on unseen data with names, over that without, from which they are no explanation."""
 
 TRAINED = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
@@ -102,6 +111,11 @@ class Judgement:
         """
         return all(self._channel_at_noise(k) for k in range(len(self.left["explained"])))
 
+    @property
+    def settled(self) -> bool:
+        """Whether nothing is left of the model that is told."""
+        return self.at_noise and self.earned == self.names
+
     def _channel_at_noise(self, channel: int) -> bool:
         one, predicted = self.left["explained"][channel], self.runs["explained"].predicted
         low = bool(np.isfinite(one.rms)) and one.rms <= FLOOR * one.loudness
@@ -111,6 +125,28 @@ class Judgement:
             return True
         wanders = bool(np.isfinite(one.rms)) and one.rms <= WANDERS * one.loudness
         return wanders and denied(self.physical, predicted, channel)
+
+    @property
+    def _vaguely_imitates(self) -> bool:
+        """Whether one of the effects can imitate others, and has values that the recording does not tell."""
+        choice = self.physical.choice
+        labels = [tried[0].label for tried in choice.rounds]
+        return any(
+            imitates(block, kind) and not is_identified(choice.best, index)
+            for index, (block, kind, _) in enumerate(labels)
+        )
+
+    @property
+    def _worse(self) -> bool:
+        """Whether a signal is further from unseen data with the names than without, whatever the noise."""
+        physical = self.physical
+        for channel, level in enumerate(physical.noise.level):
+            before, after = (
+                nrmse(physical, self.runs[name].predicted, channel) for name in ("retuned", "explained")
+            )
+            if after > max(WORSE * before, FLOOR * level / spread(physical, channel)):
+                return True
+        return False
 
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""
@@ -159,17 +195,25 @@ class Judgement:
     def earned(self) -> bool:
         """Whether the effects that were added may be named.
 
-        At the noise they may. Above it, plain kinds of what moves may that remove nearly all of the mismatch;
-        or most of it, each of them some, and leave no curve that they should have been. Kinds that can
-        imitate others may where next to nothing is left.
+        At the noise they may, but for a curve put together from pieces, for kinds that can imitate others
+        beside others and have no certain values, for several sensors that are wrong at once, and for what
+        makes a signal worse. Above it, plain kinds of what moves may that remove nearly all of the mismatch;
+        or most of it, each of them some, with values that the recording tells, and leave no curve that they
+        should have been. Kinds that can imitate others may where next to nothing is left.
         """
-        if self.at_noise or not self.names:
-            return self.names
         choice = self.physical.choice
+        if not self.names or choice.in_pieces or choice.blames_several or self._worse:
+            return False
+        if self.at_noise:
+            return len(choice.rounds) == 1 or not self._vaguely_imitates
         if choice.imitates and not (self.gone > ALL and choice.of_the_rig):
             return False
         if self.gone > NEARLY:
             return True
+        if [tried[0].label[1] for tried in choice.rounds] == [SHAPELESS]:
+            return False
+        if not all(is_identified(choice.best, i) for i in range(len(choice.rounds))):
+            return False
         if self.gone < (EXPLAINS if len(choice.rounds) > 1 else ALONE):
             return False
         whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)

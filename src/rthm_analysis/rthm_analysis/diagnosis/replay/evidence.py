@@ -15,6 +15,8 @@ from rthm_core.link import Link
 from rthm_core.schedule import overtaking
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
@@ -97,7 +99,11 @@ class Evidence:
 
     def only(self, *families: str) -> Evidence:
         """What channels of some families say."""
-        kept = [i for i, channel in enumerate(self.channels) if channel.family in families]
+        return self.without([i for i, one in enumerate(self.channels) if one.family not in families])
+
+    def without(self, columns: Container[int]) -> Evidence:
+        """What the other channels say."""
+        kept = [i for i in range(len(self.channels)) if i not in columns]
         channels = tuple(self.channels[i] for i in kept)
         return replace(self, channels=channels, measured=self.measured[:, kept])
 

@@ -203,7 +203,8 @@ class Experiment:
         longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
-        steps = substeps(spec, arrays, longest)
+        over = windows.length or float(np.ptp(self.evidence.time))
+        steps = substeps(spec, arrays, longest, over, points.time.size)
         replay_mechanics(
             arrays, points.time, steps, motor, load, starts, windows.state,
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),

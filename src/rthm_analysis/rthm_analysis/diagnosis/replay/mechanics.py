@@ -110,6 +110,11 @@ def _rest(model: PhysicalModel, resting: list, y: Floats, u: Floats) -> None:  #
 
 def fastest(mechanics: Mechanics, spec: Spec) -> float:
     """Largest rate (rad/s) of the mechanics with contacts closed and wires taut."""
+    return float(np.abs(modes(mechanics, spec)).max(initial=0.0))
+
+
+def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
+    """Eigenvalues (rad/s) of the mechanics with contacts closed and wires taut."""
     a = mechanics.a.copy()
     n, m = mechanics.inverse_mass.shape[0], mechanics.stiffness.shape[0]
     for actuator in range(m):
@@ -122,7 +127,7 @@ def fastest(mechanics: Mechanics, spec: Spec) -> float:
             stiff = float(effect.parameters.get("stiffness", effect.parameters.get("alpha", 0.0)))
             a[n : 2 * n, dof] -= mechanics.inverse_mass[:, dof] * abs(stiff)
             a[n : 2 * n, n + dof] -= mechanics.inverse_mass[:, dof] * _damping(effect.kind, effect.parameters)
-    return float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
+    return np.asarray(np.linalg.eigvals(a))
 
 
 def _damping(kind: str, parameters: dict[str, float | str]) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.mechanics import Mechanics, fastest
+from rthm_analysis.diagnosis.replay.mechanics import Mechanics, modes
 from rthm_analysis.diagnosis.replay.motor import drive_speed
 from rthm_core.clock import NS
 from rthm_core.effects import effect
@@ -15,10 +15,22 @@ from rthm_core.effects import effect
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-LONGEST_PHASE = 0.2
-"""Longest step of a replay, in radians of the fastest motion of the mechanics."""
+RESOLUTION = 2e-5
+"""Part of a signal's standard deviation below which a replay does not claim to be right."""
+
+LONGEST_PHASE, SHORTEST_PHASE = 0.2, 0.05
+"""Longest step of a replay, in radians of a motion of the mechanics: where it soon dies, and at least."""
+
+GATHERED = 1e-4
+"""Part of a motion by which the errors of all its steps may move it."""
+
+STRAYS = 120.0
+"""A step of h radians is wrong by h^5 over this (Runge-Kutta of fourth order)."""
 
 MOST_SUBSTEPS = 50
+
+AFFORDED = 20_000
+"""Steps of a replay up to which they are as short as long motions need: a search repeats it by thousands."""
 
 KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 """Laws with kinks that the replay does not locate."""
@@ -55,10 +67,21 @@ def worth(spec: Spec) -> int:
     return max((COSTLY.get((e.block, e.kind), 1) for e in spec.effects), default=1)
 
 
-def substeps(spec: Spec, mechanics: Mechanics, longest: float) -> int:
-    """Steps within each interval of a grid whose longest is `longest` s."""
-    needed = longest * max(fastest(mechanics, spec) / LONGEST_PHASE, 1.0 / _longest_step(spec))
-    return min(max(1, math.ceil(needed - 1e-6)), MOST_SUBSTEPS)
+def substeps(spec: Spec, mechanics: Mechanics, longest: float, over: float, intervals: int) -> int:
+    """Steps within each interval of a grid whose longest is `longest` s, for free runs of `over` s.
+
+    A motion that lasts for many radians gathers the errors of its steps, and so needs shorter ones, as far as
+    so many intervals can afford them.
+    """
+    eigenvalues = modes(mechanics, spec)
+    rates = np.abs(eigenvalues)
+    radians = rates / np.maximum(-eigenvalues.real, 1.0 / over)
+    phases = np.clip((GATHERED * STRAYS / np.maximum(radians, 1.0)) ** 0.25, SHORTEST_PHASE, LONGEST_PHASE)
+    least, needed = (
+        max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), 1.0 / _longest_step(spec)) - 1e-6))
+        for rate in (rates / LONGEST_PHASE, rates / phases)
+    )
+    return min(needed, max(least, AFFORDED // intervals), MOST_SUBSTEPS)
 
 
 def _longest_step(spec: Spec) -> float:

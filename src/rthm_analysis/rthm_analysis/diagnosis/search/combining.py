@@ -67,7 +67,10 @@ def _other(fitting: Fitting, choice: Choice) -> Choice | None:
             found, least = (pieces, fitted), _cost(fitting, choice, fitted)
             if doubt(fitting, fitted) < CLOSE:
                 break
-    return _chosen(fitting, choice, *found) if found else None
+    try:
+        return _chosen(fitting, choice, *found) if found else None
+    except np.linalg.LinAlgError:  # it only stands as a whole
+        return None
 
 
 def _model(choice: Choice, pieces: list[Piece]) -> Model:

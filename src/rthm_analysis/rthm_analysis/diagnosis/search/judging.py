@@ -64,6 +64,10 @@ class Tried:
         return self.start.label
 
 
+REPEATED = ("harmonic_load", "hidden_mode")
+"""Kinds of which a rig may have several at one place."""
+
+
 @dataclass
 class Choice:
     """What was chosen, and what it was chosen from.
@@ -93,14 +97,29 @@ class Choice:
         return any(imitates(*tried[0].label[:2]) for tried in self.rounds)
 
     @property
+    def in_pieces(self) -> bool:
+        """Whether the same law of force acts twice at one place: a curve of another shape, put together."""
+        labels = [tried[0].label for tried in self.rounds if tried[0].label[1] not in REPEATED]
+        return len(set(labels)) < len(labels)
+
+    @property
+    def blames_several(self) -> bool:
+        """Whether more than one sensor would have to be wrong at once: then what they measure is."""
+        return len({tried[0].label[0] for tried in self.rounds if _is_sensor(tried[0].label[0])}) > 1
+
+    @property
     def of_the_rig(self) -> bool:
         """Whether none of its effects is a sensor's."""
-        return not any(tried[0].label[0].startswith("sensor.") for tried in self.rounds)
+        return not any(_is_sensor(tried[0].label[0]) for tried in self.rounds)
 
 
 def imitates(block: str, kind: str) -> bool:
     """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
-    return kind in FLEXIBLE or block.startswith("sensor.")
+    return kind in FLEXIBLE or _is_sensor(block)
+
+
+def _is_sensor(block: str) -> bool:
+    return block.startswith("sensor.")
 
 
 def looked_for(fitting: Fitting, starts: Iterable[Start]) -> Iterator[Start]:

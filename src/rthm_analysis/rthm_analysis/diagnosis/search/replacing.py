@@ -93,27 +93,29 @@ def compared(fitting: Fitting, choice: Choice) -> Choice:
     One that then predicts unseen data clearly better takes its place.
     """
     for index in range(len(choice.rounds) - 1):
-        first, again = choice.rounds[index][0], _rivals(fitting, choice, index)
+        first, rivals = choice.rounds[index][0], _rivals(fitting, choice, index)
+        again = [other if whole is None else whole for other, whole in rivals]
         rounds = [[first, *again] if i == index else one for i, one in enumerate(choice.rounds)]
         choice = Choice(choice.base, choice.best, rounds, choice.limits)
-        winner = min(again, key=lambda one: merit(one.fitted), default=None)
+        beside = [whole for _, whole in rivals if whole is not None]
+        winner = min(beside, key=lambda one: merit(one.fitted), default=None)
         if winner is not None and merit(winner.fitted) < merit(choice.best) - CLEAR:
             choice = _replaced(fitting, choice, index, winner.start, winner.fitted)
     return choice
 
 
-def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[Tried]:
-    """Other kinds of a round: fitted beside all the others where it could not tell them apart."""
+def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[tuple[Tried, Tried | None]]:
+    """Other kinds of a round: as they were, and beside all the others where it could not tell them apart."""
     first, *others = choice.rounds[index]
-    rivals = []
+    rivals: list[tuple[Tried, Tried | None]] = []
     for other in others[:RIVALS]:
         if fitting.budget.spent or distinguishable(first.fitted, other.fitted):
-            rivals.append(other)
+            rivals.append((other, None))
             continue
         fitting.progress(f"comparing {first.label[1]} with {other.label[1]}")
         whole = _fitted_instead(fitting, choice, index, other)
         if whole is not None:
-            rivals.append(Tried(other.start, whole, float(whole.left_out.sum())))
+            rivals.append((other, Tried(other.start, whole, float(whole.left_out.sum()))))
     return rivals
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
-from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.cli.options import Json, SpecName, Wait
 from rthm_bringup.topics import NAMESPACE
 
 if TYPE_CHECKING:
@@ -19,9 +20,7 @@ def verb(
     seconds: Annotated[
         float, typer.Option(metavar="S", help="How long to listen.", min=0.1, max=3600.0)
     ] = 5.0,
-    wait: Annotated[
-        float, typer.Option(metavar="S", help="How long to wait for a sample.", min=0.0, max=3600.0)
-    ] = 10.0,
+    wait: Wait = 10.0,
     swing: Annotated[
         float,
         typer.Option(
@@ -29,6 +28,22 @@ def verb(
             help="Move all motors this far and back, in m, and see whether they follow; 0: nothing moves.",
         ),
     ] = 0.0,
+    measure: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Move the motors a little in a run of their own, measure stiffness, delay, poles, signs and"
+            " noise, and write them as a spec.",
+        ),
+    ] = None,
+    travel: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            help="Largest distance of this motion from where the motors stand, in m; by default a quarter of"
+            " what the limits allow.",
+        ),
+    ] = None,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -37,7 +52,8 @@ def verb(
 ) -> int:
     """Check whatever publishes plant/state: names, sizes, numbers, stamps, period, ages, delivery.
 
-    Exit status 0 when every check is passed, else 1.
+    Exit status 0 when every check is passed, else 1. With --measure it is a run, with the exit status of one;
+    nothing is checked beside, and 1 says as well that no spec was written.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
@@ -46,6 +62,13 @@ def verb(
 
     test = spec_named(spec)
     test.loop()
+    if measure is not None:
+        from rthm_bringup.driver.measuring import measure as measured
+
+        with network_of(domain, network, peers, namespace, shared=True, leads=True) as reach:
+            found = measured(test, reach, measure, seconds, wait, travel)
+        put(found.as_dict(), found.lines(), json)
+        return found.status
     with network_of(domain, network, peers, namespace, shared=True) as reach, status("listening"):
         checks = check_driver(test, reach, seconds, wait, swing)
     passed = all(one.passed for one in checks)

@@ -62,7 +62,7 @@ def verb(
     return 0
 
 
-def _told(one: Imported) -> dict:
+def _told(one: Imported) -> dict[str, object]:
     return {
         "bag": str(one.bag),
         "samples": one.samples,

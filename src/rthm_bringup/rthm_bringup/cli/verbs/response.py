@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rthm_bringup.cli.options import Json, SpecName
+
+if TYPE_CHECKING:
+    from rthm_analysis.response import Response
 
 
 def verb(
@@ -31,12 +34,13 @@ def verb(
     return 0
 
 
-def _lines(result) -> list[str]:
+def _lines(result: Response) -> list[str]:
     from rthm_analysis.response import WAYS
     from rthm_bringup.cli.output import table
 
     rows = [("load on, motion of", "rad/s", *(way.replace("_", " ") for way in WAYS))]
-    for one in result.as_dict()["response"]:
+    told: Any = result.as_dict()["response"]
+    for one in told:
         cells = [f"{one[way]['amplitude']:.5g} m/N {one[way]['phase_deg']:+.2f} deg" for way in WAYS]
         rows.append((f"{one['input']}, {one['output']}", f"{one['omega']:g}", *cells))
     unstable = [] if result.stable else ["the sampled loop is not stable: it never settles to its column."]

@@ -60,6 +60,10 @@ def verb(
         bool,
         typer.Option("--heartbeat", help="Wait for an operator's heartbeat, without which the test ends."),
     ] = False,
+    compose: Annotated[
+        bool,
+        typer.Option("--compose", help="Numerical side and controller in one process: less to do per tick."),
+    ] = False,
     amplitude: Amplitude = 1.0,
     domain: Domain = None,
     network: OpenNetwork = False,
@@ -101,6 +105,7 @@ def verb(
             hardware=plant is Plant.external,
             dry_run=dry_run,
             heartbeat=heartbeat,
+            compose=compose,
         )
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from rthm_bringup.cli.options import Json, SpecName
+
+if TYPE_CHECKING:
+    from rthm_analysis.stability import Stability
+    from rthm_core.spec import Spec
 
 
 def verb(
@@ -43,7 +47,7 @@ def verb(
     return 0
 
 
-def _map(test, over: tuple[str, str], out: Path) -> dict:
+def _map(test: Spec, over: tuple[str, str], out: Path) -> dict[str, object]:
     from rthm_analysis.stability.map import stability_map
     from rthm_analysis.stability.picture import check_name, draw
     from rthm_analysis.sweep.points import check_ends, value_of
@@ -59,7 +63,7 @@ def _map(test, over: tuple[str, str], out: Path) -> dict:
     return {"map": found.as_dict() | {"picture": str(out)}}
 
 
-def _lines(result) -> list[str]:
+def _lines(result: Stability) -> list[str]:
     from rthm_bringup.cli.output import table
 
     radius = f"largest eigenvalue {result.spectral_radius:.9f} over {result.hyperperiod * 1e3:.6g} ms"
@@ -90,7 +94,7 @@ def _number(value: float, unit: float) -> str:
     return f"{value:.6g} {'ms' if unit > 1.0 else 'x'}"
 
 
-def _k_tot(result) -> list[str]:
-    found = result.as_dict()["k_tot"]
+def _k_tot(result: Stability) -> list[str]:
+    found: Any = result.as_dict()["k_tot"]
     words = {side: "none found" if value is None else f"{value} N/m" for side, value in found.items()}
     return ["", f"k_tot: lower limit {words['lower']}, upper limit {words['upper']}"]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rthm_bringup.cli.options import Json, SpecName
 from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_analysis.sweep.sweep import Sweep
 
 
 def verb(
@@ -70,7 +73,7 @@ def verb(
     return 0
 
 
-def _result(done, out: Path, picture: Path) -> dict:
+def _result(done: Sweep, out: Path, picture: Path) -> dict[str, object]:
     return {
         "table": str(out / "sweep.parquet"),
         "picture": str(picture),
@@ -81,7 +84,7 @@ def _result(done, out: Path, picture: Path) -> dict:
     }
 
 
-def _lines(done, out: Path, picture: Path) -> list[str]:
+def _lines(done: Sweep, out: Path, picture: Path) -> list[str]:
     stable = sum(one is True for one in done.table["stable"].to_pylist())
     refused = [sentence for sentence in done.table["refused"].to_pylist() if sentence]
     lines = [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rthm_bringup.cli.options import Bag, Json
 
 
@@ -17,7 +19,7 @@ def verb(bag: Bag, json: Json = None) -> int:
     return 0
 
 
-def _lines(result: dict) -> list[str]:
+def _lines(result: dict[str, Any]) -> list[str]:
     from rthm_bringup.cli.output import table
 
     links = [("link", "age mean", "excess p99", "excess max", "lost", "late", "uses")]
@@ -31,15 +33,15 @@ def _lines(result: dict) -> list[str]:
     return [*table(links), "", *table(clocks), *_hosts(result["hosts"]), *_held_up(**result["held_up"])]
 
 
-def _hosts(hosts: dict) -> list[str]:
+def _hosts(hosts: dict[str, Any]) -> list[str]:
     from rthm_bringup.cli.output import table
 
     if not hosts:
         return []
     rows = [("clock of", "ahead by", "least", "most", "+-", "drift")]
     for name, host in hosts.items():
-        numbers = (_ms(host[key]) for key in ("offset", "least", "most", "uncertainty"))
-        rows.append((name, *numbers, f"{host['drift'] * 1e6:.0f} ppm"))
+        offset, least, most, unsure = (_ms(host[key]) for key in ("offset", "least", "most", "uncertainty"))
+        rows.append((name, offset, least, most, unsure, f"{host['drift'] * 1e6:.0f} ppm"))
     return ["", *table(rows), "ages are corrected by these"]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -11,6 +12,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from benchmarks.hosts import command_on
 
 from rthm_analysis.recording import Recording, read_recording
 
@@ -27,18 +30,28 @@ class Told:
 
     @property
     def recording(self) -> Recording:
+        """Its bag."""
         return read_recording(self.json["bag"])
 
     @property
     def page(self) -> str:
+        """Text of its report."""
         return Path(self.json["report"]).read_text()
 
 
 class Runs:
-    """Runs of one environment, one at a time, in one folder."""
+    """Runs of one environment, one at a time, in one folder.
 
-    def __init__(self, environment: dict[str, str], folder: Path) -> None:
-        self.environment, self.folder = environment, folder
+    Parameters
+    ----------
+    environment, folder
+        Variables of all processes, and where everything is written.
+    host
+        Network namespace of the leader (`benchmarks.hosts`); empty: this one.
+    """
+
+    def __init__(self, environment: dict[str, str], folder: Path, host: str = "") -> None:
+        self.environment, self.folder, self.host = environment, folder, host
 
     @contextmanager
     def begun(
@@ -47,6 +60,7 @@ class Runs:
         """A run as a process, and what ends it."""
         json_file = self.folder / "result.json"
         command = [*RTHM, "run", str(spec), "--out", str(self.folder / "out"), "--json", str(json_file)]
+        command = command_on(self.host, command) if self.host else command
         with subprocess.Popen(
             [*command, *options],
             env=self.environment,
@@ -58,8 +72,9 @@ class Runs:
 
             def ended() -> Told:
                 said, _ = run.communicate(timeout=300)
-                assert json_file.exists(), said
-                return Told(run.returncode, json.loads(json_file.read_text()), said)
+                assert json_file.exists() or run.returncode < 0, said
+                told = json.loads(json_file.read_text()) if json_file.exists() else {}
+                return Told(run.returncode, told, said)
 
             try:
                 yield run, ended
@@ -73,3 +88,26 @@ class Runs:
         while sum(file.stat().st_size for file in bag.glob("*.mcap")) < size and run.poll() is None:
             assert time.monotonic() < deadline
             time.sleep(0.05)
+
+
+def processes_in(domain: int) -> list[str]:
+    """Command lines of the processes of this project in a domain."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        try:
+            command, variables = (folder / "cmdline").read_bytes(), (folder / "environ").read_bytes()
+        except OSError:
+            continue
+        if b"rthm" in command and f"ROS_DOMAIN_ID={domain}".encode() in variables.split(b"\0"):
+            found.append(command.replace(b"\0", b" ").decode())
+    return found
+
+
+def process(run: subprocess.Popen[str], module: str) -> int:
+    """Process id of a node of the run."""
+    for child in Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split():
+        if module.encode() in Path(f"/proc/{child}/cmdline").read_bytes():
+            return int(child)
+    raise AssertionError(f"{module} does not run")

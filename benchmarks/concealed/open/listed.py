@@ -21,7 +21,7 @@ TRIPLES = (
     ("plant quadratic_drag", "plant cubic_stiffness", "wire backlash"),
     ("plant quadratic_drag", "plant quadratic_stiffness", "motor extra_delay"),
 )
-PAIRS = tuple({t[i : i + 2] for t in TRIPLES for i in (0, 1)})
+PAIRS = tuple(dict.fromkeys(t[i : i + 2] for t in TRIPLES for i in (0, 1)))
 
 
 def _world(rng: np.random.Generator, plain: bool, boost: float) -> Draft:

@@ -119,6 +119,25 @@ def _held(values: np.ndarray, first: int, last: int, held: float | None = None) 
     return values
 
 
+@pytest.mark.parametrize("column", [POSITION, VELOCITY, FORCE])
+def test_a_sensor_whose_range_ends_is_told_with_the_end(loop: Evidence, column: int) -> None:
+    limit = 0.7 * float(np.abs(loop.measured[:, column]).max())
+    mended = mend(changed(loop, column, lambda y: np.clip(y, -limit, limit)), PAPER)
+    (fault,) = mended.faults
+    assert (fault.kind, fault.channel, abs(fault.value)) == ("saturation", FIELDS[column], limit)
+    left_out = np.isnan(mended.evidence.measured[:, column])
+    beyond = np.abs(loop.measured[:, column]) >= limit
+    assert left_out[beyond].all() and left_out.mean() < beyond.mean() + 0.03
+
+
+def test_one_spike_in_noise_of_heavy_tails_is_noise(loop: Evidence) -> None:
+    rng = np.random.default_rng(5)
+    heavy = [
+        changed(loop, POSITION, lambda y: y + NOISE[POSITION] * rng.standard_t(2.5, y.size)) for _ in range(5)
+    ]
+    assert [said(one, PAPER) for one in heavy] == [[]] * 5
+
+
 @pytest.mark.parametrize("held", [np.nan, 0.0, None])
 def test_drop_outs_are_told_however_they_are_recorded(loop: Evidence, held: float | None) -> None:
     def cut(values: np.ndarray) -> np.ndarray:

@@ -8,7 +8,9 @@ import pytest
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.result import Part
-from rthm_analysis.recording import Recording
+from rthm_analysis.recording import LinkTable, Recording
+from rthm_analysis.timing.links import clock_of
+from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec, apply
 
 from .loops import paper, recording, stalled, without_times_of_sending
@@ -26,6 +28,17 @@ def told_later(one: Recording, name: str, late: np.ndarray) -> Recording:
     return replace(one, links=one.links | {name: replace(link, use_ns=use)})
 
 
+def out_for(one: Recording, name: str, clocked: bool) -> Recording:
+    """Nothing comes through a link from 4 s to 6 s: a clocked receiver uses what it had, another nothing."""
+    link = one.links[name]
+    out = (link.use_ns - one.start_ns > 4e9) & (link.use_ns - one.start_ns < 6e9)
+    if clocked:
+        held = np.where(out, link.sample_ns[np.flatnonzero(out)[0] - 1], link.sample_ns)
+        return replace(one, links=one.links | {name: replace(link, sample_ns=held)})
+    kept = LinkTable(*(column[~out] for column in vars(link).values()))
+    return replace(one, links=one.links | {name: kept})
+
+
 def found(part: Part) -> list[tuple[str, str]]:
     return [(one.block, one.kind) for one in part.physics]
 
@@ -39,6 +52,16 @@ def test_an_exact_recording_has_nothing_wrong_with_its_links(exact):
     assert not exact.physics and not exact.notes
     assert [one.block for one in exact.blocks] == [f"link.tau{i}" for i in (1, 2, 3, 4)]
     assert all(one.mismatch == 1.0 and not one.significant for one in exact.blocks)
+
+
+@pytest.mark.parametrize("link", ["tau1", "tau2", "tau4"])  # uses of tau3 are told by the commands as well
+def test_a_link_that_is_out_for_a_while_is_told_with_its_time(link):
+    spec = paper()
+    out = out_for(recording(spec), link, clocked=bool(clock_of(link, Schedule(spec))[1]))
+    part = diagnose_links(out, spec)
+    assert [(one.block, one.kind) for one in part.faults] == [(f"link.{link}", "dropout")]
+    assert part.faults[0].interval == pytest.approx((4.0, 6.0), abs=0.05)
+    assert not part.physics
 
 
 def test_every_link_and_kind_has_a_detection_limit(exact):

@@ -73,8 +73,9 @@ FAULT = {
     "swapped": "Move one dof by hand and see which channel answers; then correct the names.",
     "channel_delay": "Tap the rig once, and compare the instants at which the channels show it.",
     "stuck": "Check cable and supply of {channel}, and record again.",
+    "saturation": "Give {channel} more range, or repeat the test with less motion.",
     "spikes": "Check the shielding and the connectors of {channel}, and record again.",
-    "dropout": "Check cable and logger of {channel}, and record again.",
+    "dropout": "Check cable, network and logger of {channel}, and record again.",
     "hum": "Record {channel} at rest, and with the supplies switched off one by one.",
     "clock_drift": "Record both channels with one clock, or with a common pulse once a minute.",
     "wrong_parameter": "Compare the spec's {channel} with what the nodes were started with "

@@ -29,6 +29,9 @@ AROUND = 4.0
 STANDS_OUT = 40.0
 """Power of the line over the median beside it: by chance once in 1e11 lines."""
 
+SINGLE = 4.0
+"""Power of the line over that of the next beside it: the steps of commands and their aliases make many."""
+
 SHARE = 0.3
 """Part of a line's amplitude that another channel would have to show, were it a motion."""
 
@@ -99,7 +102,8 @@ def _line(evidence: Evidence, column: int, near: float, mains: float) -> Line | 
     if not inside.any() or np.count_nonzero(beside) < 20:
         return None
     peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
-    if power[peak] < STANDS_OUT * max(float(np.median(power[beside])), 1e-300):
+    least = max(STANDS_OUT * float(np.median(power[beside])), SINGLE * float(power[beside].max()), 1e-300)
+    if power[peak] < least:
         return None
     frequency = _between(frequencies, power, peak)
     thirds = [_amplitude(t, v, frequency) for t, v in _thirds(time, values)]

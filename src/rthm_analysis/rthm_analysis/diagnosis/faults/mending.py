@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
+from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
 from rthm_analysis.diagnosis.faults.delays import find_delays
 from rthm_analysis.diagnosis.faults.drift import find_drift
@@ -94,7 +95,7 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     ['sign']
     """
     evidence, faults = find_dead(evidence, spec)
-    for find in (find_dropouts, find_stuck, find_spikes):
+    for find in (find_dropouts, find_stuck, find_clipped, find_spikes):
         evidence, found = find(evidence)
         faults += found
     for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):

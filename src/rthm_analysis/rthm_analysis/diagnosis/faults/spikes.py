@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
     filled,
+    flagged,
     grain,
     held_commands,
     stretches,
@@ -53,6 +54,14 @@ as spikes, it is noise of heavy tails.
 
 SEVERAL, ALONE = 3, 2.0
 """Spikes that show what they are by their number; how much larger fewer have to be."""
+
+TAIL, RARE = 0.01, 0.02
+"""Largest part of all excursions that tells how heavy the tail of noise is; number of excursions as large as
+few spikes that such a tail may be expected to have.
+"""
+
+LARGEST = 100.0
+"""Logarithm of a height that nothing reaches."""
 
 FAR = 4.0
 """How much larger than need be several spikes are in the middle that no noise with heavy tails makes."""
@@ -163,10 +172,18 @@ def _spikes(values: Floats) -> list[Stretch]:
     middling = np.count_nonzero((size > BETWEEN * least) & (size <= least) & known)
     heights = [float((size / least)[a:b].max()) for a, b in found]
     if len(found) < SEVERAL:
-        found = [one for one, height in zip(found, heights, strict=True) if height > ALONE]
+        rare = max(ALONE, _reach_of_tail(np.delete(size / least, np.flatnonzero(flagged(found, size.size)))))
+        found = [one for one, height in zip(found, heights, strict=True) if height > rare]
     elif np.median(heights) > FAR:
         middling = 0
     return found if 2 * middling <= len(found) <= MOST * values.size else []
+
+
+def _reach_of_tail(heights: Floats) -> float:
+    """Height beyond which excursions are expected `RARE` times: a power law through the largest of them."""
+    tail = np.log(np.maximum(np.sort(heights)[-max(int(TAIL * heights.size), SEVERAL) :], 1e-300))
+    reach = float(tail[0] + np.mean(tail - tail[0]) * np.log(tail.size / RARE))
+    return float(np.exp(min(reach, LARGEST)))
 
 
 def _returns(values: Floats, one: Stretch, size: float) -> bool:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rthm_analysis.diagnosis.fitting.noise import lattice
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_delay
+from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:

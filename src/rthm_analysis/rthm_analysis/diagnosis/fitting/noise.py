@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, white
-from rthm_analysis.diagnosis.replay.resolution import RESOLUTION
+from rthm_analysis.diagnosis.replay.readings import noise_level
 from rthm_core.compiled import Floats
-
-UNBLURRED = 2.5
-"""Step, over the noise, from which readings show the steps of their rounding."""
 
 
 @dataclass(frozen=True)
@@ -54,60 +51,3 @@ def white_noise(levels: Floats) -> Noise:
 def noise_levels(residual: Floats, measured: Floats) -> Floats:
     """Noise (k,) of all channels from their residuals and measurements (s, k), see `noise_level`."""
     return np.array([noise_level(r, y) for r, y in zip(residual.T, measured.T, strict=True)])
-
-
-def noise_level(residual: Floats, measured: Floats) -> float:
-    """Standard deviation of white noise on one channel, in its unit.
-
-    Parameters
-    ----------
-    residual : (s,) array
-        Measured minus simulated; smooth mismatch does not matter.
-    measured : (s,) array
-        NaN where not known.
-    """
-    third = np.diff(residual[np.isfinite(residual)], 3) / np.sqrt(20.0)
-    if not third.size:
-        return float("nan")
-    typical = 1.4826 * float(np.median(np.abs(third)))
-    spread = float(np.sqrt(np.mean(np.square(third))))
-    level = typical if typical > 0.3 * spread else min(spread, 3.0 * typical) if typical > 0.0 else spread
-    floor = RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
-    return max(level, _rounding(lattice(measured), level), floor, 1e-300)
-
-
-def _largest(residual: Floats) -> float:
-    """Largest error: the only scale of a channel that rests throughout."""
-    known = residual[np.isfinite(residual)]
-    return float(np.abs(known).max(initial=0.0))
-
-
-def _rounding(step: float | None, level: float) -> float:
-    """Noise that rounding to a lattice stands for, beside other noise of some level.
-
-    Where that noise does not blur the steps, the errors repeat with the motion, as no white noise does, and
-    data count for less.
-    """
-    if step is None:
-        return 0.0
-    return step if step > UNBLURRED * level else step / np.sqrt(12.0)
-
-
-def lattice(values: Floats) -> float | None:
-    """Step of the lattice on which all values lie; None when they lie on none.
-
-    Values with noise of their own, recorded as double numbers, lie on none that is coarser than rounding.
-    """
-    known = np.unique(values[np.isfinite(values)])
-    if known.size < 3 or known.size > 0.9 * np.count_nonzero(np.isfinite(values)):
-        return None
-    gaps = np.diff(known)
-    gaps = gaps[gaps > 1e-9 * np.abs(known).max()]
-    if not gaps.size:
-        return None
-    step = float(gaps.min())
-    for _ in range(3):
-        counts = np.rint(gaps / step)
-        step = float(np.sum(gaps * counts) / np.sum(counts * counts))
-    off = np.abs(known / step - np.rint(known / step))
-    return step if float(off.max()) < 1e-3 + 1e-9 * np.abs(known).max() / step else None

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
 from rthm_analysis.diagnosis.links.standing import without_standing
@@ -68,6 +69,8 @@ class LinkEvidence:
         Whether the receiver looks only at its ticks.
     standing : (k, 2) array
         When a machine stood still, ns: what was on its way then tells nothing.
+    outages : (o, 2) array
+        First sample that each outage took, and the first one after it.
     """
 
     name: str
@@ -81,6 +84,7 @@ class LinkEvidence:
     period_ns: int
     clocked: bool
     standing: Integers
+    outages: Integers
     offset_std: float = GRAIN
 
     def between(self, begin_ns: int, end_ns: int) -> LinkEvidence:
@@ -123,6 +127,9 @@ def link_evidence(
     low, high = _intervals(due, at, row, exact=not receiver)
     stalled = stalled_at_ticks(due, at, row) if receiver else overtaken_after_stalls(high, row)
     low[stalled], high[stalled] = -np.inf, np.inf
+    out = outages(due, at, row, receiver)
+    for first, after in out:
+        low[first:after], high[first:after] = -np.inf, np.inf
     low, high = without_standing(spans, stamp - offset, due, at if receiver else None, low, high)
     if not np.isfinite(low).any() and not np.isfinite(high).any():
         return f"the machine stood still too often: the link {name} cannot be checked."
@@ -132,7 +139,9 @@ def link_evidence(
             return f"the spec's own jitter or loss of link.{name} was drawn otherwise: it cannot be checked."
     beyond = offset + hidden - known
     beyond = 0 if abs(beyond) * 1e-9 < unsure else beyond
-    return LinkEvidence(name, stamp, low, high, due, beyond, at, row, period, bool(receiver), spans, unsure)
+    return LinkEvidence(
+        name, stamp, low, high, due, beyond, at, row, period, bool(receiver), spans, out, unsure
+    )
 
 
 def _between_hosts(recording: Recording, name: str) -> tuple[int, float]:

@@ -14,8 +14,9 @@ from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
+from rthm_analysis.diagnosis.links.outages import faults_of
 from rthm_analysis.diagnosis.links.words import lateness, sentence
-from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
+from rthm_analysis.diagnosis.result import Alternative, Fault, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS
 
@@ -60,8 +61,13 @@ class Finding:
 
     @property
     def found(self) -> bool:
-        """Whether anything but scheduling was found."""
+        """Whether anything but scheduling and outages was found."""
         return bool(self.choice.kinds) or self.evidence.offset_ns != 0
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """Outages of the link."""
+        return faults_of(self.evidence.name, self.evidence.due, self.evidence.outages)
 
     @property
     def nominal(self) -> Model:
@@ -72,11 +78,12 @@ class Finding:
 def link_part(recording: Recording, spec: Spec, finding: Finding) -> Part:
     """Diagnosis of one link."""
     limits = _limits(finding)
-    blocks = (Mismatch(finding.block, mismatch(finding), finding.found),)
+    faults = finding.faults
+    blocks = (Mismatch(finding.block, mismatch(finding), finding.found or bool(faults)),)
     machine = finding.choice.nothing.late
     if not finding.found:
         notes = (lateness(finding.evidence.name, machine),) if machine > GRAIN else ()
-        return Part(blocks=blocks, detection_limits=limits, notes=notes)
+        return Part(blocks=blocks, detection_limits=limits, notes=notes, faults=faults)
     fit = _fit(finding)
     share = 1.0 - (fit.nrmse["explained"] / max(fit.nrmse["nominal"], 1e-12)) ** 2
     late = 0.0 if fit.explained is None or fit.nominal is None else np.mean(fit.explained - fit.nominal)
@@ -90,7 +97,15 @@ def link_part(recording: Recording, spec: Spec, finding: Finding) -> Part:
         {"block": finding.block, "kind": kind, "parameters": {parameter: value.value}}
         for (kind, parameter), value in values.items()
     )
-    return Part(blocks, physics, {}, _alternatives(finding, fit), (fit,), limits, (), {}, effects)
+    return Part(
+        blocks=blocks,
+        physics=physics,
+        alternatives=_alternatives(finding, fit),
+        fits=(fit,),
+        detection_limits=limits,
+        effects=effects,
+        faults=faults,
+    )
 
 
 def _values(finding: Finding) -> dict[tuple[str, str], Value]:

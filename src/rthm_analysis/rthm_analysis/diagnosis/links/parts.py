@@ -51,7 +51,7 @@ def diagnose_links(recording: Recording, spec: Spec) -> Part:
         return _diagnosed(recording, spec, spans)
     found = _diagnosed(recording, apply(spec, times.changes), spans)
     blocks = tuple(_with_wrong_delay(recording, spec, spans, one, times.changes) for one in found.blocks)
-    return replace(found, blocks=blocks, faults=times.faults, changes=times.changes)
+    return replace(found, blocks=blocks, faults=(*times.faults, *found.faults), changes=times.changes)
 
 
 def _with_wrong_delay(
@@ -136,4 +136,5 @@ def _joined(parts: list[Part], notes: tuple[str, ...]) -> Part:
         detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
         effects=tuple(one for part in parts for one in part.effects),
         notes=(*notes, *(note for part in parts for note in part.notes)),
+        faults=tuple(one for part in parts for one in part.faults),
     )

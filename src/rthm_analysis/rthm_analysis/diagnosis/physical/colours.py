@@ -14,6 +14,12 @@ from rthm_core.compiled import Floats
 SHIFTS = (-2, -1, 0, 1, 2)
 """Samples by which a predicted force is shifted: with all of them goes what a wrong wire or motor leaves."""
 
+LEVELS, BLOCKS = 16, 8
+"""Steps of a curve over a signal's own value, and stretches of time that foretell each other by it."""
+
+OWN = 0.3
+"""Part of an error, foretold by the signal's own value in other stretches, from which it is no noise."""
+
 MEASURED = 0.9
 """Part of the samples that must be readings, for their neighbours to tell a colour."""
 
@@ -22,7 +28,8 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
     """Noise with its colour, from the residual of a model whose initial states are fitted.
 
     The force of a wire jumps with every command, and a wire that is slightly wrong leaves jumps that look
-    like noise which wanders. So what the predicted force itself explains is taken out of its residual.
+    like noise which wanders. So what the predicted force itself explains is taken out of its residual; so is
+    from any channel what follows its own value, as it does where a sensor saturates.
     """
     evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
     colours: list[Colour] = []
@@ -30,6 +37,7 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
         error = left[:, k]
         if channel.family == "force":
             error = _without(error, evidence.measured[:, k])
+        error = _without_own(error, evidence.measured[:, k] - left[:, k])
         if np.isfinite(error).mean() < MEASURED:
             colours.append(noise.colours[k])
             continue
@@ -51,3 +59,26 @@ def _without(error: Floats, force: Floats) -> Floats:
     columns = np.stack([np.roll(np.nan_to_num(force), shift) for shift in SHIFTS], axis=1)
     sizes = np.linalg.lstsq(columns[known], error[known], rcond=1e-10)[0]
     return np.asarray(error - columns @ sizes)
+
+
+def _without_own(error: Floats, predicted: Floats) -> Floats:
+    """Error (s,) without a curve over the signal's own value, where that foretells it in other stretches."""
+    known = np.isfinite(error) & np.isfinite(predicted)
+    if np.count_nonzero(known) < LEVELS * LEVELS:
+        return error
+    edges = np.quantile(predicted[known], np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
+    level = np.searchsorted(edges, predicted)
+    even = np.arange(error.size) * BLOCKS // error.size % 2 == 0
+    foretold = np.zeros(error.size)
+    for these, others in ((even, ~even), (~even, even)):
+        foretold[these] = _steps(error, level, known & others)[level[these]]
+    left = float(np.sum(np.square(error[known] - foretold[known])))
+    if left > (1.0 - OWN) * float(np.sum(np.square(error[known]))):
+        return error
+    return np.asarray(error - _steps(error, level, known)[level])
+
+
+def _steps(error: Floats, level: Floats, known: Floats) -> Floats:
+    """Mean error (l,) at each level, 0 where none is known."""
+    count = np.bincount(level[known], minlength=LEVELS)
+    return np.bincount(level[known], error[known], LEVELS) / np.maximum(count, 1)

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits, motor_limits
 from rthm_analysis.diagnosis.fitting.noise import noise_levels
+from rthm_analysis.diagnosis.physical.unrelated import unrelated
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, Parameter
@@ -32,6 +34,11 @@ PREFIX = "drive"
 
 SURE = 1e-6
 """Doubt about a delay, s, that makes no difference."""
+
+LOUD, SMALL = 2.0, 0.01
+"""Size of an error over that of white noise from which it may be noise with a colour; over that of the
+motion, up to which it may.
+"""
 
 
 @dataclass(frozen=True)
@@ -105,9 +112,21 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         tried = _tried(fitting, model, here)
         if not tried or not _better(tried[0], here):
             break
+        left = evidence.measured - experiment.predicted(model.spec, runs)
+        if not rounds and _wanders(evidence, left, fitting.sigma):
+            break
         rounds.append(tried)
         model = tried[0].fitted.model
     return Drives(rounds, model.spec, limits)
+
+
+def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:
+    """Whether what a model leaves of the motors (s, m) is coloured noise of their sensors."""
+    size = np.nanstd(left, axis=0)
+    if np.any(size < LOUD * noise) or np.any(size > SMALL * np.nanstd(evidence.measured, axis=0)):
+        return False
+    commands = held_commands(evidence)
+    return all(unrelated(error, [commands[:, k]]) for k, error in enumerate(left.T))
 
 
 def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:

@@ -148,7 +148,7 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
     choice, found, traces = physical.choice, [], []
     if not judged.earned:
         return [], []
-    whole = max(judged.gone, 1e-300)
+    whole = max(judged.gone * judged.mismatch, 1e-300)
     for i, share in enumerate(judged.shares):
         one = choice.best.model.added[i]
         values = values_of(choice.best, i)

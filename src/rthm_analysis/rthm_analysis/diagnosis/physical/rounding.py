@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.noise import lattice
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_analysis.diagnosis.result import Physics, Value, place_key
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats

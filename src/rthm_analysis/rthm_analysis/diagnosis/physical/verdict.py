@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.contradicted import denied
@@ -20,30 +21,20 @@ from rthm_analysis.diagnosis.physical.judged import (
 )
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.unrelated import unrelated
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import FLOOR, imitates
 from rthm_analysis.diagnosis.search.replacing import is_identified
 
-WANDERS = 2.0
-"""The same where another channel denies that the error is motion: it is the sensor's own noise."""
-
-EXPLAINS, ALONE = 0.85, 0.75
-"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise; that
-one must which is alone, and so has less freedom.
-"""
-
 NEARLY = 0.98
-"""Part of the mismatch with which they are named whatever shape the little has that they leave."""
+"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
 
 ALL = 0.999
 """Part of the mismatch with which kinds are named that can imitate others."""
 
 SHARE = 0.03
-"""Part of the mismatch that each of them must remove where together they do not remove nearly all of it."""
-
-SHAPELESS = "constant_load"
-"""Kind that alone is the mean of whatever keeps its sign: a name only where nearly nothing is left."""
+"""Part of the mismatch that each of them must remove there: a small one only imitates what is left."""
 
 YARDSTICK = 0.6
 """Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
@@ -54,8 +45,8 @@ WORSE = 1.2
 TRAINED = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
-REMAINS = 0.15
-"""Part of the nominal model's slow residual that may remain for the difference to count as explained."""
+REMAINS, LOUD = 0.15, 100.0
+"""Part of the nominal model's slow residual that names may leave in training, and the most that it may be."""
 
 
 @dataclass(frozen=True)
@@ -117,14 +108,24 @@ class Judgement:
         return self.at_noise and self.earned == self.names
 
     def _channel_at_noise(self, channel: int) -> bool:
-        one, predicted = self.left["explained"][channel], self.runs["explained"].predicted
+        one = self.left["explained"][channel]
         low = bool(np.isfinite(one.rms)) and one.rms <= FLOOR * one.loudness
         if self.names or self.tuned:
-            return low and (one.train < TRAINED or self._mostly_gone(channel))
-        if low and not (one.in_train or one.in_held_out or one.parts.size):
-            return True
-        wanders = bool(np.isfinite(one.rms)) and one.rms <= WANDERS * one.loudness
-        return wanders and denied(self.physical, predicted, channel)
+            quiet = one.train < TRAINED or (self.names and self._mostly_gone(channel))
+        else:
+            quiet = not (one.in_train or one.in_held_out or one.parts.size)
+        return (low and quiet) or self._is_noise_of_sensor(channel)
+
+    def _is_noise_of_sensor(self, channel: int) -> bool:
+        """Whether another channel denies that an error is motion or force, and nothing foretells it."""
+        physical, predicted = self.physical, self.runs["explained"].predicted
+        if not np.isfinite(predicted).all() or not denied(physical, predicted, channel):
+            return False
+        evidence = physical.evidence
+        causes = [*predicted.T, *evidence.load.T]
+        if evidence.driven_by == "command":
+            causes += list(held_commands(evidence).T)
+        return unrelated(evidence.measured[:, channel] - predicted[:, channel], causes)
 
     @property
     def _vaguely_imitates(self) -> bool:
@@ -151,7 +152,7 @@ class Judgement:
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""
         before, after = self.left["nominal"][channel], self.left["explained"][channel]
-        return after.train - 1.0 < REMAINS * (before.train - 1.0)
+        return after.train - 1.0 < min(REMAINS * (before.train - 1.0), LOUD)
 
     @cached_property
     def shares(self) -> list[float]:
@@ -196,30 +197,33 @@ class Judgement:
         """Whether the effects that were added may be named.
 
         At the noise they may, but for a curve put together from pieces, for kinds that can imitate others
-        beside others and have no certain values, for several sensors that are wrong at once, and for what
-        makes a signal worse. Above it, plain kinds of what moves may that remove nearly all of the mismatch;
-        or most of it, each of them some, with values that the recording tells, and leave no curve that they
-        should have been. Kinds that can imitate others may where next to nothing is left.
+        beside others and have no certain values or leave anything, for several sensors that are wrong at
+        once, and for what makes a signal worse. Above it, plain kinds of what moves may that remove nearly
+        all of the mismatch, and leave no curve that they should have been; kinds that can imitate others may
+        where next to nothing is left.
         """
         choice = self.physical.choice
         if not self.names or choice.in_pieces or choice.blames_several or self._worse:
             return False
         if self.at_noise:
-            return len(choice.rounds) == 1 or not self._vaguely_imitates
-        if choice.imitates and not (self.gone > ALL and choice.of_the_rig):
-            return False
-        if self.gone > NEARLY:
-            return True
-        if [tried[0].label[1] for tried in choice.rounds] == [SHAPELESS]:
-            return False
-        if not all(is_identified(choice.best, i) for i in range(len(choice.rounds))):
-            return False
-        if self.gone < (EXPLAINS if len(choice.rounds) > 1 else ALONE):
-            return False
-        whole = 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
-        if any(share < SHARE * whole for share in self.shares):
+            return len(choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
+        if choice.imitates:
+            return self.gone > ALL and choice.of_the_rig
+        if self.gone < NEARLY or any(share < SHARE * self.mismatch for share in self.shares):
             return False
         return not self.curves or self.curves[0].held_out_share < YARDSTICK
+
+    @property
+    def mismatch(self) -> float:
+        """Part of the retuned model's squared error on unseen data that is not noise."""
+        return 1.0 - self.expected / max(self.squares["retuned"], 1e-300)
+
+    @property
+    def _leaves_some(self) -> bool:
+        """Whether effects that can imitate others still leave something."""
+        return self.physical.choice.imitates and any(
+            one.in_train or one.in_held_out for one in self.left["explained"]
+        )
 
     @cached_property
     def refused(self) -> tuple[Refused, ...]:

@@ -1,0 +1,92 @@
+"""Sensors whose range ends before the signal does: the same largest value again and again, bit by bit.
+
+Noise makes every reading of a signal another one. One that is the largest of all, or the smallest, and
+repeats is the end of a range, which no stop, no friction and no motor at its limit can make.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
+from rthm_analysis.diagnosis.faults.stretches import (
+    Flags,
+    interval,
+    pieces,
+    stretches,
+    whole_interval,
+    without,
+)
+from rthm_analysis.diagnosis.faults.stuck import carries_noise
+from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.replay.readings import lattice, noise_level
+from rthm_analysis.diagnosis.result import Fault
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+SEEN = 7
+"""Readings at the end of a range that chance does not make."""
+
+MOSTLY = 0.6
+"""Part of a recording at the end of a range from which nothing of the signal is left to go on with."""
+
+NEAR = 4.0
+"""Noise within which readings beside an end are left out, too: of these, only the lower ones were passed."""
+
+
+def find_clipped(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
+    """Leave out the readings at the ends of a sensor's range, and tell them."""
+    seen, faults = evidence, []
+    for column, channel in enumerate(seen.channels):
+        if channel.family == "motor":
+            continue
+        values = seen.measured[:, column]
+        ends = _ends(values)
+        if channel.family == "force" and ends and max(np.abs(ends)) < np.nanmax(np.abs(values)):
+            continue  # a slack wire has a smallest force of its own
+        if not ends:
+            continue
+        at = np.isin(values, ends)
+        noise = noise_level(np.where(at, np.nan, values), values)
+        near = np.min([np.abs(values - end) for end in ends], axis=0) < NEAR * noise
+        faults.append(_told(seen, column, at, ends))
+        evidence = without(evidence, column, stretches(near))
+    return evidence, faults
+
+
+def _ends(values: Floats) -> list[float]:
+    """Ends of the range at which a signal with noise was cut."""
+    known = values[np.isfinite(values)]
+    if known.size < 0.5 * values.size or not np.ptp(known) > 0.0:
+        return []
+    ends = [end for end in (float(known.min()), float(known.max())) if _repeats(values, end)]
+    free = known[~np.isin(known, ends)]
+    if not ends or free.size < (1.0 - MOSTLY) * known.size or lattice(free) is not None:
+        return []
+    _, length = pieces(free)
+    return ends if carries_noise(free, length, np.empty(0, dtype=int)) else []
+
+
+def _repeats(values: Floats, end: float) -> bool:
+    """Whether a signal was at some value often, comes to it, and leaves it again."""
+    at: Flags = values == end
+    inner = [(a, b) for a, b in stretches(at) if a > 0 and b < values.size]
+    return end != 0.0 and sum(b - a for a, b in inner) >= SEEN and len(inner) > 1
+
+
+def _told(evidence: Evidence, column: int, at: Flags, ends: list[float]) -> Fault:
+    channel, found = evidence.channels[column], stretches(at)
+    largest = max(ends, key=abs)
+    first, last = whole_interval(evidence, found)
+    longest = max(b - a for a, b in (interval(evidence, one) for one in found))
+    values = " and ".join(f"{end:.4g}" for end in ends)
+    words = (
+        f"{in_words(channel, first=True)} goes no further than {values} {UNITS[channel.family]}, where it "
+        f"stays bit by bit in {len(found)} stretches of up to {longest:.3g} s between {first:.3f} s and "
+        f"{last:.3f} s: the range of the sensor or of its amplifier ends there. These stretches are left "
+        "out; give it more range."
+    )
+    return fault_of(channel, "saturation", words, (first, last), largest)

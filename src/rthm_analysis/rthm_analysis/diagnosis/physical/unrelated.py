@@ -1,0 +1,65 @@
+"""Errors that nothing in the rig foretells: noise of a sensor, however loud it is and slowly it wanders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rthm_core.compiled import Flags, Floats, Integers
+
+SHIFTS = (-8, -4, -2, -1, 0, 1, 2, 4, 8, 16)
+"""Samples by which causes are shifted: together they foretell what a lag or another delay leaves."""
+
+LEVELS = 12
+"""Steps of a curve over a cause, and over its change: what a limit, a gap or friction leaves."""
+
+BLOCKS = 8
+"""Stretches of time that foretell each other."""
+
+RELATED = 0.1
+"""Part of an error that causes foretell in other stretches, from which it is no noise."""
+
+STEADY = 6.0
+"""Power of the loudest stretch over that of the middle one, from which something happened there."""
+
+
+def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
+    """Whether an error is equally large throughout, and nothing that might have caused it foretells it.
+
+    Parameters
+    ----------
+    error : (s,) array
+        Measured minus simulated; NaN where nothing was measured.
+    causes : sequence of (s,) arrays
+        Commands, loads, and the motion and forces that a model predicts.
+    """
+    blocks: Integers = np.arange(error.size) * BLOCKS // error.size
+    known = np.isfinite(error)
+    error = np.where(known, error - np.nanmean(error), 0.0)
+    power = np.bincount(blocks, np.square(error)) / np.maximum(np.bincount(blocks, known), 1)
+    if power.max() > STEADY * float(np.median(power)):
+        return False
+    even: Flags = blocks % 2 == 0
+    whole = float(np.square(error[known]).sum())
+    for cause in causes:
+        columns, foretold = _columns(cause), np.zeros(error.size)
+        for these, others in ((even, ~even), (~even, even)):
+            fit = known & others
+            foretold[these] = columns[these] @ np.linalg.lstsq(columns[fit], error[fit], rcond=1e-8)[0]
+        if float(np.square(error - foretold)[known].sum()) < (1.0 - RELATED) * whole:
+            return False
+    return True
+
+
+def _columns(cause: Floats) -> Floats:
+    """What a cause may make (s, p): it itself around each sample, and curves over it and its change."""
+    shifted = [np.roll(cause, shift) for shift in SHIFTS]
+    change = cause - np.roll(cause, max(SHIFTS))
+    return np.column_stack([np.ones_like(cause), *shifted, _steps(cause), _steps(change)])
+
+
+def _steps(values: Floats) -> Floats:
+    """Indicators (s, l) of the levels of a signal, each met equally often."""
+    edges = np.quantile(values, np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
+    return np.asarray(np.searchsorted(edges, values)[:, None] == np.arange(1, LEVELS), dtype=float)

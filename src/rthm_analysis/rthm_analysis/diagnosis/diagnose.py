@@ -29,7 +29,7 @@ from rthm_core.spec import Spec
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-FEWEST_SAMPLES = 200
+FEWEST_SAMPLES = 100
 
 STOPPED = "Nothing else was looked for."
 

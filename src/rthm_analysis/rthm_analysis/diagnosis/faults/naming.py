@@ -13,7 +13,7 @@ BLOCKS = {
     "velocity": "sensor.velocity",
     "force": "sensor.force",
     "motor": "motor",
-    "load": "plant",
+    "load": "sensor.force",
 }
 """Block in which a fault of a family shows."""
 

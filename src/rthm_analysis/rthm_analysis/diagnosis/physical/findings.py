@@ -33,13 +33,16 @@ from rthm_analysis.diagnosis.result import (
     Trace,
     Value,
 )
-from rthm_analysis.diagnosis.search.judging import Tried, distinguishable
+from rthm_analysis.diagnosis.search.judging import Choice, Tried, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
 TRACE = 0.01
 """Part of the mismatch below which an effect does not matter."""
+
+RIVAL = 0.5
+"""Part of what an effect brings that another kind may bring, too: with more, either is a correction of shape."""
 
 UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
 
@@ -155,10 +158,21 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         energy = _energy(physical, choice.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
         if len(choice.rounds) > 1 and 0.0 <= share < TRACE * whole:
-            traces += [Trace(one.block, one.kind, share, words)] if judged.at_noise else []
+            traces.append(Trace(one.block, one.kind, share, words))
         else:
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
-    return found, traces
+    return found, traces if judged.at_noise and not _has_rivals(choice) else []
+
+
+def _has_rivals(choice: Choice) -> bool:
+    """Whether beside one of the effects that were added later another one would have done nearly as well."""
+    before = [float(choice.base.left_out.sum())] + [tried[0].error for tried in choice.rounds]
+    return any(
+        before[i] - other.error > RIVAL * (before[i] - tried[0].error)
+        for i, tried in enumerate(choice.rounds)
+        for other in tried[1:]
+        if i
+    )
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:

@@ -60,6 +60,11 @@ class Remainder:
     allowed: tuple[float, float] = (SLOW, SLOW)
 
     @property
+    def slow(self) -> float:
+        """Power of the slow residual over that of the noise, in the part where it is larger."""
+        return max(self.train, self.held_out)
+
+    @property
     def in_train(self) -> bool:
         """Whether something is left in the training part."""
         return self.train > self.allowed[0]

@@ -45,6 +45,9 @@ WORSE = 1.2
 TRAINED = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
+TINY = 1e-5
+"""Part of the retuned model's slow residual that the arithmetic of a replay may leave."""
+
 REMAINS, LOUD = 0.15, 100.0
 """Part of the nominal model's slow residual that names may leave in training, and the most that it may be."""
 
@@ -197,21 +200,29 @@ class Judgement:
         """Whether the effects that were added may be named.
 
         At the noise they may, but for a curve put together from pieces, for kinds that can imitate others
-        beside others and have no certain values or leave anything, for several sensors that are wrong at
-        once, and for what makes a signal worse. Above it, plain kinds of what moves may that remove nearly
-        all of the mismatch, and leave no curve that they should have been; kinds that can imitate others may
-        where next to nothing is left.
+        beside others and have no certain values, for these and for terms of one curve where they leave
+        anything, for several sensors that are wrong at once, and for what makes a signal worse. Above it,
+        plain kinds of what moves may that remove nearly all of the mismatch, and leave no curve that they
+        should have been; kinds that can imitate others may where next to nothing is left.
         """
         choice = self.physical.choice
         if not self.names or choice.in_pieces or choice.blames_several or self._worse:
             return False
         if self.at_noise:
             return len(choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
+        if self._is_driven_wrong:
+            return False
         if choice.imitates:
             return self.gone > ALL and choice.of_the_rig
-        if self.gone < NEARLY or any(share < SHARE * self.mismatch for share in self.shares):
+        small = any(share < SHARE * self.mismatch for share in self.shares)
+        if choice.in_terms or small or self.gone < NEARLY:
             return False
         return not self.curves or self.curves[0].held_out_share < YARDSTICK
+
+    @property
+    def _is_driven_wrong(self) -> bool:
+        """Whether the motors do what no kind explains, so that nobody knows what the wires were given."""
+        return bool(self.physical.drives) and not drives_earned(self.physical)
 
     @property
     def mismatch(self) -> float:
@@ -220,9 +231,11 @@ class Judgement:
 
     @property
     def _leaves_some(self) -> bool:
-        """Whether effects that can imitate others still leave something."""
-        return self.physical.choice.imitates and any(
-            one.in_train or one.in_held_out for one in self.left["explained"]
+        """Whether effects that can imitate others, or are terms of one curve, still leave something."""
+        choice = self.physical.choice
+        return (choice.imitates or choice.in_terms) and any(
+            (after.in_train or after.in_held_out) and after.slow - 1.0 > TINY * (before.slow - 1.0)
+            for before, after in zip(self.left["retuned"], self.left["explained"], strict=True)
         )
 
     @cached_property

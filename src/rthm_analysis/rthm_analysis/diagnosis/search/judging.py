@@ -64,6 +64,9 @@ class Tried:
         return self.start.label
 
 
+TERMS = ("quadratic_stiffness", "cubic_stiffness", "constant_load")
+"""Springs that together are the first terms of many another one."""
+
 REPEATED = ("harmonic_load", "hidden_mode")
 """Kinds of which a rig may have several at one place."""
 
@@ -101,6 +104,12 @@ class Choice:
         """Whether the same law of force acts twice at one place: a curve of another shape, put together."""
         labels = [tried[0].label for tried in self.rounds if tried[0].label[1] not in REPEATED]
         return len(set(labels)) < len(labels)
+
+    @property
+    def in_terms(self) -> bool:
+        """Whether several springs act at one place, as the first terms of a curve of another shape do."""
+        places = [tried[0].label[2] for tried in self.rounds if tried[0].label[1] in TERMS]
+        return len(set(places)) < len(places)
 
     @property
     def blames_several(self) -> bool:

@@ -206,7 +206,7 @@ def test_a_stiffness_that_is_said_to_be_unknown_is_no_other_test(loop: Evidence)
 def test_a_known_force_is_checked_by_the_motion(driven: Evidence, factor: float) -> None:
     mended = mend(replace(driven, load=factor * driven.load), PLAIN)
     (fault,) = mended.faults
-    assert (fault.block, fault.kind) == ("plant", "sign" if factor < 0.0 else "unit")
+    assert (fault.block, fault.kind) == ("sensor.force", "sign" if factor < 0.0 else "unit")
     assert fault.value == pytest.approx(factor) and np.allclose(mended.evidence.load, driven.load)
 
 

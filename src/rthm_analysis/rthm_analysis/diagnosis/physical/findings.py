@@ -42,7 +42,7 @@ TRACE = 0.01
 """Part of the mismatch below which an effect does not matter."""
 
 RIVAL = 0.5
-"""Part of what an effect brings that another kind may bring, too: with more, either is a correction of shape."""
+"""Part of what an effect brings that another kind may bring, too: with more, both only mend a shape."""
 
 UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
 
@@ -114,7 +114,7 @@ def _helps(judged: Judgement) -> bool:
 
 def _described(judged: Judgement) -> tuple[Described, ...]:
     """The force that is left, as a curve, where unseen data confirm one."""
-    if not any(one.in_train for one in judged.left_over):
+    if judged.is_driven_wrong or not any(one.in_train for one in judged.left_over):
         return ()
     one = told(judged.curves if judged.earned else judged.curves_without)
     return () if one is None else (described(one, when(judged)),)

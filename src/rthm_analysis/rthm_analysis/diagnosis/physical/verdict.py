@@ -208,10 +208,10 @@ class Judgement:
         choice = self.physical.choice
         if not self.names or choice.in_pieces or choice.blames_several or self._worse:
             return False
+        if self.is_driven_wrong and not (self.at_noise and choice.in_plant):
+            return False
         if self.at_noise:
             return len(choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
-        if self._is_driven_wrong:
-            return False
         if choice.imitates:
             return self.gone > ALL and choice.of_the_rig
         small = any(share < SHARE * self.mismatch for share in self.shares)
@@ -220,7 +220,7 @@ class Judgement:
         return not self.curves or self.curves[0].held_out_share < YARDSTICK
 
     @property
-    def _is_driven_wrong(self) -> bool:
+    def is_driven_wrong(self) -> bool:
         """Whether the motors do what no kind explains, so that nobody knows what the wires were given."""
         return bool(self.physical.drives) and not drives_earned(self.physical)
 

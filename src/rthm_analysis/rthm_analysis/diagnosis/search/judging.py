@@ -117,6 +117,11 @@ class Choice:
         return len({tried[0].label[0] for tried in self.rounds if _is_sensor(tried[0].label[0])}) > 1
 
     @property
+    def in_plant(self) -> bool:
+        """Whether all of its effects are the plant's."""
+        return all(tried[0].label[0] == "plant" for tried in self.rounds)
+
+    @property
     def of_the_rig(self) -> bool:
         """Whether none of its effects is a sensor's."""
         return not any(_is_sensor(tried[0].label[0]) for tried in self.rounds)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of, whitened_from
+from rthm_analysis.diagnosis.fitting.noise import white_noise
+from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
 from .plain import recorded
@@ -43,6 +47,28 @@ def test_a_colour_is_found_and_taken_out(memory: float) -> None:
     white = whitened_from(noise[:, None] / colour.innovation, [colour], np.array([0]))[:, 0]
     assert abs(white.std() - 1.0) < 0.05
     assert slow_power(white)[0] < 2.0 < 20.0 < slow_power(noise)[0]
+
+
+def test_a_colour_in_the_band_of_the_motion_is_found_where_no_motion_can_be_left() -> None:
+    noise = wandering(np.random.default_rng(4), 250.0, 1.0)
+    motion = 1e4 * np.random.default_rng(5).normal(size=COUNT)
+    assert colour_of(noise, noise + motion, 1.0).is_white
+    assert not colour_of(noise, noise + motion, 1.0, moves=False).is_white
+
+
+def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    force, noise = 10.0 * np.sin(0.2 * TIME), np.random.default_rng(3).normal(size=COUNT)
+    evidence = Evidence.__new__(Evidence)
+    vars(evidence).update(
+        channels=(Channel("force", "a1"),),
+        measured=(force + noise)[:, None],
+        load=np.empty((COUNT, 0)),
+        driven_by="force",
+    )
+    monkeypatch.setattr(colours, "left_by", lambda fitting, fitted: noise[:, None])
+    fitting = SimpleNamespace(experiment=SimpleNamespace(evidence=evidence))
+    found = colours.coloured(fitting, None, white_noise(np.ones(1)))  # type: ignore[arg-type]
+    assert found.is_white and found.level[0] == 1.0
 
 
 def test_whitening_starts_anew_with_each_run() -> None:

@@ -36,7 +36,7 @@ PLAIN = (1e-4, 1e6)
 """Sizes between which a number needs no power of ten."""
 
 
-def number(value: float, std: float, unit: str, *, signed: bool = False) -> str:
+def number(value: float, std: float, unit: str, *, signed: bool = False, size: float = 0.0) -> str:
     """A value that was found: ``0.1183 +- 0.0021 N``, ``at most 0.4 mm``, or its digits where it is exact.
 
     Parameters
@@ -47,6 +47,8 @@ def number(value: float, std: float, unit: str, *, signed: bool = False) -> str:
         SI; empty or ``1`` without one.
     signed : bool
         Whether the true value may be negative.
+    size : float
+        Size beside which a bound says something, however small the value itself is.
 
     Examples
     --------
@@ -65,7 +67,7 @@ def number(value: float, std: float, unit: str, *, signed: bool = False) -> str:
         if std <= spread * abs(value):
             return with_unit(value, unit, digits)
     if std > UNSURE * abs(value):
-        return _bound(value, std, unit, signed=signed or value < 0.0)
+        return _bound(value, std, unit, signed=signed or value < 0.0, size=size)
     factor, unit = _scale(value, unit)
     return f"{_with_spread(value * factor, std * factor)}{_suffix(unit)}"
 
@@ -98,9 +100,9 @@ def percent(part: float, digits: int = 2) -> str:
     return f"{bare(round(size, decimals), max(digits, decimals + 3))} %"
 
 
-def _bound(value: float, std: float, unit: str, *, signed: bool) -> str:
+def _bound(value: float, std: float, unit: str, *, signed: bool, size: float) -> str:
     """What is known of a value that the recording hardly determines."""
-    if not math.isfinite(std) or std > LOST * abs(value) > 0.0:
+    if not math.isfinite(std) or (std > LOST * abs(value) > 0.0 and std > abs(size)):
         return NOT_DETERMINED
     reach = SURE * std
     if not signed:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
+from rthm_core.effects import effect
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
@@ -347,7 +349,9 @@ def _physics(one: Physics) -> dict[str, Any]:
     parameters = {k: v if isinstance(v, str) else asdict(v) for k, v in one.parameters.items()}
     place = {} if one.place is None else {place_key(one.block): one.place}
     head = {"block": one.block, "kind": one.kind, **place, "parameters": parameters}
-    return {**head, "words": one.words, "energy": one.energy, "share": one.share}
+    variables = list(effect(one.kind, one.block).depends_on)
+    reach = {"depends_on": variables, "relative_to": None, "interval": None}
+    return {**head, **reach, "words": one.words, "energy": one.energy, "share": one.share}
 
 
 def _fit(one: Fit) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
+from rthm_analysis.diagnosis.numbers import UNSURE, bare, number, percent, with_unit
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
@@ -125,14 +125,20 @@ def retuned_words(retuned: Mapping[str, Retuned], stated: Mapping[str, float] | 
         Relative standard deviation that the spec states for ``plant.mass`` and so on; 0: exact. Where it is
         given, a value that is far from what it allows is said to be so.
     """
-    return "; ".join(_retuned(name, one, stated) for name, one in retuned.items())
+    changed = {name: one for name, one in retuned.items() if not _is_slight(one)}
+    return "; ".join(_retuned(name, one, stated) for name, one in (changed or retuned).items())
+
+
+def _is_slight(one: Retuned) -> bool:
+    return abs(one.value - one.nominal) < SLIGHT * abs(one.nominal)
 
 
 def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str:
     key = name.partition("[")[0]
     unit = UNITS.get(key, "")
-    text = f"{name} {number(one.value, one.std, unit)} instead of {with_unit(one.nominal, unit, 4)}"
-    if not one.nominal:
+    value = number(one.value, one.std, unit, size=one.nominal)
+    text = f"{name} {value} instead of {with_unit(one.nominal, unit, 4)}"
+    if not one.nominal or one.std > UNSURE * abs(one.value):
         return text
     change = one.value / one.nominal - 1.0
     remarks = [_change(change), _remark(change, stated, key)]

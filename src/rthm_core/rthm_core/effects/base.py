@@ -71,6 +71,8 @@ class Effect:
         What it needs, in the order in which compiled code gets it.
     equation
         The formula, with the sign of the contract.
+    depends_on
+        Variables of its law, in the words of the contract (``x v a t u command load``).
     words
         What it is, for a test engineer; ``{force}`` becomes value and unit, ``{dof}``, ``{actuator}`` or
         ``{block}`` the place.
@@ -89,6 +91,7 @@ class Effect:
     blocks: ClassVar[tuple[str, ...]]
     parameters: ClassVar[Mapping[str, EffectParameter | EffectText]] = {}
     equation: ClassVar[str] = ""
+    depends_on: ClassVar[tuple[str, ...]] = ()
     words: ClassVar[str] = ""
     states: ClassVar[int] = 0
     possible: ClassVar[Mapping[str, Possible]] = {}

@@ -33,6 +33,7 @@ class EndStop(PlantLaw):
         "damping": EffectParameter("N s/m", "damping of the stop", minimum=0.0),
     }
     equation = "F = -k (x - p) - c v where x is beyond p"
+    depends_on = ("x", "v")
     words = "a stop at {position}, with a stiffness of {stiffness}, catches {dof}"
     possible = {"position": _reached}
     secondary = ("damping",)
@@ -59,6 +60,7 @@ class Clearance(PlantLaw):
         "stiffness": EffectParameter("N/m", "stiffness beyond the gap"),
     }
     equation = "F = -k (x - gap sign x) where |x| > gap"
+    depends_on = ("x",)
     words = "a spring of {stiffness} acts on {dof}, after a play of {gap} to either side"
     possible = {"gap": _played, "stiffness": between(0.0)}
     split = "position"

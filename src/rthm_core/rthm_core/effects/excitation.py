@@ -21,6 +21,7 @@ class HarmonicLoad(PlantLaw):
         "phase": EffectParameter("rad", "phase at the start of the test", default=0.0),
     }
     equation = "F = A sin(w t + phase)"
+    depends_on = ("t",)
     words = "a harmonic force of {amplitude} at {frequency}, which the spec does not list, acts on {dof}"
     possible = {"frequency": in_band}
     secondary = ("phase",)

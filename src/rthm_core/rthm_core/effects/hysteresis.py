@@ -52,6 +52,7 @@ class BoucWen(PlantLaw):
     blocks = ("plant",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = -alpha z; dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n"
+    depends_on = ("x", "v")
     words = (
         "the spring at {dof} is hysteretic (Bouc-Wen): its force depends on where the motion last turned; "
         "in small motions it adds a stiffness of {alpha}"

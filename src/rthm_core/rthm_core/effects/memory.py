@@ -24,6 +24,7 @@ class MaxwellBranch(PlantLaw):
         "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
     }
     equation = "F = -k (x - y); c dy/dt = k (x - y)"
+    depends_on = ("x", "v")
     words = (
         "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside "
         "it (Maxwell)"
@@ -57,6 +58,7 @@ class HiddenMode(PlantLaw):
         "damping_ratio": EffectParameter("1", "its damping ratio", minimum=0.0),
     }
     equation = "F = m (w^2 (y - x) + 2 zeta w (dy - v)); m ddy = -F"
+    depends_on = ("x", "v")
     words = "a hidden resonator of {mass} at {frequency} hangs on {dof}"
     possible = {"mass": less_than_the_dof, "frequency": in_band, "damping_ratio": between(0.0, 1.0)}
     secondary = ("damping_ratio",)
@@ -89,6 +91,7 @@ class FluidMemory(PlantLaw):
         "damping_ratio": EffectParameter("1", "width of the peak", minimum=0.0),
     }
     equation = "F = -gain dr; ddr + 2 zeta w dr + w^2 r = v"
+    depends_on = ("v",)
     words = (
         "the waves that {dof} makes in the fluid act back on it (radiation force): strongest near "
         "{frequency}, with a gain of {gain}"

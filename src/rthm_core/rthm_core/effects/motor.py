@@ -21,6 +21,7 @@ class MotorExtraDelay(ExtraDelay):
         )
     }
     equation = "u(t) = u_d(t - tau4 - delay)"
+    depends_on = ("command",)
     words = "the motor of {actuator} answers {delay} later than the delay tau4 says"
 
 
@@ -32,6 +33,7 @@ class MotorQuantisation(Effect):
     blocks = ("motor",)
     parameters = {"step": EffectParameter("m", "smallest change of the commanded position", above=0.0)}
     equation = "u = step round(u_d / step)"
+    depends_on = ("command",)
     words = "the motor of {actuator} moves in steps of {step}"
 
 
@@ -45,6 +47,7 @@ class MotorSaturation(Effect):
         "limit": EffectParameter("m", "largest distance from the zero position, either way", above=0.0)
     }
     equation = "u = min(max(u_d, -limit), limit)"
+    depends_on = ("command",)
     words = "the motor of {actuator} goes no further than {limit} from its zero, either way"
 
 
@@ -56,6 +59,7 @@ class MotorLag(Effect):
     blocks = ("motor",)
     parameters = {"time_constant": EffectParameter("s", "time constant, after tau4", above=0.0)}
     equation = "time_constant du/dt = u_d(t - tau4) - u"
+    depends_on = ("command",)
     words = "the motor of {actuator} follows its command with a lag of {time_constant}"
     states = 1
 
@@ -71,6 +75,7 @@ class MotorSecondOrder(Effect):
         "damping_ratio": EffectParameter("1", "damping ratio; below 1 the motor overshoots", above=0.0),
     }
     equation = "ddu + 2 zeta w du + w^2 u = w^2 u_d(t - tau4)"
+    depends_on = ("command",)
     words = (
         "the motor of {actuator} follows its command as a resonant servo of {frequency} "
         "with a damping ratio of {damping_ratio}"
@@ -86,5 +91,6 @@ class MotorRateLimit(Effect):
     blocks = ("motor",)
     parameters = {"rate": EffectParameter("m/s", "largest speed of the motor", above=0.0)}
     equation = "|du/dt| <= rate"
+    depends_on = ("command",)
     words = "the motor of {actuator} moves no faster than {rate}"
     states = 1

@@ -35,6 +35,7 @@ class Drift(Effect):
     blocks = ("sensor",)
     parameters = {"rate": EffectParameter("signal/s", "growth of the error")}
     equation = "y = s + rate t"
+    depends_on = ("t",)
     words = "{block} of {dof} drifts by {rate}"
 
 

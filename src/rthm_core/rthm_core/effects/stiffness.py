@@ -16,6 +16,7 @@ class CubicStiffness(PlantLaw):
         "coefficient": EffectParameter("N/m^3", "force per cubed displacement; negative: softening")
     }
     equation = "F = -k x^3"
+    depends_on = ("x",)
     words = (
         "the spring at {dof} is not linear: its force grows with the cube of the displacement, "
         "by {coefficient}"
@@ -36,6 +37,7 @@ class QuadraticStiffness(PlantLaw):
         "coefficient": EffectParameter("N/m^2", "force per squared displacement, towards -x when positive")
     }
     equation = "F = -k x^2"
+    depends_on = ("x",)
     words = (
         "the spring at {dof} is not symmetric: its force grows with the square of the displacement, "
         "by {coefficient}"
@@ -54,6 +56,7 @@ class QuadraticDrag(PlantLaw):
     blocks = ("plant",)
     parameters = {"coefficient": EffectParameter("N s^2/m^2", "drag force per squared speed", minimum=0.0)}
     equation = "F = -c |v| v"
+    depends_on = ("v",)
     words = "a drag that grows with the square of the speed acts on {dof}: {coefficient}"
     split = "velocity"
 

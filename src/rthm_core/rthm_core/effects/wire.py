@@ -23,6 +23,7 @@ class Backlash(WireLaw):
     blocks = ("wire",)
     parameters = {"gap": EffectParameter("m", "total width of the play", minimum=0.0)}
     equation = "F = k (y - x); y follows u with play gap/2 on either side"
+    depends_on = ("x", "u")
     words = "the drive of {actuator} has a backlash of {gap}"
     states = 1
     order = 0
@@ -53,6 +54,7 @@ class PulleyInertia(WireLaw):
         "damping": EffectParameter("N s/m", "damping as felt at the wire", minimum=0.0),
     }
     equation = "F = 2 k (y - x); m ddy = 2 k (u - y) - 2 k (y - x) - c dy"
+    depends_on = ("x", "u")
     words = "the pulley of {actuator} is not massless: {mass} moves with the wire"
     possible = {"mass": less_than_the_dof}
     secondary = ("damping",)
@@ -84,6 +86,7 @@ class PulleyFriction(WireLaw):
     blocks = ("wire",)
     parameters = {"force": EffectParameter("N", "friction force at the pulley", minimum=0.0)}
     equation = "F = 2 k (y - x); y follows (u + x)/2 with play F_f/(4 k) on either side"
+    depends_on = ("x", "u")
     words = "the pulley of {actuator} rubs: it holds back up to {force} before it turns"
     states = 1
     order = 2
@@ -111,6 +114,7 @@ class Hardening(WireLaw):
     blocks = ("wire",)
     parameters = {"coefficient": EffectParameter("N/m^3", "force per cubed elongation")}
     equation = "F = k d + c d^3, d = u - x"
+    depends_on = ("x", "u")
     words = (
         "the wire of {actuator} is not linear: its force grows with the cube of its elongation, "
         "by {coefficient}"
@@ -133,6 +137,7 @@ class WireMaxwellBranch(WireLaw):
         "damping": EffectParameter("N s/m", "damper in series with it", minimum=1e-12),
     }
     equation = "F = k d + k_b (d - y); c dy/dt = k_b (d - y), d = u - x"
+    depends_on = ("x", "u")
     words = (
         "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts "
         "beside it (Maxwell)"
@@ -167,6 +172,7 @@ class WireBoucWen(WireLaw):
     blocks = ("wire",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = k d + alpha z; dz/dt = A dd - beta |dd| |z|^(n-1) z - gamma dd |z|^n, d = u - x"
+    depends_on = ("x", "u")
     words = (
         "the wire of {actuator} is hysteretic (Bouc-Wen): its force depends on where its elongation last "
         "turned; in small motions it adds a stiffness of {alpha}"
@@ -215,6 +221,7 @@ class Slack(WireLaw):
         "pretension": EffectParameter("N", "tension at F = 0; overrides the actuator's", minimum=0.0)
     }
     equation = "F >= -F_0"
+    depends_on = ("x", "u")
     words = "the wire of {actuator} goes slack: its pretension is only {pretension}"
     order = 9
 

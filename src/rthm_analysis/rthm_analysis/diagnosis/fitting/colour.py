@@ -86,7 +86,7 @@ def white(level: float) -> Colour:
     return Colour(0.0, 0.0, level, level)
 
 
-def colour_of(residual: Floats, measured: Floats, level: float) -> Colour:
+def colour_of(residual: Floats, measured: Floats, level: float, *, moves: bool = True) -> Colour:
     """Colour of the noise of one channel.
 
     Parameters
@@ -97,6 +97,8 @@ def colour_of(residual: Floats, measured: Floats, level: float) -> Colour:
         What was recorded; tells in which bands the rig moves.
     level : float
         Standard deviation of the white part as the fastest differences show it; returned where all is white.
+    moves : bool
+        Whether a motion that the model misses may be in the residual, in the bands in which the rig moves.
 
     Examples
     --------
@@ -106,7 +108,7 @@ def colour_of(residual: Floats, measured: Floats, level: float) -> Colour:
     if residual.size < FEWEST:
         return white(level)
     at, power, lines = _banded(*spectrum(residual))
-    moving = _banded(*spectrum(measured))[1] > MOVES * power
+    moving = moves & (_banded(*spectrum(measured))[1] > MOVES * power)
     found = _parts(at, power, lines, moving)
     if found is None:
         return white(level)

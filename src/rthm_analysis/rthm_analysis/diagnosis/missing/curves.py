@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import STEP, Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.replay.windows import Windows, period
 from rthm_core.compiled import Floats
 
 SMALL = 1e-3
@@ -42,6 +43,8 @@ class CurveFit:
     held_out_gain, held_out_excess : float
         The same in the part that chose nothing.
     at : Along
+    beside : (s,) array
+        Force of what damping and stiffness changed by when the curve was fitted, N.
     """
 
     dof: str
@@ -53,6 +56,7 @@ class CurveFit:
     held_out_gain: float
     held_out_excess: float
     at: Along
+    beside: Floats
 
     @property
     def share(self) -> float:
@@ -66,8 +70,8 @@ class CurveFit:
 
     @property
     def force(self) -> Floats:
-        """Force (s,) along the recording, N."""
-        return self.feature.shapes @ self.sizes
+        """Force (s,) along the recording beside the model as it stands, N."""
+        return self.feature.shapes @ self.sizes + self.beside
 
 
 class Regression:
@@ -93,8 +97,11 @@ class Regression:
         self.left = self.fitting.projected(self.here)
         last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
         self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
-        known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
-        self.known = known
+        self.known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
+        doubt = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
+        self.precision = doubt * _precision(model)[: self.known.shape[0]]
+        self.motion = experiment.motion(model.spec, windows)
+        self.motion_forces = _motion_forces(model, self.motion)
 
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
@@ -110,10 +117,13 @@ class Regression:
         return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(shapes.T))))
 
     def _force_scale(self) -> float:
-        evidence = self.experiment.evidence
-        assert self.model.nominal.plant is not None
-        stiffness = max(map(abs, self.model.nominal.plant.stiffness), default=1.0)
-        return float(np.nanstd(evidence.measured[:, 0])) * max(stiffness, 1e-9) + 1e-12
+        """Force of spring, damper and mass in the recorded motion, N: one of them may be zero."""
+        evidence, plant = self.experiment.evidence, self.model.nominal.plant
+        assert plant is not None
+        rate = 2.0 * np.pi / period(evidence)
+        laws = ((plant.stiffness, 1.0), (plant.damping, rate), (plant.mass, rate**2))
+        size = sum(max(map(abs, entries), default=0.0) * factor for entries, factor in laws)
+        return float(np.nanstd(evidence.measured[:, 0])) * size
 
     def fit(self, feature: Feature, dof: int, name: str, at: Along) -> CurveFit | None:
         """Fit a free curve; None where the model diverges under it."""
@@ -121,8 +131,8 @@ class Regression:
         if not np.isfinite(columns).all():
             return None
         first = self.known.shape[0]
-        whole = _normal(columns, self.left, self.train)
-        base = _normal(columns[:first], self.left, self.train)
+        whole = _normal(columns, self.left, self.train, self.precision)
+        base = _normal(columns[:first], self.left, self.train, self.precision)
         sizes, inverse = _solved(*whole.total)
         plain, _ = _solved(*base.total)
         held = self.held
@@ -139,21 +149,23 @@ class Regression:
             float(before - after),
             float(before - sum(self.left[b].size for b in held)),
             at,
+            self.motion_forces[:, dof, :first] @ sizes[:first],
         )
 
 
 @dataclass(frozen=True)
 class _Normal:
-    """Normal equations by block."""
+    """Normal equations by block, and what is known of the sizes beside the data."""
 
     hessian: Floats
     gradient: Floats
     squares: Floats
     count: Floats
+    prior: Floats
 
     @property
     def total(self) -> tuple[Floats, Floats]:
-        return self.hessian.sum(0), self.gradient.sum(0)
+        return self.hessian.sum(0) + self.prior, self.gradient.sum(0)
 
     def left_out(self) -> Floats:
         """Squared error (b,) of each block under the fit to all others."""
@@ -165,12 +177,46 @@ class _Normal:
         return np.array(errors)
 
 
-def _normal(columns: Floats, left: Floats, blocks: list[slice]) -> _Normal:
+def _precision(model: Model) -> Floats:
+    """Of how near the parameters stay to their values beside a curve: a damper and a curve over the velocity,
+    each the larger for the other, would follow the noise of the velocity.
+    """
+    return np.array([(p.prior[1] if p.prior else p.scale) ** -2.0 for p in model.parameters])
+
+
+def _motion_forces(model: Model, motion: Motion) -> Floats:
+    """Change (s, n, q) of the forces of dampers and springs of the plant with each parameter of a model."""
+    changes = [_changed(model, i) for i in range(len(model.parameters))]
+    found = [-(motion.velocity @ damping.T + motion.position @ stiffness.T) for damping, stiffness in changes]
+    return np.stack(found, axis=2) if found else np.empty((*motion.position.shape, 0))
+
+
+def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
+    """Change (n, n) of damping and stiffness of the plant with one parameter."""
+    parameter, values = model.parameters[index], model.values
+    step = STEP * (parameter.value if parameter.positive else parameter.scale)
+    if parameter.value + step > parameter.high:
+        step = -step
+    values[index] += step
+    before, after = model.spec.plant, model.at(values).spec.plant
+    assert before is not None and after is not None
+    n = len(before.dofs)
+
+    def change(one: Sequence[float], other: Sequence[float]) -> Floats:
+        return (np.reshape(other, (n, n)) - np.reshape(one, (n, n))) / step
+
+    return change(before.damping, after.damping), change(before.stiffness, after.stiffness)
+
+
+def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Floats) -> _Normal:
+    prior = np.zeros(columns.shape[0])
+    prior[: precision.size] = precision
     return _Normal(
         np.stack([columns[:, b] @ columns[:, b].T for b in blocks]),
         np.stack([columns[:, b] @ left[b] for b in blocks]),
         np.array([_squares(left[b]) for b in blocks]),
         np.array([float(np.count_nonzero(left[b])) for b in blocks]),
+        np.diag(prior),
     )
 
 
@@ -199,10 +245,9 @@ def free_curves(
     regression = Regression(experiment, windows, noise, model, train)
     spec, evidence = model.spec, experiment.evidence
     assert spec.plant is not None
-    motion = experiment.motion(spec, windows)
     found = []
     for dof, name in enumerate(spec.plant.dofs):
-        at = along(evidence, motion, dof, name)
+        at = along(evidence, regression.motion, dof, name)
         for feature in features(at, evidence.time, evidence.load[:, dof]):
             one = regression.fit(feature, dof, name, at)
             if one is not None:

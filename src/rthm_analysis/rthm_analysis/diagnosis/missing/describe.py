@@ -47,15 +47,15 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     return min(good, key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
-def described(one: CurveFit, interval: tuple[float, float] | None) -> Described:
-    """A free curve as a finding."""
+def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bool) -> Described:
+    """A free curve as a finding, maybe beside kinds that were named."""
     variable = one.feature.depends_on[0]
     values = one.at._asdict()
     at, force, std = _drawn(one, values[variable])
     takes = _takes(one)
     domain = {name: _range(values[name]) for name in one.feature.depends_on if name != "t"}
     symmetry = _symmetry(at, force) if variable in ("x", "v") else "neither"
-    words = _words(one, symmetry, takes, interval, domain)
+    words = _words(one, symmetry, takes, interval, domain, "what is left" if beside else "the mismatch")
     return Described(
         "plant", one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
         one.share, one.held_out_share, at, force, std, words,
@@ -96,6 +96,7 @@ def _words(
     takes: bool,
     interval: tuple[float, float] | None,
     domain: dict[str, tuple[float, float]],
+    whole: str,
 ) -> str:
     names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
@@ -107,6 +108,6 @@ def _words(
     share = percent(min(one.held_out_share, 1.0))
     return (
         f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
-        f"{energy} As a fitted curve it explains {share} of the mismatch on unseen data; no kind of the "
+        f"{energy} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "
         "library does."
     )

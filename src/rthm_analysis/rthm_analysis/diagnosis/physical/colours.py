@@ -9,6 +9,8 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
+from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
 from rthm_core.compiled import Floats
 
 SHIFTS = (-2, -1, 0, 1, 2)
@@ -24,24 +26,31 @@ MEASURED = 0.9
 """Part of the samples that must be readings, for their neighbours to tell a colour."""
 
 
-def coloured(fitting: Fitting, fitted: Fitted, noise: Noise) -> Noise:
+def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = False) -> Noise:
     """Noise with its colour, from the residual of a model whose initial states are fitted.
 
     The force of a wire jumps with every command, and a wire that is slightly wrong leaves jumps that look
     like noise which wanders. So what the predicted force itself explains is taken out of its residual; so is
-    from any channel what follows its own value, as it does where a sensor saturates.
+    from any channel what follows its own value, as it does where a sensor saturates. An error that nothing in
+    the rig foretells may be noise in the bands in which the rig moves, too; not where effects were added: these
+    may have taken out what would have foretold it.
     """
     evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
+    causes = possible_causes(evidence, evidence.measured - left)
     colours: list[Colour] = []
     for k, channel in enumerate(evidence.channels):
-        error = left[:, k]
+        error, predicted = left[:, k], evidence.measured[:, k] - left[:, k]
         if channel.family == "force":
-            error = _without(error, evidence.measured[:, k])
-        error = _without_own(error, evidence.measured[:, k] - left[:, k])
+            error = _without(error, predicted)
+        error = _without_own(error, predicted)
         if np.isfinite(error).mean() < MEASURED:
             colours.append(noise.colours[k])
             continue
-        colours.append(colour_of(error, evidence.measured[:, k], noise.colours[k].level))
+        colour = colour_of(error, evidence.measured[:, k], noise.colours[k].level)
+        slow = colour.is_white and not named and slow_power(error / colour.level)[0] > SLOW
+        if slow and unrelated(error, causes):
+            colour = colour_of(error, evidence.measured[:, k], noise.colours[k].level, moves=False)
+        colours.append(colour)
     return Noise(tuple(colours))
 
 

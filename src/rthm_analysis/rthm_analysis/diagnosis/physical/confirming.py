@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.physical.above_noise import needed_only
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
+from rthm_analysis.diagnosis.physical.remainder import BLURRED
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import Choice, imitates
 
 CONFIRMED = 4.0
 """Squared error on unseen data, in units of the noise, that an effect must remove: two standard deviations of
-chance for one parameter.
+chance for one parameter, or four where the noise has a colour, which is known only about.
 """
 
 SMALL_PART = 0.95
@@ -26,6 +28,8 @@ PATCHING = "beside a curved spring it did little but bend the curve of that spri
 
 IMITATES = "it can imitate others, and with it, too, more than the noise is left"
 
+NEEDLESS = "the others explain nearly as much without it"
+
 UNCONFIRMED = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
 
 
@@ -35,6 +39,7 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     Each must help beside those before it, and all together.
     """
     choice, refused = physical.choice, []
+    least = CONFIRMED if physical.noise.is_white else BLURRED**2 * CONFIRMED
     if not choice.rounds:
         return physical, ()
     nothing, error = _left_by(physical, choice.base), _left_by(physical, choice.best)
@@ -42,7 +47,7 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
         before = _without_last(choice)
         less = _left_by(physical, before.best) if before.rounds else nothing
         patches = less - error < SMALL_PART * less and _patches(choice)
-        if min(less, nothing) - error > CONFIRMED and not patches:
+        if min(less, nothing) - error > least and not patches:
             break
         refused.append(_last_refused(choice, PATCHING if patches else UNCONFIRMED))
         choice, error = before, less
@@ -62,6 +67,12 @@ def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
         refused.append(_last_refused(choice, IMITATES))
         choice = _without_last(choice)
     return replace(physical, choice=choice), tuple(refused)
+
+
+def without_needless(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without effects that are hardly needed beside the others, and why they went."""
+    physical, needless = needed_only(physical)
+    return physical, tuple(_refused(label, NEEDLESS) for label in needless)
 
 
 def _last_refused(choice: Choice, why: str) -> Refused:

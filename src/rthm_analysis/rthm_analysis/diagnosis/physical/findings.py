@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from rthm_analysis.diagnosis.missing.describe import described, told
-from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only
+from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
@@ -51,6 +51,10 @@ def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
     physical, refused = confirmed(physical)
     judged = _judged(physical)
+    if judged.names and not judged.at_noise and not physical.choice.imitates:
+        physical, needless = without_needless(physical)
+        refused = (*refused, *needless)
+        judged = _judged(physical) if needless else judged
     if judged.names and not judged.earned:
         physical, imitating = plain_only(physical)
         refused = (*refused, *imitating)
@@ -117,7 +121,7 @@ def _described(judged: Judgement) -> tuple[Described, ...]:
     if judged.is_driven_wrong or not any(one.in_train for one in judged.left_over):
         return ()
     one = told(judged.curves if judged.earned else judged.curves_without)
-    return () if one is None else (described(one, when(judged)),)
+    return () if one is None else (described(one, when(judged), beside=judged.earned),)
 
 
 def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:

@@ -108,12 +108,12 @@ def diagnose_physical(
     begun, *others = begin(seen, settled, first, train, progress)
     begun, choice = chosen(begun, seen, settled, train)
     begun, choice = choose_again(begun, others, choice)
-    noise = _noise_left(begun, choice.best)
+    noise = _noise_left(begun, choice)
     spent = begun.fitting.budget.spent
     if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
         begun = with_noise(begun, noise)
         begun, choice = going_on(begun, choice) or chosen(begun, seen, settled, train)
-        noise = _noise_left(begun, choice.best)
+        noise = _noise_left(begun, choice)
     part = begun.fitting.experiment
     experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
@@ -123,7 +123,8 @@ def diagnose_physical(
     )  # fmt: skip
 
 
-def _noise_left(begun: Begun, best: Fitted) -> Noise:
+def _noise_left(begun: Begun, choice: Choice) -> Noise:
     """Noise that shows once physics is known: never more than what was weighed by."""
-    fitting = begun.fitting
-    return begun.noise.smaller(coloured(fitting, best, noise_of(fitting, best)))
+    fitting, best = begun.fitting, choice.best
+    left = coloured(fitting, best, noise_of(fitting, best), named=bool(choice.rounds))
+    return begun.noise.smaller(left)

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rthm_analysis.diagnosis.faults.stretches import held_commands
+from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_core.compiled import Flags, Floats, Integers
 
 SHIFTS = (-8, -4, -2, -1, 0, 1, 2, 4, 8, 16)
@@ -22,6 +24,12 @@ RELATED = 0.1
 
 STEADY = 6.0
 """Power of the loudest stretch over that of the middle one, from which something happened there."""
+
+
+def possible_causes(evidence: Evidence, predicted: Floats) -> list[Floats]:
+    """What may have caused an error: motion and forces that a model predicts (s, k), loads, commands."""
+    causes = [np.nan_to_num(one) for one in (*predicted.T, *evidence.load.T)]
+    return causes + list(held_commands(evidence).T) if evidence.driven_by == "command" else causes
 
 
 def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:

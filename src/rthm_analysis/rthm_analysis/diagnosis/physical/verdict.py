@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.physical.above_noise import NEARLY, Laws
 from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.judged import (
     Simulated,
@@ -21,23 +21,19 @@ from rthm_analysis.diagnosis.physical.judged import (
 )
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.physical.unrelated import unrelated
+from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import FLOOR, imitates
 from rthm_analysis.diagnosis.search.replacing import is_identified
 
-NEARLY = 0.98
-"""Part of the mismatch that plain kinds together must remove on unseen data to be named above the noise."""
+LITTLE, MOST = 0.1, 0.5
+"""Part of a squared error that is mismatch and not a noise that was taken for too small; part of a mismatch
+that names must remove at the noise.
+"""
 
 ALL = 0.999
 """Part of the mismatch with which kinds are named that can imitate others."""
-
-SHARE = 0.03
-"""Part of the mismatch that each of them must remove there: a small one only imitates what is left."""
-
-YARDSTICK = 0.6
-"""Part of what named kinds leave that a free curve may still explain: with more, they are not the law."""
 
 WORSE = 1.2
 """Error of a signal on unseen data with names, over that without, from which they are no explanation."""
@@ -124,11 +120,8 @@ class Judgement:
         physical, predicted = self.physical, self.runs["explained"].predicted
         if not np.isfinite(predicted).all() or not denied(physical, predicted, channel):
             return False
-        evidence = physical.evidence
-        causes = [*predicted.T, *evidence.load.T]
-        if evidence.driven_by == "command":
-            causes += list(held_commands(evidence).T)
-        return unrelated(evidence.measured[:, channel] - predicted[:, channel], causes)
+        error = physical.evidence.measured[:, channel] - predicted[:, channel]
+        return unrelated(error, possible_causes(physical.evidence, predicted))
 
     @property
     def _vaguely_imitates(self) -> bool:
@@ -199,25 +192,35 @@ class Judgement:
     def earned(self) -> bool:
         """Whether the effects that were added may be named.
 
-        At the noise they may, but for a curve put together from pieces, for kinds that can imitate others
-        beside others and have no certain values, for these and for terms of one curve where they leave
-        anything, for several sensors that are wrong at once, and for what makes a signal worse. Above it,
-        plain kinds of what moves may that remove nearly all of the mismatch, and leave no curve that they
-        should have been; kinds that can imitate others may where next to nothing is left.
+        Never a curve put together from pieces, several sensors that are wrong at once, what makes a signal
+        worse, or anything but the plant's where the motors are not understood.
         """
         choice = self.physical.choice
         if not self.names or choice.in_pieces or choice.blames_several or self._worse:
             return False
         if self.is_driven_wrong and not (self.at_noise and choice.in_plant):
             return False
-        if self.at_noise:
-            return len(choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
+        return self._is_enough_at_noise if self.at_noise else self._is_enough_above_noise
+
+    @property
+    def _is_enough_at_noise(self) -> bool:
+        """Whether effects remove what there is of a mismatch.
+
+        Several that can imitate others have certain values, and they and terms of one curve leave nothing.
+        """
+        if self.mismatch > LITTLE and self.gone < MOST:
+            return False
+        return len(self.physical.choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
+
+    @property
+    def _is_enough_above_noise(self) -> bool:
+        """Whether plain kinds are the law that is missing; of kinds that can imitate others, whether next to
+        nothing is left.
+        """
+        choice = self.physical.choice
         if choice.imitates:
             return self.gone > ALL and choice.of_the_rig
-        small = any(share < SHARE * self.mismatch for share in self.shares)
-        if choice.in_terms or small or self.gone < NEARLY:
-            return False
-        return not self.curves or self.curves[0].held_out_share < YARDSTICK
+        return Laws(choice.best.model, self.gone, self.curves).are_told
 
     @property
     def is_driven_wrong(self) -> bool:

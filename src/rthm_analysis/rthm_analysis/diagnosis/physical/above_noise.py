@@ -1,0 +1,126 @@
+"""Which plain kinds are the law that is missing, where something else is left above the noise as well.
+
+The yardstick of a law is a free curve over the variables on which it depends: what such a curve still finds
+in what the law leaves, the law should have been. A curve over other variables is of something else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_analysis.diagnosis.search.replacing import model_of
+
+NEARLY = 0.98
+"""Part of the mismatch that smooth laws together must remove on unseen data to be named above the noise."""
+
+OF_IT = 0.5
+"""Part of what is left that a free curve over any of a law's variables may explain."""
+
+NEEDED, MARGIN = 0.03, 5.0
+"""Part of the mismatch that each law must be needed for, or how many times what is left: a small one only
+imitates that.
+"""
+
+RUBBED, RUBBED_ONE_WAY = 0.75, 0.9
+"""Part of the mismatch that dry friction must remove, by itself and beside a constant force."""
+
+JUMP, CERTAIN = 0.5, 4.0
+"""Part of a named friction by which a free curve may change its jump at rest; standard deviations of that
+jump above zero.
+"""
+
+FRICTION, CONSTANT = "coulomb_friction", "constant_load"
+
+REFITTED = 6
+"""Steps of a fit without one of the effects."""
+
+
+def needed_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
+    """The same without effects that the training part hardly misses, and their labels."""
+    choice, needless = physical.choice, []
+    while len(choice.rounds) > 1:
+        index, without = _least_needed(physical, choice)
+        if without is None:
+            break
+        needless.append(choice.rounds[index][0].label)
+        rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
+        choice = replace(choice, best=without, rounds=rounds)
+    return replace(physical, choice=choice), tuple(needless)
+
+
+def _least_needed(physical: Physical, choice: Choice) -> tuple[int, Fitted | None]:
+    """Effect that is needed least, and the model without it; None where it is needed."""
+    found = [_without(physical, choice, index) for index in range(len(choice.rounds))]
+    errors = [np.inf if one is None else float(one.left_out.sum()) for one in found]
+    index = int(np.argmin(errors))
+    best = float(choice.best.left_out.sum())
+    mismatch = float(choice.base.left_out.sum()) - physical.fitting.expected
+    least = min(NEEDED * mismatch, MARGIN * (best - physical.fitting.expected))
+    return index, found[index] if errors[index] - best < least else None
+
+
+def _without(physical: Physical, choice: Choice, index: int) -> Fitted | None:
+    """Best model without one of its effects; None where it diverges."""
+    others = [(i, tried[0].start) for i, tried in enumerate(choice.rounds) if i != index]
+    try:
+        return physical.fitting.fit(model_of(choice, others), most=REFITTED)
+    except np.linalg.LinAlgError:
+        return None
+
+
+@dataclass(frozen=True)
+class Laws:
+    """Plain kinds that were found, and what says whether they are the missing law.
+
+    Parameters
+    ----------
+    model : Model
+    gone : float
+        Part of the retuned model's mismatch that all together remove on unseen data.
+    curves : list of CurveFit
+        What all together leave, as free curves.
+    """
+
+    model: Model
+    gone: float
+    curves: list[CurveFit]
+
+    @property
+    def are_told(self) -> bool:
+        """Whether each is the whole law of its variables, or a jump that no smooth force has."""
+        added = self.model.added
+        rubs = [one for one in added if one.kind == FRICTION and self._jumps(one)]
+        places = {one.place for one in rubs}
+        beside = [one for one in added if one.kind == CONSTANT and one.place in places]
+        smooth = [one for one in added if one not in rubs and one not in beside]
+        if smooth:
+            return self.gone > NEARLY and all(self._is_whole(one) for one in smooth)
+        return self.gone > (RUBBED_ONE_WAY if beside else RUBBED)
+
+    def _jumps(self, friction: Added) -> bool:
+        """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is."""
+        force = self.model.effect_values(self.model.added.index(friction))["force"]
+        for curve in self.curves:
+            if curve.dof == friction.place and curve.feature.depends_on == ("v",):
+                change, std = float(curve.sizes[-1]), float(curve.stds[-1])
+                return abs(change) < JUMP * float(force) and float(force) - change > CERTAIN * std
+        return False
+
+    def _is_whole(self, one: Added) -> bool:
+        """Whether curves over any of its variables, or all where it has none, find little in what is left."""
+        of_it = set(one.law.depends_on)
+        there = [c for c in self.curves if c.dof == one.place]
+        shared = [c for c in there if not of_it or of_it.intersection(c.feature.depends_on)]
+        return max(map(_found, shared), default=0.0) < OF_IT
+
+
+def _found(curve: CurveFit) -> float:
+    """Part of what is left that a curve explains both where it was fitted and on unseen data."""
+    return min(curve.share, curve.held_out_share)

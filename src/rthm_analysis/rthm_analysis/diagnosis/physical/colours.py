@@ -32,8 +32,8 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
     The force of a wire jumps with every command, and a wire that is slightly wrong leaves jumps that look
     like noise which wanders. So what the predicted force itself explains is taken out of its residual; so is
     from any channel what follows its own value, as it does where a sensor saturates. An error that nothing in
-    the rig foretells may be noise in the bands in which the rig moves, too; not where effects were added: these
-    may have taken out what would have foretold it.
+    the rig foretells may be noise in the bands in which the rig moves, too; not where effects were added, as
+    they may have taken out what would have foretold it.
     """
     evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
     causes = possible_causes(evidence, evidence.measured - left)

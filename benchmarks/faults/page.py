@@ -27,6 +27,8 @@ that happened to {again}. Limits: rate {rate:g} m/s, ramp {ramp:g} s, stale {sta
   held by its driver.
 - **held up**: how long the machine kept a thread with real-time priority waiting within that time, s, stalls
   above 1 ms; allowed on top.
+- **status** 0: the test went on within its limits, and nothing of its recording is missing. Who gets no more
+  memory may need none.
 - **told**: where the abort is told: j in the JSON, p on the page, b in the bag.
 """
 TITLES = "| fault | status | limit | what is said | step | speed | rest | allowed | held up | told | |"

@@ -26,11 +26,13 @@ message.position = message.velocity = message.effort = [9.0, 9.0, 9.0]
 end = time.time() + float(seconds)
 connected = False
 while time.time() < end:
-    if not connected and publisher.get_subscription_count():
-        connected = True
-        print(f"heard from {time.time_ns()}", file=sys.stderr, flush=True)
-    message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
+    first = not connected and publisher.get_subscription_count() > 0
+    now = time.time_ns()
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 10**9)
     publisher.publish(message)
+    if first:
+        connected = True
+        print(f"heard from {now}", file=sys.stderr, flush=True)
     rclpy.spin_once(node, timeout_sec=0.005)
 print(f"heard {heard[0]}", flush=True)
 rclpy.shutdown()

@@ -54,8 +54,9 @@ def test_another_host_hears_nothing_and_is_not_heard_whatever_is_set_on_either(
     assert np.abs(commands.position).max() < 1.0
 
 
+@pytest.mark.parametrize("topic", ["actuator/command", pytest.param("plant/state", marks=pytest.mark.long)])
 def test_a_host_that_is_no_peer_is_never_used_and_ends_the_test_by_publishing(
-    hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path
+    hosts: tuple[str, str], environment: dict[str, str], tmp_path: Path, topic: str
 ) -> None:
     theirs = plain(environment, **{PEERS: ADDRESSES[0], RANGE: "SUBNET"})
     options = ["--peers", "10.91.7.77", "--duration", "60", "--out", tmp_path / "out"]
@@ -63,13 +64,13 @@ def test_a_host_that_is_no_peer_is_never_used_and_ends_the_test_by_publishing(
         bag = tmp_path / "out" / "bag" / "bag_0.mcap"
         while run.poll() is None and not (bag.exists() and bag.stat().st_size > 200_000):
             time.sleep(0.1)
-        with on(hosts[1], [sys.executable, RIVAL, "actuator/command", "30"], theirs) as rival:
+        with on(hosts[1], [sys.executable, RIVAL, topic, "30"], theirs) as rival:
             told, complaints = run.communicate(timeout=300)
             rival.terminate()
     assert run.returncode == 3, (told, complaints)
     abort = json.loads(told)["abort"]
     assert (abort["limit"], abort["value"], abort["allowed"]) == ("owner", 2, 1)
-    assert "actuator/command has 2 publishers" in abort["words"]
+    assert f"{topic} has 2 publishers" in abort["words"]
     recording = read_recording(json.loads(told)["bag"])
     assert recording.duration < 50.0
     assert np.abs(recording.tables["actuator/command"].position).max() < 1.0
@@ -99,9 +100,13 @@ def test_a_second_publisher_on_this_host_ends_the_test(environment: dict[str, st
     assert read_recording(json.loads(told)["bag"]).abort.limit == "owner"
 
 
-def start(environment: dict[str, str], *options: str | Path) -> subprocess.Popen[str]:
-    words = [*RUN, "--virtual", *map(str, options)]
+def started(environment: dict[str, str], *options: str | Path) -> subprocess.Popen[str]:
+    words = [*RUN, *map(str, options)]
     return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def start(environment: dict[str, str], *options: str | Path) -> subprocess.Popen[str]:
+    return started(environment, "--virtual", *options)
 
 
 def test_a_second_run_is_refused_in_one_sentence_and_the_first_ends_undisturbed(
@@ -147,17 +152,22 @@ def test_nodes_of_somebody_else_are_noticed_before_anything_is_started(
     assert not (tmp_path / "out" / "log" / "plant.log").exists()
 
 
+@pytest.mark.parametrize(
+    "mode", [["--virtual"], pytest.param([], marks=pytest.mark.long)], ids=["virtual", "real time"]
+)
 def test_two_runs_in_one_domain_succeed_in_namespaces_of_their_own(
-    environment: dict[str, str], tmp_path: Path
+    environment: dict[str, str], tmp_path: Path, mode: list[str]
 ) -> None:
-    runs = [
-        start(environment, "--duration", "3", "--namespace", name, "--out", tmp_path / name) for name in "ab"
-    ]
+    options = ("--duration", "3", *mode)
+    runs = [started(environment, *options, "--namespace", name, "--out", tmp_path / name) for name in "ab"]
     told = [run.communicate(timeout=600) for run in runs]
     assert [run.returncode for run in runs] == [0, 0], told
     recordings = [read_recording(json.loads(out)["bag"]) for out, _ in told]
     assert [recording.namespace for recording in recordings] == ["/a", "/b"]
-    np.testing.assert_array_equal(recordings[0].plant.position, recordings[1].plant.position)
+    if mode:
+        np.testing.assert_array_equal(recordings[0].plant.position, recordings[1].plant.position)
+    else:
+        assert {len(recording.plant) for recording in recordings} == {3_000_000_000 // 1_200_000 + 1}
 
 
 def test_a_node_whose_profile_cannot_be_read_does_not_start(

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import yaml
@@ -18,6 +21,22 @@ def constant(name: str) -> dict:
         if isinstance(node, ast.Assign) and node.targets[0].id == name:
             return ast.literal_eval(node.value)
     raise AssertionError(f"{name} is not there")
+
+
+def function(name: str) -> Callable[[Any, Any], None]:
+    """Function of the launch file, without what it imports."""
+    body = [node for node in ast.parse(LAUNCH.read_text()).body if getattr(node, "name", "") == name]
+    space: dict[str, Any] = {"ProcessExited": object, "LaunchContext": object}
+    exec(compile(ast.Module(body, []), str(LAUNCH), "exec"), space)
+    found: Callable[[Any, Any], None] = space[name]
+    return found
+
+
+def test_a_node_that_ends_before_the_test_ends_the_launch_and_afterwards_it_may_end() -> None:
+    ended, event = function("_ended"), SimpleNamespace(process_name="recorder-1", returncode=-9)
+    with pytest.raises(RuntimeError, match="recorder-1 ended with status -9 before the test did"):
+        ended(event, SimpleNamespace(is_shutdown=False))
+    ended(event, SimpleNamespace(is_shutdown=True))
 
 
 def test_the_launch_file_compiles() -> None:

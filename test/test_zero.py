@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from rthm_core.spec import apply, spec_at, write_spec
 
 pytestmark = [pytest.mark.graph, pytest.mark.long, pytest.mark.usefixtures("nothing_left")]
 EXAMPLES = Path(__file__).parents[1] / "examples"
-OFF = {
+OFF: dict[str, Any] = {
     "effects": ["cell", "encoder"],
     "cell": {"block": "sensor.force", "kind": "bias", "actuator": "a1", "bias": 0.8},
     "encoder": {"block": "sensor.position", "kind": "bias", "dof": "x1", "bias": 0.02},
@@ -93,6 +94,28 @@ def test_a_driver_that_takes_no_offsets_is_refused_them(laboratory: Laboratory) 
         run = laboratory.verb("run", "rig.yaml", "--plant", "external", "--duration", "1", "--out", "out")
     assert run.returncode == 1
     assert "the driver does not subtract it" in run.stdout
+
+
+def test_a_rig_is_armed_once_the_pretension_of_its_wires_was_measured(laboratory: Laboratory) -> None:
+    """The wire of the device pulls 5 N more than by its motion."""
+    pulls = {"effects": ["cell"], "cell": {**OFF["cell"], "bias": 5.0}}
+    with laboratory.device(pulls) as rig:
+        slack = apply(spec_at(rig), {"actuator.pretension": [5.0], "zero.force": [0.0]})
+        (laboratory.folder / "slack.yaml").write_text(write_spec(slack))
+        options = ("--plant", "external", "--duration", "1.5")
+        refused = laboratory.verb("run", "slack.yaml", *options, "--out", "refused")
+        led = laboratory.verb("pretension", "slack.yaml", "-o", "tensioned.yaml", "--patience", "60")
+        run = laboratory.verb("run", "tensioned.yaml", *options, "--out", "out")
+    assert refused.returncode == 1
+    assert "the pretension of a1 is 5 N by the spec and was not measured" in refused.stdout
+    assert led.returncode == 0, led.stdout + led.stderr
+    assert "N of 5 +- 0.25 N, right" in led.stderr
+    assert run.returncode == 0, run.stdout + run.stderr
+    tensioned = spec_at(laboratory.folder / "tensioned.yaml").zero
+    assert tensioned is not None
+    assert tensioned.tension == pytest.approx([5.0], abs=0.01)
+    first = read_recording(laboratory.folder / "out" / "bag").plant.rows(np.arange(20))
+    assert np.mean(first.columns("effort", ["a1"])) == pytest.approx(0.0, abs=0.03)
 
 
 def test_a_reversed_load_cell_is_one_sentence_and_no_spec(laboratory: Laboratory) -> None:

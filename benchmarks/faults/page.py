@@ -22,10 +22,13 @@ that happened to {again}. Limits: rate {rate:g} m/s, ramp {ramp:g} s, stale {sta
 - **speed**: largest speed of the motor as its driver moved it, m/s.
 - **rest**: time from the fault to the last move of the motor, s; where the fault has no date (*), from the
   abort. Where the driver is on another host, to the last move of the command. Allowed is detection (`stale`;
-  `heartbeat`; 0.25 s for a frozen sensor; at once where a figure is wrong) + ramp + 0.1 s. A motor whose
-  controller is gone is held by its driver.
+  `heartbeat`; 0.25 s for a frozen sensor; at once where a figure is wrong) + ramp + 0.1 s. A second publisher
+  begins with the first sample that it sends to anybody who is connected. A motor whose controller is gone is
+  held by its driver.
 - **held up**: how long the machine kept a thread with real-time priority waiting within that time, s, stalls
   above 1 ms; allowed on top.
+- **status** 0: the test went on within its limits, and nothing of its recording is missing. Who gets no more
+  memory may need none.
 - **told**: where the abort is told: j in the JSON, p on the page, b in the bag.
 """
 TITLES = "| fault | status | limit | what is said | step | speed | rest | allowed | held up | told | |"

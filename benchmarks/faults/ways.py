@@ -166,7 +166,7 @@ class Rival(Way):
         return 9.0 if self.topic == "actuator/command" else None
 
     def strike(self, test: Running) -> None:
-        """Start it; the fault begins with its first sample."""
+        """Start it; the fault begins with the first of its samples that somebody can hear."""
         command = [sys.executable, str(RIVAL), self.topic, "60"]
         rival = subprocess.Popen(
             command, env=test.laboratory.environment, stdout=NOWHERE, stderr=subprocess.PIPE, text=True
@@ -174,8 +174,8 @@ class Rival(Way):
         test.ends.callback(rival.communicate)
         test.ends.callback(rival.terminate)
         assert rival.stderr is not None
-        said = next(line for line in rival.stderr if line.startswith("publishing since"))
-        test.struck = int(said.split()[-1])
+        said = next((line for line in rival.stderr if line.startswith("heard from")), None)
+        test.struck = int(said.split()[-1]) if said else None
 
 
 @dataclass(frozen=True)

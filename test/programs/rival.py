@@ -2,7 +2,8 @@
 
 usage: rival.py TOPIC SECONDS [NAMESPACE]
 
-Says `publishing since NS` on standard error when it begins, and `heard N` of plant/state at its end.
+Says `heard from NS` on standard error when somebody is connected to what it publishes, and `heard N` of
+plant/state at its end.
 """
 
 import sys
@@ -23,10 +24,15 @@ publisher = node.create_publisher(JointState, topic, QoSProfile(depth=100))
 message = JointState(name=["x1", "x2", "a1"])
 message.position = message.velocity = message.effort = [9.0, 9.0, 9.0]
 end = time.time() + float(seconds)
-print(f"publishing since {time.time_ns()}", file=sys.stderr, flush=True)
+connected = False
 while time.time() < end:
-    message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 10**9)
+    first = not connected and publisher.get_subscription_count() > 0
+    now = time.time_ns()
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 10**9)
     publisher.publish(message)
+    if first:
+        connected = True
+        print(f"heard from {now}", file=sys.stderr, flush=True)
     rclpy.spin_once(node, timeout_sec=0.005)
 print(f"heard {heard[0]}", flush=True)
 rclpy.shutdown()

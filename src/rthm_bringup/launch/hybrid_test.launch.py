@@ -1,5 +1,7 @@
 """The graph of a hybrid test, recorded and analysed as by ``rthm run``; ends by itself after `duration`.
 
+A node that ends before, the recorder among them, ends the launch with status 1; the analysis may go.
+
 ros2 launch rthm_bringup hybrid_test.launch.py spec:=my_test.yaml duration:=20.0 out:=out/my_test
 """
 
@@ -8,13 +10,14 @@ from importlib.resources import files
 from launch.actions import DeclareLaunchArgument, EmitEvent, LogInfo, RegisterEventHandler, TimerAction
 from launch.conditions import IfCondition
 from launch.events import Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution, PythonExpression
 from launch_ros.actions import LifecycleNode
 from launch_ros.event_handlers import OnStateTransition
 from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 
 AFTERWARDS = 2.5  # s: up to one until the begin, the rest for the last messages
 PROGRAMS = {
@@ -25,6 +28,9 @@ PROGRAMS = {
     "plant": ("rthm_plant_sim", "plant_sim"),
 }
 """Package and program of each node; those that watch come first."""
+
+OBSERVERS = ("analysis",)
+"""Nodes that may end before the test is over."""
 
 ARGUMENTS = {
     "spec": (str(files("rthm_core.spec") / "shipped" / "paper.yaml"), "parameter file of the test"),
@@ -61,7 +67,14 @@ def _node(name: str) -> LifecycleNode:
         namespace=LaunchConfiguration("namespace"),
         parameters=[settings, spec, told],
         output="screen",
+        on_exit=None if name in OBSERVERS else _ended,
     )
+
+
+def _ended(event: ProcessExited, context: LaunchContext) -> None:
+    """Raise, which shuts everything down with status 1, when a node ends before the test is over."""
+    if not context.is_shutdown:
+        raise RuntimeError(f"{event.process_name} ended with status {event.returncode} before the test did")
 
 
 def _end_of_test() -> TimerAction:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import time
 
+import pytest
+
 from rthm_bringup.run.heartbeats import Heartbeats
 from rthm_bringup.run.keys import Keys
 
@@ -36,6 +38,16 @@ def test_a_listener_who_was_held_up_calls_nobody_silent() -> None:
         beats.beat("plant")
     assert beats.look(20.0) is None
     assert beats.look(20.05) is None
+
+
+@pytest.mark.parametrize(("limit", "least"), [(0.2, 1.0), (2.0, 2.0)])
+def test_a_listener_tells_once_how_long_he_was_held_up(limit: float, least: float) -> None:
+    beats, told, now = Heartbeats({"plant"}, limit), [], 100.0
+    for between in (0.02, 0.9 * least, 0.02, least + 0.1, 0.02, 0.02):
+        now += between
+        beats.look(now)
+        told.append(beats.deaf)
+    assert told == [0.0, 0.0, 0.0, pytest.approx(least + 0.1), 0.0, 0.0]
 
 
 def test_keys_are_seen_without_enter_and_the_terminal_is_left_as_it_was() -> None:

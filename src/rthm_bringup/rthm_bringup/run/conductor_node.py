@@ -28,11 +28,9 @@ from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.clocks import Offset
 from rthm_core.errors import InputError
-from rthm_core.ros import alive, leader, reach, system
+from rthm_core.ros import alive, leader, reach
 from rthm_core.ros.comparing import Asker
 
-PRIORITY = 10
-"""Real-time priority of a leader that compares clocks, below all of the loop."""
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
 
@@ -180,14 +178,9 @@ class Conductor:
         return list(self._node.get_node_names_and_namespaces())
 
     def clock_watch(self, names: Collection[str], limit: float) -> ClockWatch:
-        """Make a watch over the clocks of nodes; it is served when the leader waits.
-
-        Its answers are to be received in time on a busy host, so the leader then asks for priority, too.
-        """
+        """Make a watch over the clocks of nodes; it is served when the leader waits."""
         watch = ClockWatch(names, limit, lambda: asker.ask(names), self.tell_clocks)
         asker = Asker(self._node, watch.take)
-        if names:
-            system.prepare(PRIORITY, lock_memory=False)
         return watch
 
     def tell_clocks(self, offsets: Mapping[str, Offset]) -> None:

@@ -14,9 +14,12 @@ from rthm_bringup.run.view import View
 from rthm_bringup.topics import LOOP
 from rthm_core.clock import NS
 from rthm_core.clocks import limit_of
+from rthm_core.ros import system
 
 COMPARING = 2.0
 """How long the clocks of hosts are compared before a test, s."""
+PRIORITY = 5
+"""Real-time priority of a leader that watches a machine, or compares clocks: below the loop, and drivers."""
 
 
 class Guards:
@@ -39,6 +42,8 @@ class Guards:
         self._elsewhere = [name for name in managed if name in plan.external and name != "recorder"]
         self._clocks = conductor.clock_watch(self._elsewhere, limit_of(plan.spec))
         self._owners = OwnerWatch(partial(conductor.rivals, LOOP))
+        machine = plan.hardware or "plant" not in managed
+        self._urgent = plan.priority != 0 and (machine or bool(self._elsewhere))
 
     def begin(self, view: View) -> None:
         """Look before anything moves.
@@ -48,6 +53,8 @@ class Guards:
         StoppedError
             When a limit is broken already.
         """
+        if self._urgent:  # a busy host must not keep it from what it watches
+            system.prepare(PRIORITY, lock_memory=False)
         if self._elsewhere:
             view.phase("comparing clocks")
         deadline = time.monotonic() + COMPARING * bool(self._elsewhere)

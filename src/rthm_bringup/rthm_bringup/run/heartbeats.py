@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 LONGEST = 0.05
 """Longest time between two looks that counts as silence of others, s; the rest was the listener's own."""
+DEAF = 1.0
+"""Time between two looks that a busy host explains, s; where `limit` is longer, that."""
 
 
 class Silence(NamedTuple):
@@ -25,9 +27,15 @@ class Heartbeats:
         Nodes that have to go on.
     limit
         Longest silence, s.
+
+    Attributes
+    ----------
+    deaf
+        How long the listener was held up before this look, s; 0: for no longer than can be put up with.
     """
 
     def __init__(self, names: Iterable[str], limit: float) -> None:
+        self.deaf = 0.0
         self._names, self.limit = frozenset(names), limit
         self._silent: dict[str, float] = {}
         self._beaten: set[str] = set()
@@ -40,8 +48,9 @@ class Heartbeats:
 
     def look(self, now: float) -> Silence | None:
         """Return a node that has been silent for too long at `now`, s; None if none has."""
-        passed = 0.0 if self._looked is None else min(now - self._looked, LONGEST)
-        self._looked = now
+        between = 0.0 if self._looked is None else now - self._looked
+        self._looked, passed = now, min(between, LONGEST)
+        self.deaf = between if between > max(self.limit, DEAF) else 0.0
         beaten, self._beaten = self._beaten, set()
         self._silent |= dict.fromkeys(beaten, 0.0)
         for name in self._silent.keys() - beaten:

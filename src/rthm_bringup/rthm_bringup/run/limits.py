@@ -11,7 +11,7 @@ from rthm_core.clocks import Comparison, Exchange, Offset
 from rthm_core.owner import LIMIT as OWNER
 from rthm_core.owner import second_owner
 
-EVERY, ASK, TELL = 0.1, 0.05, 0.5
+EVERY, ASK, TELL = 0.02, 0.05, 0.5
 """Time between two looks at the graph, two questions for the time, and two messages about clocks, s."""
 
 

@@ -12,6 +12,7 @@ from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.result import Result, result_of
 from rthm_bringup.run.shared_memory import Caretaker
 from rthm_bringup.run.view import View
+from rthm_core.ros import system
 from rthm_core.ros.reach import HOST
 
 
@@ -32,6 +33,7 @@ def perform(plan: Plan) -> Result:
         if plan.network.reach != HOST:
             view.note(f"network: {plan.network.words()}")
         ending = Session(plan, view).run()
+        system.as_usual()
         view.phase("analysing the recording")
         return result_of(plan, ending)
 

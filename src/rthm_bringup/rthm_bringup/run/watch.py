@@ -72,11 +72,8 @@ class Watch:
         self._conductor = self._heartbeats = None
 
     def _judge(self, conductor: Conductor) -> None:
-        silence = self._heartbeats.look(time.monotonic()) if self._heartbeats else None
-        if silence is not None and self._heartbeats is not None:
-            self.silent.add(silence.name)
-            words = f"the node {silence.name} has been silent for {silence.seconds:.3f} s"
-            self.abort("heartbeat", words, silence.seconds, self._heartbeats.limit)
+        if self._heartbeats is not None:
+            self._judge_beats(self._heartbeats)
         if ABORT in self._keys.pressed().lower():
             self.abort("operator", f"the key {ABORT} was pressed")
         broken = self._guards.look() if self._guards else None
@@ -84,6 +81,15 @@ class Watch:
             self.abort(broken.limit, broken.words, broken.value, broken.allowed)
         if conductor.abort is not None:
             raise AbortedError(conductor.abort)
+
+    def _judge_beats(self, heartbeats: Heartbeats) -> None:
+        silence = heartbeats.look(time.monotonic())
+        if heartbeats.deaf:
+            self._ending.note(f"The leader was held up for {heartbeats.deaf:.3f} s and watched nothing.")
+        if silence is not None:
+            self.silent.add(silence.name)
+            words = f"the node {silence.name} has been silent for {silence.seconds:.3f} s"
+            self.abort("heartbeat", words, silence.seconds, heartbeats.limit)
 
     def abort(self, limit: str, words: str, value: float | None = None, allowed: float | None = None) -> None:
         """Abort the running test: tell everybody, and have it ended."""

@@ -55,6 +55,12 @@ def prepare_virtual() -> Granted:
     return Granted(0, False)
 
 
+def as_usual() -> None:
+    """Give real-time priority back, as what comes next has no deadline."""
+    if os.sched_getscheduler(0) == os.SCHED_FIFO:
+        _schedule(os.SCHED_OTHER, 0)
+
+
 def hold_garbage() -> None:
     """Collect now and no more: a full collection takes longer than a period."""
     gc.collect()

@@ -1,0 +1,113 @@
+"""Above the noise a law is named where free curves over its own variables find little in what it leaves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rthm_analysis.diagnosis.fitting.noise import white_noise
+from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.missing.features import Feature
+from rthm_analysis.diagnosis.missing.motion import Along
+from rthm_analysis.diagnosis.physical import above_noise
+from rthm_analysis.diagnosis.physical.above_noise import Laws, needed_only
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_core.spec import apply
+
+from .plain import NOISE, plant, recorded
+
+NOTHING = np.zeros(1)
+
+
+@dataclass(frozen=True)
+class Side:
+    """What of a physical side matters here."""
+
+    choice: Choice
+    fitting: Any
+
+
+AT = Along(NOTHING, NOTHING, NOTHING, NOTHING)
+
+
+def curve(depends_on: str, share: float, held_out: float | None = None, **jump: float) -> CurveFit:
+    """A free curve that explains so much of what is left; `change` and `std` are those of its jump, N."""
+    sizes, stds = np.array([jump.get("change", 0.0)]), np.array([jump.get("std", 0.01)])
+    held = share if held_out is None else held_out
+    feature = Feature(tuple(depends_on), np.zeros((1, 1)))
+    return CurveFit("x1", feature, sizes, stds, share, 1.0, held, 1.0, AT, NOTHING)
+
+
+def told(gone: float, curves: list[CurveFit], **kinds: dict[str, float]) -> bool:
+    added = tuple(Added("plant", kind, "x1", dict(values)) for kind, values in kinds.items())
+    model: Any = SimpleNamespace(added=added, effect_values=lambda i: added[i].parameters)
+    return Laws(model, gone, curves).are_told
+
+
+FRICTION = {"coulomb_friction": {"force": 2.0}}
+OFFSET = {"constant_load": {"force": 0.4}}
+CUBIC = {"cubic_stiffness": {"coefficient": 5.0}}
+
+
+def test_friction_is_known_by_its_jump_whatever_else_depends_on_the_velocity() -> None:
+    assert told(0.8, [curve("v", 0.9, change=0.3, std=0.1), curve("xv", 0.95)], **FRICTION)
+
+
+@pytest.mark.parametrize("jump", [{"change": 1.9}, {"change": 0.3, "std": 1.0}, {"change": -1.2}])
+def test_a_jump_that_a_free_curve_takes_away_or_does_not_tell_is_no_friction(jump: dict[str, float]) -> None:
+    assert not told(0.97, [curve("v", 0.9, **jump)], **FRICTION)
+
+
+def test_a_constant_force_beside_friction_owes_more_than_friction_alone() -> None:
+    curves = [curve("v", 0.8)]
+    assert told(0.95, curves, **FRICTION, **OFFSET) and not told(0.85, curves, **FRICTION, **OFFSET)
+
+
+def test_a_spring_is_whole_where_no_curve_over_the_position_finds_more() -> None:
+    assert told(0.99, [curve("v", 0.9), curve("x", 0.1)], **CUBIC)
+    assert not told(0.99, [curve("x", 0.9)], **CUBIC)
+    assert not told(0.99, [curve("xv", 0.9)], **CUBIC)
+    assert not told(0.97, [], **CUBIC)
+
+
+def test_a_curve_that_unseen_data_deny_says_nothing() -> None:
+    assert told(0.99, [curve("x", 0.9, -3.0), curve("x", -0.4, 0.9)], **CUBIC)
+
+
+def test_a_constant_force_alone_is_whole_where_no_curve_finds_more() -> None:
+    assert told(0.99, [curve("t", 0.2)], **OFFSET) and not told(0.99, [curve("t", 0.8)], **OFFSET)
+
+
+def test_what_is_hardly_needed_beside_others_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fitted(error: float) -> Any:
+        return SimpleNamespace(left_out=np.array([error]))
+
+    without = {(1,): fitted(5e3), (0,): fitted(120.0)}
+    monkeypatch.setattr(above_noise, "model_of", lambda choice, others: tuple(i for i, _ in others))
+    fitting = SimpleNamespace(expected=50.0, fit=lambda model, most: without[model])
+    rounds: Any = [[SimpleNamespace(label=("plant", kind, "x1"), start=None)] for kind in ("a", "b")]
+    physical = Side(choice=Choice(fitted(1e4), fitted(100.0), rounds), fitting=fitting)
+    kept, needless = needed_only(physical)  # type: ignore[arg-type]
+    assert needless == (("plant", "b", "x1"),) and kept.choice.best is without[0,]
+
+
+def test_a_curve_is_found_where_no_spring_sets_a_scale_of_force() -> None:
+    spec = apply(plant(), {"plant.stiffness": [0.0]})
+    evidence = recorded(lambda t, x, v: -0.1 * np.sign(v), stiffness=0.0)
+    seen, train = evidence.first(evidence.stamps_ns.size), evidence.stamps_ns.size * 2 // 3
+    start = np.arange(0, evidence.stamps_ns.size, 400)
+    states = np.array([[*evidence.measured[i]] for i in start])
+    experiment = Experiment(seen, np.empty(0))
+    experiment.begin_at(seen.stamps_ns[start])
+    windows = Windows(start, states, 2.0)
+    curves = free_curves(experiment, windows, white_noise(np.array(NOISE)), Model(spec), train)
+    over_v = next(one for one in curves if one.feature.depends_on == ("v",))
+    assert min(over_v.share, over_v.held_out_share) > 0.9
+    assert np.corrcoef(over_v.force, -np.sign(over_v.at.v))[0, 1] > 0.9

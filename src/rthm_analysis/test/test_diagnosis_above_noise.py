@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.noise import white_noise
-from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.features import Feature
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.physical import above_noise
@@ -98,7 +98,7 @@ def test_what_is_hardly_needed_beside_others_is_left_out(monkeypatch: pytest.Mon
     assert needless == (("plant", "b", "x1"),) and kept.choice.best is without[0,]
 
 
-def test_a_curve_is_found_where_no_spring_sets_a_scale_of_force() -> None:
+def test_curves_are_tried_with_forces_of_the_rigs_size_where_there_is_no_spring() -> None:
     spec = apply(plant(), {"plant.stiffness": [0.0]})
     evidence = recorded(lambda t, x, v: -0.1 * np.sign(v), stiffness=0.0)
     seen, train = evidence.first(evidence.stamps_ns.size), evidence.stamps_ns.size * 2 // 3
@@ -107,7 +107,10 @@ def test_a_curve_is_found_where_no_spring_sets_a_scale_of_force() -> None:
     experiment = Experiment(seen, np.empty(0))
     experiment.begin_at(seen.stamps_ns[start])
     windows = Windows(start, states, 2.0)
-    curves = free_curves(experiment, windows, white_noise(np.array(NOISE)), Model(spec), train)
+    noise = white_noise(np.array(NOISE))
+    scale = Regression(experiment, windows, noise, Model(spec), train).force_scale
+    assert 0.1 < scale / np.std(evidence.load) < 10.0
+    curves = free_curves(experiment, windows, noise, Model(spec), train)
     over_v = next(one for one in curves if one.feature.depends_on == ("v",))
     assert min(over_v.share, over_v.held_out_share) > 0.9
     assert np.corrcoef(over_v.force, -np.sign(over_v.at.v))[0, 1] > 0.9

@@ -106,7 +106,7 @@ class Regression:
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
         n = self.experiment.evidence.load.shape[1]
-        size = SMALL * self._force_scale()
+        size = SMALL * self.force_scale
 
         def one(shape: Floats) -> Floats:
             force = np.zeros((shape.size, n))
@@ -116,7 +116,8 @@ class Regression:
 
         return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(shapes.T))))
 
-    def _force_scale(self) -> float:
+    @property
+    def force_scale(self) -> float:
         """Force of spring, damper and mass in the recorded motion, N: one of them may be zero."""
         evidence, plant = self.experiment.evidence, self.model.nominal.plant
         assert plant is not None

@@ -36,7 +36,10 @@ JUMP, CERTAIN = 0.5, 4.0
 jump above zero.
 """
 
-FRICTION, CONSTANT = "coulomb_friction", "constant_load"
+FRICTION = {"coulomb_friction": "force", "stribeck_friction": "static_force"}
+"""Kinds whose force jumps at rest, and the parameter that tells by how much."""
+
+CONSTANT = "constant_load"
 
 REFITTED = 6
 """Steps of a fit without one of the effects."""
@@ -96,29 +99,42 @@ class Laws:
     def are_told(self) -> bool:
         """Whether each is the whole law of its variables, or a jump that no smooth force has."""
         added = self.model.added
-        rubs = [one for one in added if one.kind == FRICTION and self._jumps(one)]
+        rubs = [one for one in added if one.kind in FRICTION and self._jumps(one)]
         places = {one.place for one in rubs}
         beside = [one for one in added if one.kind == CONSTANT and one.place in places]
-        smooth = [one for one in added if one not in rubs and one not in beside]
-        if smooth:
-            return self.gone > NEARLY and all(self._is_whole(one) for one in smooth)
+        others = [one for one in added if one not in rubs and one not in beside]
+        if others:
+            return self.gone > NEARLY and all(self._is_whole(one) for one in others)
         return self.gone > (RUBBED_ONE_WAY if beside else RUBBED)
 
     def _jumps(self, friction: Added) -> bool:
-        """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is."""
-        force = self.model.effect_values(self.model.added.index(friction))["force"]
-        for curve in self.curves:
-            if curve.dof == friction.place and curve.feature.depends_on == ("v",):
+        """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and
+        none shows that it is not there all the time.
+        """
+        force = float(self.model.effect_values(self.model.added.index(friction))[FRICTION[friction.kind]])
+        there = self._there(friction)
+        if any(_found(c) > OF_IT for c in there if c.feature.depends_on == ("v", "t")):
+            return False
+        for curve in there:
+            if curve.feature.depends_on == ("v",):
                 change, std = float(curve.sizes[-1]), float(curve.stds[-1])
-                return abs(change) < JUMP * float(force) and float(force) - change > CERTAIN * std
+                return abs(change) < JUMP * force and force - change > CERTAIN * std
         return False
 
     def _is_whole(self, one: Added) -> bool:
-        """Whether curves over any of its variables, or all where it has none, find little in what is left."""
+        """Whether curves over any of its variables, or all where it has none, find little in what is left.
+
+        Friction without its jump may be any of the forces against the motion; so it is only by itself.
+        """
+        if one.kind in FRICTION and len(self.model.added) > 1:
+            return False
         of_it = set(one.law.depends_on)
-        there = [c for c in self.curves if c.dof == one.place]
-        shared = [c for c in there if not of_it or of_it.intersection(c.feature.depends_on)]
+        shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
         return max(map(_found, shared), default=0.0) < OF_IT
+
+    def _there(self, one: Added) -> list[CurveFit]:
+        """Curves of the dof of a law."""
+        return [curve for curve in self.curves if curve.dof == one.place]
 
 
 def _found(curve: CurveFit) -> float:

@@ -53,11 +53,14 @@ class Drives:
         With those that were chosen.
     limits : dict
         Sizes at which other kinds would have been seen.
+    left : (s, m) array
+        What the settled spec leaves of the motors' positions, over their noise.
     """
 
     rounds: list[list[Tried]]
     settled: Spec
     limits: Limits
+    left: Floats
 
     @property
     def model(self) -> Model:
@@ -117,7 +120,8 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
             break
         rounds.append(tried)
         model = tried[0].fitted.model
-    return Drives(rounds, model.spec, limits)
+    left = evidence.measured - experiment.predicted(model.spec, runs)
+    return Drives(rounds, model.spec, limits, left / _noise(experiment, model, runs, spec))
 
 
 def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:

@@ -10,14 +10,15 @@ from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
+from rthm_analysis.diagnosis.physical.driven import drives_earned, wires_are_off
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
-from rthm_analysis.diagnosis.physical.locating import located_without_names, when
+from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
-from rthm_analysis.diagnosis.physical.verdict import Judgement, drives_earned
+from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
@@ -44,6 +45,10 @@ TRACE = 0.01
 RIVAL = 0.5
 """Part of what an effect brings that another kind may bring, too: with more, both only mend a shape."""
 
+DRIVEN = (
+    "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
+)
+
 UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
 
 
@@ -65,11 +70,11 @@ def physical_part(physical: Physical) -> Part:
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]
-    driven = _driven_wrong(physical)
+    driven = DRIVEN if judged.is_driven_wrong else ()
     curves = _described(judged) if left else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
-    if left and not judged.earned:
-        located |= located_without_names(physical)
+    if left and not judged.earned and not driven:
+        located |= {"wire"} if wires_are_off(physical) else {"plant"}
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
     return Part(
         blocks=_mismatches(physical, runs, located),
@@ -191,15 +196,6 @@ def _energy(physical: Physical, model: Model, index: int) -> float:
     return wire_work(physical.experiment, physical.windows, spec, without)
 
 
-def _driven_wrong(physical: Physical) -> tuple[str, ...]:
-    """What is said of motors that do what no kind does."""
-    if not physical.drives or drives_earned(physical):
-        return ()
-    return (
-        "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
-    )
-
-
 def _drive_physics(physical: Physical) -> list[Physics]:
     if not drives_earned(physical):
         return []
@@ -240,7 +236,8 @@ def _mismatches(physical: Physical, runs: dict[str, Simulated], located: set[str
         count = max(first[0].fitted.residual.size, 1)
         found.append(Mismatch("motor", float(np.sqrt(first[-1].fitted.squares / count)), True))
     elif physical.evidence.driven_by == "command":
-        found.append(Mismatch("motor", 1.0, False))
+        left = physical.motor_left
+        found.append(Mismatch("motor", _rms(left) if left.size else 1.0, "motor" in located))
     assert channels
     return tuple(found)
 

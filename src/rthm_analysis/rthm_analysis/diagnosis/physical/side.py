@@ -61,6 +61,8 @@ class Physical:
         Retuned model, and what was added to it.
     drive_limits : dict
         Sizes at which other effects of the motors would have been seen.
+    motor_left : (s, m) array
+        What the settled spec leaves of the motors' positions in the training part, over their noise.
     """
 
     spec: Spec
@@ -75,6 +77,7 @@ class Physical:
     nominal: Fitted
     choice: Choice
     drive_limits: Limits
+    motor_left: Floats
 
     @property
     def sigma(self) -> Floats:
@@ -99,7 +102,7 @@ def diagnose_physical(
     """
     train = int(TRAIN * evidence.stamps_ns.size)
     first = before if evidence.driven_by == "command" else np.empty(0)
-    drives = Drives([], spec, {})
+    drives = Drives([], spec, {}, np.empty((train, 0)))
     if evidence.only("motor").channels:
         progress("checking the motors")
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
@@ -119,7 +122,7 @@ def diagnose_physical(
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
-        begun.nominal, choice, drives.limits,
+        begun.nominal, choice, drives.limits, drives.left,
     )  # fmt: skip
 
 

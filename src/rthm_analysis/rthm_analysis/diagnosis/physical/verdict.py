@@ -9,8 +9,9 @@ import numpy as np
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.numbers import bare, percent
-from rthm_analysis.diagnosis.physical.above_noise import NEARLY, Laws
+from rthm_analysis.diagnosis.physical.above_noise import Laws
 from rthm_analysis.diagnosis.physical.contradicted import denied
+from rthm_analysis.diagnosis.physical.driven import is_driven_wrong
 from rthm_analysis.diagnosis.physical.judged import (
     Simulated,
     held_out_squares,
@@ -24,7 +25,7 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.judging import FLOOR, imitates
+from rthm_analysis.diagnosis.search.judging import FLOOR
 from rthm_analysis.diagnosis.search.replacing import is_identified
 
 LITTLE, MOST = 0.1, 0.5
@@ -124,14 +125,10 @@ class Judgement:
         return unrelated(error, possible_causes(physical.evidence, predicted))
 
     @property
-    def _vaguely_imitates(self) -> bool:
-        """Whether one of the effects can imitate others, and has values that the recording does not tell."""
+    def _is_vague(self) -> bool:
+        """Whether one of the effects has values that the recording does not tell."""
         choice = self.physical.choice
-        labels = [tried[0].label for tried in choice.rounds]
-        return any(
-            imitates(block, kind) and not is_identified(choice.best, index)
-            for index, (block, kind, _) in enumerate(labels)
-        )
+        return not all(is_identified(choice.best, index) for index in range(len(choice.rounds)))
 
     @property
     def _worse(self) -> bool:
@@ -206,11 +203,11 @@ class Judgement:
     def _is_enough_at_noise(self) -> bool:
         """Whether effects remove what there is of a mismatch.
 
-        Several that can imitate others have certain values, and they and terms of one curve leave nothing.
+        Several have certain values; those that can imitate others, or are terms of one curve, leave nothing.
         """
         if self.mismatch > LITTLE and self.gone < MOST:
             return False
-        return len(self.physical.choice.rounds) == 1 or not (self._vaguely_imitates or self._leaves_some)
+        return len(self.physical.choice.rounds) == 1 or not (self._is_vague or self._leaves_some)
 
     @property
     def _is_enough_above_noise(self) -> bool:
@@ -222,10 +219,10 @@ class Judgement:
             return self.gone > ALL and choice.of_the_rig
         return Laws(choice.best.model, self.gone, self.curves).are_told
 
-    @property
+    @cached_property
     def is_driven_wrong(self) -> bool:
         """Whether the motors do what no kind explains, so that nobody knows what the wires were given."""
-        return bool(self.physical.drives) and not drives_earned(self.physical)
+        return is_driven_wrong(self.physical)
 
     @property
     def mismatch(self) -> float:
@@ -255,12 +252,3 @@ class Judgement:
             f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)
-
-
-def drives_earned(physical: Physical) -> bool:
-    """Whether the effects found in the motors bring these to the noise, or nearly all of the way there."""
-    if not physical.drives:
-        return False
-    first, last = physical.drives[0][-1].fitted, physical.drives[-1][0].fitted
-    noise = max(last.residual.size, 1)
-    return last.squares < FLOOR**2 * noise or last.squares - noise < (1.0 - NEARLY) * (first.squares - noise)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 160e6
-"""Steps of replays after which a search winds down; on a slow host about 40 s of one core."""
+LIMIT = 120e6
+"""Steps of replays with wires after which a search winds down; on a slow host about 35 s of one core."""
 
-FURTHER = 50e6
+PLAIN = 0.75
+"""What a step of a plant without wires takes, over one with them."""
+
+FURTHER = 36e6
 """Steps that a second question, which is asked of a few kinds only, may take in any case."""
 
 PER_REPLAY = 5e3

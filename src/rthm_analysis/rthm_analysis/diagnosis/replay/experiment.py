@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_analysis.diagnosis.replay.budget import Budget
+from rthm_analysis.diagnosis.replay.budget import PLAIN, Budget
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
@@ -181,7 +181,7 @@ class Experiment:
                 inputs = self._inputs(spec)
                 reading = lagged(inputs.fine.time, reading, lag)[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, effects))
-        self.budget.charge(steps)
+        self.budget.charge(steps if spec.actuator else PLAIN * steps)
         return np.stack(columns, axis=1)
 
     @property

@@ -80,11 +80,12 @@ def choose(
 def is_lost(fitting: Fitting, choice: Choice) -> bool:
     """Whether what was found is so far from the noise that nothing of it will be named.
 
-    It leaves a good part of the mismatch, or is no plain kind: to make it simpler is no use.
+    It leaves a good part of the mismatch, or is no plain kind, or no more work may be done: nothing is then
+    gained by making it simpler.
     """
     left, before = doubt(fitting, choice.best), doubt(fitting, choice.base)
     if left < WRONG:
-        return False
+        return fitting.budget.spent and left > CLOSE
     if choice.imitates and left > FAR:
         return True
     return left - 1.0 > LOST * (before - 1.0)

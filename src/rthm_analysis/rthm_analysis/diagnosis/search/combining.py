@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.doubted_tones import TONE, lasts
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
-from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, unfitted
+from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.subsets import promised
@@ -25,11 +25,17 @@ from rthm_analysis.diagnosis.search.subsets import promised
 AGAIN = 2
 """How often a combination that did better is left for another."""
 
+FEW, BEHIND = 4, 3.0
+"""Steps of a fit after which a combination is given up, if its error above the noise is so many times the one
+that is to be beaten.
+"""
+
 
 def combined(fitting: Fitting, choice: Choice) -> Choice:
     """Leave what was found for another combination that predicts unseen data clearly better."""
     for again in range(AGAIN):
-        asks = _questionable(fitting, choice) and not (again and fitting.budget.spent)
+        spent = fitting.budget.spent and (again > 0 or fitting.doubt > CLOSE)
+        asks = _questionable(fitting, choice) and not spent
         other = _other(fitting, choice) if asks else None
         if other is None:
             break
@@ -62,7 +68,7 @@ def _other(fitting: Fitting, choice: Choice) -> Choice | None:
         if fitting.budget.spent:
             break
         fitting.asked.add(labels)
-        fitted = _fitted(fitting, choice, pieces)
+        fitted = _fitted(fitting, choice, pieces, least)
         if fitted is not None and _cost(fitting, choice, fitted) < least:
             found, least = (pieces, fitted), _cost(fitting, choice, fitted)
             if doubt(fitting, fitted) < CLOSE:
@@ -85,12 +91,18 @@ def _model(choice: Choice, pieces: list[Piece]) -> Model:
     return model
 
 
-def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece]) -> Fitted | None:
+def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece], least: float) -> Fitted | None:
     """A combination, fitted to its end.
 
-    None where it diverges, has a plain kind that may as well be absent, or a tone that does not last.
+    None where it diverges, stays far behind what is to be beaten (`least`), has a plain kind that may as well
+    be absent, or a tone that does not last.
     """
-    done = finished_by_itself(fitting, unfitted(pieces[-1].start, choice.best, _model(choice, pieces)))
+    begun = unfitted(pieces[-1].start, choice.best, _model(choice, pieces))
+    begun = fit_further(fitting, begun, None, FEW)
+    ahead = least - fitting.expected
+    if not np.isfinite(begun.error) or _cost(fitting, choice, begun.fitted) > least + (BEHIND - 1.0) * ahead:
+        return None
+    done = finished_by_itself(fitting, begun)
     tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
     if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
         return None

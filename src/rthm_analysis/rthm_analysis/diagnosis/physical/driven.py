@@ -1,0 +1,75 @@
+"""Whether the motors did what is known of them, by their own sensors and by the forces of their wires."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
+from rthm_analysis.diagnosis.physical.above_noise import NEARLY
+from rthm_analysis.diagnosis.physical.remainder import SAMPLES, slow_power
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import FLOOR
+from rthm_core.compiled import Floats
+
+WIRE = 3.0
+"""Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire
+is where something is missing: what the smoothing of that motion leaves is less.
+"""
+
+MOST = 0.5
+"""Part of that residual that the measured error of the motor must explain for the motor to be the reason."""
+
+
+def drives_earned(physical: Physical) -> bool:
+    """Whether the effects found in the motors bring these to the noise, or nearly all of the way there."""
+    if not physical.drives:
+        return False
+    first, last = physical.drives[0][-1].fitted, physical.drives[-1][0].fitted
+    noise = max(last.residual.size, 1)
+    return last.squares < FLOOR**2 * noise or last.squares - noise < (1.0 - NEARLY) * (first.squares - noise)
+
+
+def is_driven_wrong(physical: Physical) -> bool:
+    """Whether the motors do what no kind explains, so that nobody knows what the wires were given."""
+    if physical.drives:
+        return not drives_earned(physical)
+    return wires_are_off(physical) and _forces_follow_motors(physical)
+
+
+def wires_are_off(physical: Physical) -> bool:
+    """Whether the force of a wire is not the one that the recorded motion gives.
+
+    A wire is right if it is so with the values of the spec or with those of the retuned model, which what is
+    missing in the plant may have drawn away.
+    """
+    alone = physical.fitting.wires_alone
+    models = (physical.nominal.model, physical.choice.base.model)
+    return bool(alone.forces) and all(_are_off(alone, model) for model in models)
+
+
+def _are_off(alone: WiresAlone, model: Model) -> bool:
+    columns = alone.residual(model).reshape(-1, len(alone.forces))
+    return any(slow_power(column)[0] > WIRE for column in columns.T)
+
+
+def _forces_follow_motors(physical: Physical) -> bool:
+    """Whether what the motors' sensors have beyond the commands is what their wires' forces have, too."""
+    alone, motors = physical.fitting.wires_alone, physical.motor_left
+    if not motors.size:
+        return False
+    left = alone.residual(physical.nominal.model).reshape(-1, len(alone.forces))
+    assert physical.spec.actuator is not None
+    names = physical.spec.actuator.names
+    for column, channel in zip(left.T, alone.forces, strict=True):
+        actuator = names.index(physical.fitting.experiment.evidence.channels[channel].place)
+        force, motor = _averages(column), _averages(np.nan_to_num(motors[:, actuator]))
+        gone = float(force @ motor) ** 2 / max(float(motor @ motor) * float(force @ force), 1e-300)
+        if slow_power(column)[0] > WIRE and gone > MOST:
+            return True
+    return False
+
+
+def _averages(values: Floats) -> Floats:
+    count = values.size // SAMPLES
+    return np.asarray(values[: count * SAMPLES].reshape(count, SAMPLES).mean(1))

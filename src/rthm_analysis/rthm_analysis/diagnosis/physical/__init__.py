@@ -10,9 +10,12 @@
 ``judged``       errors on data that had no part in any fit or choice
 ``remainder``    what is left beyond the noise, where and when
 ``contradicted``  errors of one channel that another denies
+``unrelated``    errors that nothing in the rig foretells
+``driven``       whether motors did what is known of them
 ``confirming``   unseen data confirm an effect or take it away
 ``verdict``      whether names were earned
-``locating``     where and when, where nothing was named
+``above_noise``  whether they are the law where more is left
+``locating``     when something is missing
 ``values``       what was found, with standard deviations
 ``fits``         errors of every signal, and of one free run
 ``detection``    what a recording would have shown

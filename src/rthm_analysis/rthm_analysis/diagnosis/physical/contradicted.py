@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.remainder import SAMPLES
+from rthm_analysis.diagnosis.physical.remainder import SAMPLES, averages
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_core.compiled import Floats
@@ -47,7 +47,7 @@ def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof
     families = evidence.channels[channel].family, evidence.channels[other].family
     step = float(np.median(np.diff(evidence.time))) * SAMPLES
     left = evidence.measured - predicted
-    here, there = (_averages(np.nan_to_num(left[:, k])) for k in pair)
+    here, there = (averages(np.nan_to_num(left[:, k])) for k in pair)
     noise = np.random.default_rng(0).normal(size=here.size) * physical.noise.sigma[channel] / np.sqrt(SAMPLES)
     response = _response(physical, families, dof, 2.0 * np.pi * np.fft.rfftfreq(here.size, step))
     shown, chance = (_shown(one, families, step, response) for one in (here, noise))
@@ -95,8 +95,3 @@ def _shown(slow: Floats, families: tuple[str, str], step: float, response: Float
         return np.asarray(np.gradient(slow, step))
     moved, at = np.cumsum(slow - slow.mean()) * step, np.arange(slow.size)
     return np.asarray(moved - np.polyval(np.polyfit(at, moved, 2), at))
-
-
-def _averages(values: Floats) -> Floats:
-    count = values.size // SAMPLES
-    return np.asarray(values[: count * SAMPLES].reshape(count, SAMPLES).mean(1))

@@ -6,11 +6,10 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.physical.above_noise import NEARLY
-from rthm_analysis.diagnosis.physical.remainder import SAMPLES, slow_power
+from rthm_analysis.diagnosis.physical.remainder import averages, slow_power
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import FLOOR
-from rthm_core.compiled import Floats
 
 WIRE = 3.0
 """Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire
@@ -63,13 +62,8 @@ def _forces_follow_motors(physical: Physical) -> bool:
     names = physical.spec.actuator.names
     for column, channel in zip(left.T, alone.forces, strict=True):
         actuator = names.index(physical.fitting.experiment.evidence.channels[channel].place)
-        force, motor = _averages(column), _averages(np.nan_to_num(motors[:, actuator]))
+        force, motor = averages(column), averages(np.nan_to_num(motors[:, actuator]))
         gone = float(force @ motor) ** 2 / max(float(motor @ motor) * float(force @ force), 1e-300)
         if slow_power(column)[0] > WIRE and gone > MOST:
             return True
     return False
-
-
-def _averages(values: Floats) -> Floats:
-    count = values.size // SAMPLES
-    return np.asarray(values[: count * SAMPLES].reshape(count, SAMPLES).mean(1))

@@ -133,12 +133,17 @@ def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
     Noise counts as 1, or as what the fastest part of the errors shows: noise that grows is no physics.
     """
     known = errors[np.isfinite(errors)]
-    count = known.size // samples
-    if not count:
+    found = averages(known, samples)
+    if not found.size:
         return 1.0, 0
-    sums = known[: count * samples].reshape(-1, samples).sum(1)
-    power = float(np.mean(np.square(sums))) / samples
-    return power / max(1.0, _fast_power(known)), count
+    power = float(np.mean(np.square(found))) * samples
+    return power / max(1.0, _fast_power(known)), found.size
+
+
+def averages(values: Floats, samples: int = SAMPLES) -> Floats:
+    """Averages of a signal over so many samples, in which noise drowns and physics does not."""
+    count = values.size // samples
+    return np.asarray(values[: count * samples].reshape(count, samples).mean(1))
 
 
 def _fast_power(errors: Floats) -> float:

@@ -70,6 +70,12 @@ def test_a_force_of_no_kind_is_described_and_not_named(law, depends_on: tuple[st
     assert {one.kind for one in part.refused}
 
 
+def test_a_sensor_that_knows_no_sign_makes_no_laws_of_the_plant() -> None:
+    seen = recorded()
+    part = part_of(replace(seen, channels=seen.channels[:1], measured=np.abs(seen.measured[:, :1])))
+    assert not part.physics and part.unexplained
+
+
 def test_a_kind_of_the_library_is_named_with_its_value() -> None:
     part = part_of(recorded(lambda t, x, v: -20.0 * x**3))
     assert [one.kind for one in part.physics] == ["cubic_stiffness"] and not part.unexplained

@@ -203,11 +203,15 @@ class Judgement:
     def _is_enough_at_noise(self) -> bool:
         """Whether effects remove what there is of a mismatch.
 
-        Several have certain values; those that can imitate others, or are terms of one curve, leave nothing.
+        Several, and what can imitate others, have certain values; several that can imitate others, or are
+        terms of one curve, leave nothing.
         """
+        choice = self.physical.choice
         if self.mismatch > LITTLE and self.gone < MOST:
             return False
-        return len(self.physical.choice.rounds) == 1 or not (self._is_vague or self._leaves_some)
+        if len(choice.rounds) == 1:
+            return not (choice.imitates and self._is_vague)
+        return not (self._is_vague or self._leaves_some)
 
     @property
     def _is_enough_above_noise(self) -> bool:

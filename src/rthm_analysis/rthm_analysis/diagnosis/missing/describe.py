@@ -35,11 +35,14 @@ NAMES = {
 }
 
 
+def is_clear(one: CurveFit) -> bool:
+    """Whether a curve removes more than chance does, in data left out of its fit and on unseen ones."""
+    return min(one.gain, one.held_out_gain) > CLEAR
+
+
 def told(curves: list[CurveFit]) -> CurveFit | None:
     """Curve that is told: over the fewest variables that explain as much as any; None where unconfirmed."""
-    confirmed = [
-        one for one in curves if one.held_out_share > CONFIRMED and min(one.gain, one.held_out_gain) > CLEAR
-    ]
+    confirmed = [one for one in curves if one.held_out_share > CONFIRMED and is_clear(one)]
     if not confirmed:
         return None
     best = max(one.gain for one in confirmed)

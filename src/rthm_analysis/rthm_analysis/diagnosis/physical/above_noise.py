@@ -113,7 +113,7 @@ class Laws:
         """
         force = float(self.model.effect_values(self.model.added.index(friction))[FRICTION[friction.kind]])
         there = self._there(friction)
-        if any(_found(c) > OF_IT for c in there if c.feature.depends_on == ("v", "t")):
+        if any(found(c) > OF_IT for c in there if c.feature.depends_on == ("v", "t")):
             return False
         for curve in there:
             if curve.feature.depends_on == ("v",):
@@ -130,13 +130,13 @@ class Laws:
             return False
         of_it = set(one.law.depends_on)
         shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
-        return max(map(_found, shared), default=0.0) < OF_IT
+        return max(map(found, shared), default=0.0) < OF_IT
 
     def _there(self, one: Added) -> list[CurveFit]:
         """Curves of the dof of a law."""
         return [curve for curve in self.curves if curve.dof == one.place]
 
 
-def _found(curve: CurveFit) -> float:
+def found(curve: CurveFit) -> float:
     """Part of what is left that a curve explains both where it was fitted and on unseen data."""
     return min(curve.share, curve.held_out_share)

@@ -8,8 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.missing.describe import is_clear
 from rthm_analysis.diagnosis.numbers import bare, percent
-from rthm_analysis.diagnosis.physical.above_noise import Laws
+from rthm_analysis.diagnosis.physical.above_noise import NEARLY, OF_IT, Laws, found
 from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.driven import is_driven_wrong
 from rthm_analysis.diagnosis.physical.judged import (
@@ -201,26 +202,31 @@ class Judgement:
 
     @property
     def _is_enough_at_noise(self) -> bool:
-        """Whether effects remove what there is of a mismatch.
+        """Whether effects remove what there is of a mismatch, and leave no curve that they should have been.
 
         Several, and what can imitate others, have certain values; several that can imitate others, or are
         terms of one curve, leave nothing.
         """
         choice = self.physical.choice
-        if self.mismatch > LITTLE and self.gone < MOST:
+        if self.mismatch > LITTLE and (self.gone < MOST or self._leaves_a_curve):
             return False
         if len(choice.rounds) == 1:
             return not (choice.imitates and self._is_vague)
         return not (self._is_vague or self._leaves_some)
 
     @property
+    def _leaves_a_curve(self) -> bool:
+        """Whether a free curve finds most of what they leave, where that is more than next to nothing."""
+        return self.gone < NEARLY and any(is_clear(one) and found(one) > OF_IT for one in self.curves)
+
+    @property
     def _is_enough_above_noise(self) -> bool:
         """Whether plain kinds are the law that is missing; of kinds that can imitate others, whether next to
-        nothing is left.
+        nothing is left, and their values are certain.
         """
         choice = self.physical.choice
         if choice.imitates:
-            return self.gone > ALL and choice.of_the_rig
+            return self.gone > ALL and choice.of_the_rig and not self._is_vague
         return Laws(choice.best.model, self.gone, self.curves).are_told
 
     @cached_property

@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.search.judging import Choice
-from rthm_analysis.diagnosis.search.replacing import model_of
+from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
 
 NEARLY = 0.98
 """Part of the mismatch that smooth laws together must remove on unseen data to be named above the noise."""
@@ -53,9 +53,21 @@ def needed_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str
         if without is None:
             break
         needless.append(choice.rounds[index][0].label)
-        rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
-        choice = replace(choice, best=without, rounds=rounds)
+        choice = _left_out(choice, index, without)
     return replace(physical, choice=choice), tuple(needless)
+
+
+def certain_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
+    """The same without effects whose values are not told beside the others, and their labels."""
+    choice, vague = physical.choice, []
+    while len(choice.rounds) > 1:
+        index = next((i for i in range(len(choice.rounds)) if not is_identified(choice.best, i)), None)
+        without = None if index is None else _without(physical, choice, index)
+        if index is None or without is None:
+            break
+        vague.append(choice.rounds[index][0].label)
+        choice = _left_out(choice, index, without)
+    return replace(physical, choice=choice), tuple(vague)
 
 
 def _least_needed(physical: Physical, choice: Choice) -> tuple[int, Fitted | None]:
@@ -67,6 +79,12 @@ def _least_needed(physical: Physical, choice: Choice) -> tuple[int, Fitted | Non
     mismatch = float(choice.base.left_out.sum()) - physical.fitting.expected
     least = min(NEEDED * mismatch, MARGIN * (best - physical.fitting.expected))
     return index, found[index] if errors[index] - best < least else None
+
+
+def _left_out(choice: Choice, index: int, without: Fitted) -> Choice:
+    """The choice without one of its effects, given the best model without it."""
+    rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
+    return replace(choice, best=without, rounds=rounds)
 
 
 def _without(physical: Physical, choice: Choice, index: int) -> Fitted | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.physical.above_noise import needed_only
+from rthm_analysis.diagnosis.physical.above_noise import certain_only, needed_only
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
 from rthm_analysis.diagnosis.physical.remainder import BLURRED
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -27,6 +27,8 @@ CONTACTS, CURVED = ("clearance", "end_stop"), ("cubic_stiffness", "quadratic_sti
 PATCHING = "beside a curved spring it did little but bend the curve of that spring"
 
 IMITATES = "it can imitate others, and with it, too, more than the noise is left"
+
+VAGUE = "beside the others the recording does not tell its values"
 
 NEEDLESS = "the others explain nearly as much without it"
 
@@ -73,6 +75,12 @@ def without_needless(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]
     """The same without effects that are hardly needed beside the others, and why they went."""
     physical, needless = needed_only(physical)
     return physical, tuple(_refused(label, NEEDLESS) for label in needless)
+
+
+def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without effects whose values are not told beside the others, and why they went."""
+    physical, vague = certain_only(physical)
+    return physical, tuple(_refused(label, VAGUE) for label in vague)
 
 
 def _last_refused(choice: Choice, why: str) -> Refused:

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from rthm_analysis.diagnosis.missing.describe import described, told
-from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless
+from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless, without_vague
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, wires_are_off
@@ -30,6 +30,7 @@ from rthm_analysis.diagnosis.result import (
     Mismatch,
     Part,
     Physics,
+    Refused,
     Retuned,
     Trace,
     Value,
@@ -55,15 +56,8 @@ UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed
 def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
     physical, refused = confirmed(physical)
-    judged = _judged(physical)
-    if judged.names and not judged.at_noise and not physical.choice.imitates:
-        physical, needless = without_needless(physical)
-        refused = (*refused, *needless)
-        judged = _judged(physical) if needless else judged
-    if judged.names and not judged.earned:
-        physical, imitating = plain_only(physical)
-        refused = (*refused, *imitating)
-        judged = _judged(physical) if imitating else judged
+    physical, judged, fewer = _with_fewer(physical, _judged(physical))
+    refused = (*refused, *fewer)
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
     retuned = _determined(retuned_values(physical))
     left = not judged.settled
@@ -100,6 +94,23 @@ def physical_part(physical: Physical) -> Part:
         refused=(*refused, *judged.refused),
         free_run=free_runs(physical, runs),
     )
+
+
+def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
+    """The same, or with fewer effects that are earned where all together are not; why the others went."""
+    refused: tuple[Refused, ...] = ()
+    if judged.names and not judged.at_noise and not physical.choice.imitates:
+        physical, refused = without_needless(physical)
+        judged = _judged(physical) if refused else judged
+    if judged.names and not judged.earned:
+        certain, vague = without_vague(physical)
+        again = _judged(certain) if vague else judged
+        if again.earned:
+            return certain, again, (*refused, *vague)
+        physical, imitating = plain_only(physical)
+        refused = (*refused, *imitating)
+        judged = _judged(physical) if imitating else judged
+    return physical, judged, refused
 
 
 def _judged(physical: Physical) -> Judgement:

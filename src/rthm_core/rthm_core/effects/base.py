@@ -73,6 +73,8 @@ class Effect:
         The formula, with the sign of the contract.
     depends_on
         Variables of its law, in the words of the contract (``x v a t u command load``).
+    jump
+        Parameter that is half the jump of its force where the motion turns, of dry friction; else empty.
     words
         What it is, for a test engineer; ``{force}`` becomes value and unit, ``{dof}``, ``{actuator}`` or
         ``{block}`` the place.
@@ -92,6 +94,7 @@ class Effect:
     parameters: ClassVar[Mapping[str, EffectParameter | EffectText]] = {}
     equation: ClassVar[str] = ""
     depends_on: ClassVar[tuple[str, ...]] = ()
+    jump: ClassVar[str] = ""
     words: ClassVar[str] = ""
     states: ClassVar[int] = 0
     possible: ClassVar[Mapping[str, Possible]] = {}

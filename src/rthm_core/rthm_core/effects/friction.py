@@ -38,6 +38,7 @@ class CoulombFriction(PlantLaw):
     parameters = {"force": EffectParameter("N", "friction force", minimum=0.0)}
     equation = "F = -F_f sign(v); |F| <= F_f at rest"
     depends_on = ("v",)
+    jump = "force"
     words = "dry friction of {force} acts on {dof}"
     split = "friction"
     constant = True
@@ -66,6 +67,7 @@ class StribeckFriction(PlantLaw):
     }
     equation = "F = -(F_c + (F_s - F_c) exp(-(v/v_s)^2)) sign(v); |F| <= F_s at rest"
     depends_on = ("v",)
+    jump = "static_force"
     words = (
         "dry friction acts on {dof}: {static_force} before it moves, falling to {coulomb_force} "
         "as the speed grows beyond {stribeck_velocity} (Stribeck effect)"

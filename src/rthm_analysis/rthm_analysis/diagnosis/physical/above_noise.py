@@ -36,11 +36,6 @@ JUMP, CERTAIN = 0.5, 4.0
 jump above zero.
 """
 
-FRICTION = {"coulomb_friction": "force", "stribeck_friction": "static_force"}
-"""Kinds whose force jumps at rest, and the parameter that tells by how much."""
-
-CONSTANT = "constant_load"
-
 REFITTED = 6
 """Steps of a fit without one of the effects."""
 
@@ -117,9 +112,9 @@ class Laws:
     def are_told(self) -> bool:
         """Whether each is the whole law of its variables, or a jump that no smooth force has."""
         added = self.model.added
-        rubs = [one for one in added if one.kind in FRICTION and self._jumps(one)]
+        rubs = [one for one in added if one.law.jump and self._jumps(one)]
         places = {one.place for one in rubs}
-        beside = [one for one in added if one.kind == CONSTANT and one.place in places]
+        beside = [one for one in added if not one.law.depends_on and one.place in places]
         others = [one for one in added if one not in rubs and one not in beside]
         if others:
             return self.gone > NEARLY and all(self._is_whole(one) for one in others)
@@ -129,7 +124,7 @@ class Laws:
         """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and
         none shows that it is not there all the time.
         """
-        force = float(self.model.effect_values(self.model.added.index(friction))[FRICTION[friction.kind]])
+        force = float(self.model.effect_values(self.model.added.index(friction))[friction.law.jump])
         there = self._there(friction)
         if any(found(c) > OF_IT for c in there if c.feature.depends_on == ("v", "t")):
             return False
@@ -144,15 +139,15 @@ class Laws:
 
         Friction without its jump may be any of the forces against the motion; so it is only by itself.
         """
-        if one.kind in FRICTION and len(self.model.added) > 1:
+        if one.law.jump and len(self.model.added) > 1:
             return False
         of_it = set(one.law.depends_on)
         shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
         return max(map(found, shared), default=0.0) < OF_IT
 
     def _there(self, one: Added) -> list[CurveFit]:
-        """Curves of the dof of a law."""
-        return [curve for curve in self.curves if curve.dof == one.place]
+        """Curves of the dof of a law, or all for one of a wire."""
+        return [curve for curve in self.curves if one.block != "plant" or curve.dof == one.place]
 
 
 def found(curve: CurveFit) -> float:

@@ -110,15 +110,17 @@ class Laws:
 
     @property
     def are_told(self) -> bool:
-        """Whether each is the whole law of its variables, or a jump that no smooth force has."""
+        """Whether each is the whole law of its variables, or a jump that no smooth force has.
+
+        A constant force depends on nothing; beside others it is the offset of their law.
+        """
         added = self.model.added
         rubs = [one for one in added if one.law.jump and self._jumps(one)]
-        places = {one.place for one in rubs}
-        beside = [one for one in added if not one.law.depends_on and one.place in places]
-        others = [one for one in added if one not in rubs and one not in beside]
-        if others:
-            return self.gone > NEARLY and all(self._is_whole(one) for one in others)
-        return self.gone > (RUBBED_ONE_WAY if beside else RUBBED)
+        constant = [one for one in added if not one.law.depends_on]
+        smooth = [one for one in added if one not in rubs and one not in constant]
+        if smooth or not rubs:
+            return self.gone > NEARLY and all(self._is_whole(one) for one in smooth or constant)
+        return self.gone > (RUBBED_ONE_WAY if constant else RUBBED)
 
     def _jumps(self, friction: Added) -> bool:
         """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and

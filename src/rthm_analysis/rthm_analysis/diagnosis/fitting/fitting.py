@@ -16,7 +16,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
-from rthm_analysis.diagnosis.fitting.steps import moved
+from rthm_analysis.diagnosis.fitting.steps import moved, trial_step
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.budget import Budget
@@ -212,9 +212,7 @@ class Fitting:
 
         def one(i: int) -> Floats:
             parameter = model.parameters[i]
-            step = small * (parameter.value if parameter.positive else parameter.scale)
-            if parameter.value + step > parameter.high:
-                step = -step
+            step = trial_step(parameter, small)
             values = model.values
             values[i] += step
             return (residual - self.residual(model.at(values))) / step

@@ -49,3 +49,9 @@ def _leaves(parameter: Parameter, gradient: float) -> bool:
     """Whether a parameter at a bound wants to leave it."""
     low, high = parameter.value <= parameter.low, parameter.value >= parameter.high
     return (low and gradient < 0.0) or (high and gradient > 0.0)
+
+
+def trial_step(parameter: Parameter, small: float) -> float:
+    """Step of a finite difference, so small a part of the parameter's size, towards what is possible."""
+    step = small * (parameter.value if parameter.positive else parameter.scale)
+    return -step if parameter.value + step > parameter.high else step

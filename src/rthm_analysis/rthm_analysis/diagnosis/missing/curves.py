@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import STEP, Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
+from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
@@ -195,9 +196,7 @@ def _motion_forces(model: Model, motion: Motion) -> Floats:
 def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
     """Change (n, n) of damping and stiffness of the plant with one parameter."""
     parameter, values = model.parameters[index], model.values
-    step = STEP * (parameter.value if parameter.positive else parameter.scale)
-    if parameter.value + step > parameter.high:
-        step = -step
+    step = trial_step(parameter, STEP)
     values[index] += step
     before, after = model.spec.plant, model.at(values).spec.plant
     assert before is not None and after is not None

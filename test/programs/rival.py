@@ -33,6 +33,8 @@ while time.time() < end:
     if first:
         connected = True
         print(f"heard from {now}", file=sys.stderr, flush=True)
-    rclpy.spin_once(node, timeout_sec=0.005)
+    again = time.monotonic() + 0.005
+    while (left := again - time.monotonic()) > 0.0:
+        rclpy.spin_once(node, timeout_sec=left)
 print(f"heard {heard[0]}", flush=True)
 rclpy.shutdown()

@@ -92,8 +92,8 @@ class Regression:
     def __init__(
         self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
     ) -> None:
-        self.experiment, self.model = experiment, model
-        self.fitting = Fitting(experiment, windows, noise.sigma, model, colours=noise.colours)
+        self.experiment, self.model = experiment.draft(), model
+        self.fitting = Fitting(self.experiment, windows, noise.sigma, model, colours=noise.colours)
         self.here = self.fitting.residual(model)
         self.left = self.fitting.projected(self.here)
         last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
@@ -101,7 +101,7 @@ class Regression:
         self.known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
         doubt = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
         self.precision = doubt * _precision(model)[: self.known.shape[0]]
-        self.motion = experiment.motion(model.spec, windows)
+        self.motion = self.experiment.motion(model.spec, windows)
         self.motion_forces = _motion_forces(model, self.motion)
 
     def response(self, shapes: Floats, dof: int) -> Floats:

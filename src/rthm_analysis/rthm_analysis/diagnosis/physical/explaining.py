@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
+from rthm_analysis.diagnosis.physical.drafting import drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.budget import FURTHER
@@ -87,6 +89,13 @@ def going_on(begun: Begun, choice: Choice) -> tuple[Begun, Choice] | None:
     return begun, replace(choose(begun.fitting, begun.retuned, begun=led), imitating=choice.imitating)
 
 
+def is_behind(again: tuple[Begun, Choice], before: Choice) -> bool:
+    """Whether a second search, which may have had to end early, found less than the one before it."""
+    begun, choice = again
+    whole = _over_the_whole(begun.fitting, before.best.model) if begun.fitting.budget.spent else None
+    return whole is not None and doubt(begun.fitting, whole) < doubt(begun.fitting, choice.best)
+
+
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
     if doubt(fitting, fitted) > CLOSE:
@@ -129,10 +138,19 @@ def _by_effects(begun: Begun, short: Begun | None) -> tuple[Begun, Choice]:
     """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
     fitting, lost = begun.fitting, _lost(begun)
     fitting.doubt = doubt(fitting, begun.retuned)
-    choice = choose(fitting, begun.retuned, lambda left: left > lost)
+    choice = _choice(begun, lambda left: left > lost)
     if short is None or fitting.doubt <= lost:
         return begun, choice
     return _led_by(short, begun, choice)
+
+
+def _choice(begun: Begun, stop: Callable[[float], bool]) -> Choice:
+    """Effects that were found in a draft, and more where they are near the noise; else in the first place."""
+    fitting = begun.fitting
+    draft = drafted(begun, stop)
+    if draft is not None and (fitting.doubt > CLOSE or not draft.rounds):
+        return draft
+    return choose(fitting, begun.retuned, stop, begun=draft)
 
 
 def _short(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
@@ -183,7 +201,7 @@ def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
     """
     fitting, closer, near = begun.fitting, short.fitting, short.retuned
     closer.doubt = doubt(closer, near)
-    again = choose(closer, near, lambda left: left < WRONG)
+    again = _choice(short, lambda left: left < WRONG)
     whole = _over_the_whole(fitting, again.best.model)
     if closer.doubt >= WRONG:
         if whole is None or doubt(fitting, whole) > doubt(fitting, choice.best):

@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.physical.beginning import (
 )
 from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
-from rthm_analysis.diagnosis.physical.explaining import chosen, going_on
+from rthm_analysis.diagnosis.physical.explaining import chosen, going_on, is_behind
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -114,9 +114,11 @@ def diagnose_physical(
     noise = _noise_left(begun, choice)
     spent = begun.fitting.budget.spent
     if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
-        begun = with_noise(begun, noise)
-        begun, choice = going_on(begun, choice) or chosen(begun, seen, settled, train)
-        noise = _noise_left(begun, choice)
+        quieter = with_noise(begun, noise)
+        again = going_on(quieter, choice) or chosen(quieter, seen, settled, train)
+        if not is_behind(again, choice):
+            begun, choice = again
+            noise = _noise_left(begun, choice)
     part = begun.fitting.experiment
     experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])

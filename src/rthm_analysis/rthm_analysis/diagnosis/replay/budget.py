@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 120e6
+LIMIT = 190e6
 """Steps of replays with wires after which a search winds down; on a slow host about 35 s of one core."""
 
 PLAIN = 0.75

@@ -93,6 +93,8 @@ class Experiment:
         How a load that is known by its samples goes between them.
     sharp : bool
         Whether the grid is as fine as wires that remember their path need it.
+    loads : Evidence, optional
+        What tells the loads, where it has more samples than `evidence`, as in a draft; its steps are coarser.
     budget : Budget
         Charged with every prediction, whether its motion was kept or not.
     """
@@ -102,6 +104,7 @@ class Experiment:
     starts_ns: Integers = field(default_factory=lambda: np.zeros(1, dtype=np.int64))
     between: Between = Between.SMOOTH
     sharp: bool = False
+    loads: Evidence | None = None
     budget: Budget = field(default_factory=Budget)
     _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, tuple[Motion, int]] = field(default_factory=dict)
@@ -132,6 +135,16 @@ class Experiment:
             motors = {key: with_force(inputs) for key, inputs in self._motors.items()}
             grids = dict(self._grids)
         return replace(self, evidence=evidence, _motors=motors, _motions={}, _grids=grids, _lock=Lock())
+
+    def draft(self, kept: Integers | slice = slice(None)) -> Experiment:
+        """The same test in coarser steps, with the samples that are kept."""
+        e = self.evidence
+        some = replace(e, stamps_ns=e.stamps_ns[kept], load=e.load[kept], measured=e.measured[kept])
+        return Experiment(some, self.first, self.starts_ns, self.between, self.sharp, e, self.budget)
+
+    @property
+    def _is_draft(self) -> bool:
+        return self.loads is not None
 
     def _forget(self) -> None:
         self._motors.clear()
@@ -169,18 +182,21 @@ class Experiment:
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
         assert spec.plant is not None
-        columns, steps, bare = [], 0, _without_sensors(spec)
-        key = _key(bare, windows)
-        for channel in self.evidence.channels:
+        bare, channels = _without_sensors(spec), self.evidence.channels
+        effects = [_effects_on(spec, channel) for channel in channels]
+        lags = [time_constant(some) for some in effects]
+        between = any(lags)
+        motion, steps = self._motion(bare, _key(bare, windows), windows, between=between)
+        fine, samples = self._inputs(spec)[3::2] if between else (None, slice(None))
+        columns = []
+        for channel, some, lag in zip(channels, effects, lags, strict=True):
             places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
-            effects = _effects_on(spec, channel)
-            lag = time_constant(effects)
-            motion, steps = self._motion(bare, key, windows, between=lag > 0.0)
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
             if lag:
-                inputs = self._inputs(spec)
-                reading = lagged(inputs.fine.time, reading, lag)[inputs.samples]
-            columns.append(sensed(self.evidence.time, reading, effects))
+                reading = lagged(fine.time, reading, lag)[samples]
+            elif between:
+                reading = reading[samples, 0]
+            columns.append(sensed(self.evidence.time, reading, some))
         self.budget.charge(steps if spec.actuator else PLAIN * steps)
         return np.stack(columns, axis=1)
 
@@ -204,7 +220,7 @@ class Experiment:
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
-        steps = substeps(spec, arrays, longest, over, points.time.size)
+        steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self._is_draft)
         replay_mechanics(
             arrays, points.time, steps, motor, load, starts, windows.state,
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),
@@ -216,13 +232,16 @@ class Experiment:
         """Inputs of a model, but for hidden loads; kept for a few motors."""
         poles = spec.actuator and spec.actuator.motor_poles
         key = repr([e for e in spec.effects if e.block == "motor"]) + repr(poles)
-        key += str(longest_interval(spec, sharp=self.sharp))
+        key += str(self._longest_interval(spec))
         with self._lock:
             kept = self._motors.get(key)
         if kept is None:
             kept = self._new_inputs(spec)
         self._keep(self._motors, key, kept)
         return kept
+
+    def _longest_interval(self, spec: Spec) -> int:
+        return longest_interval(spec, sharp=self.sharp, coarse=self._is_draft)
 
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
         """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""
@@ -243,14 +262,14 @@ class Experiment:
         fine = self._grid(delay, LONGEST_NS, samples=True)
         points = fine
         if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
-            points = self._grid(delay, longest_interval(spec, sharp=self.sharp), samples=False)
+            points = self._grid(delay, self._longest_interval(spec), samples=False)
         course = motor = np.zeros((fine.time_ns.size, 3, m))
         if m:
             course = motor = motor_motion(spec, fine.time_ns, due, e.commands, self.first)
         if points is not fine:
             motor = motor_motion(spec, points.time_ns, due, e.commands, self.first)
         samples = np.searchsorted(fine.time_ns, e.stamps_ns)
-        return Inputs(points, motor, load_on(points, e, self.between), fine, course, samples)
+        return Inputs(points, motor, load_on(points, self.loads or e, self.between), fine, course, samples)
 
 
 def _key(bare: Spec, windows: Windows) -> str:

@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 RESOLUTION = 2e-5
 """Part of a signal's standard deviation below which a replay does not claim to be right."""
 
-LONGEST_PHASE, SHORTEST_PHASE = 0.2, 0.05
-"""Longest step of a replay, in radians of a motion of the mechanics: where it soon dies, and at least."""
+LONGEST_PHASE, SHORTEST_PHASE, COARSE_PHASE = 0.2, 0.05, 0.5
+"""Longest step of a replay, in radians of a motion of the mechanics: where it soon dies, at least, and in a
+draft.
+"""
 
 GATHERED = 1e-4
 """Part of a motion by which the errors of all its steps may move it."""
@@ -35,25 +37,26 @@ AFFORDED = 20_000
 KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 """Laws with kinks that the replay does not locate."""
 
-COSTLY = {("wire", "bouc_wen"): 10}
+COSTLY = {("wire", "bouc_wen"): 5}
 """Laws that take more than others: of how many steps a step with one is worth."""
 
 LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
 
-TURN, SHARP = 1.5, 0.35
+TURN, SHARP, COARSE = 1.5, 0.35, 4.0
 """Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
 path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
-where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact.
+where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact; the
+third is enough for a draft.
 """
 
 
-def longest_interval(spec: Spec, *, sharp: bool) -> int:
+def longest_interval(spec: Spec, *, sharp: bool, coarse: bool) -> int:
     """Longest interval of the grid in ns; shorter where it is `sharp` and a wire remembers its path."""
     fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
     if not fastest_motor:
         return LONGEST_NS
-    angle = SHARP if sharp and _remembers(spec) else TURN
+    angle = SHARP if sharp and _remembers(spec) else COARSE if coarse else TURN
     return min(LONGEST_NS, int(angle / fastest_motor * NS))
 
 
@@ -67,7 +70,9 @@ def worth(spec: Spec) -> int:
     return max((COSTLY.get((e.block, e.kind), 1) for e in spec.effects), default=1)
 
 
-def substeps(spec: Spec, mechanics: Mechanics, longest: float, over: float, intervals: int) -> int:
+def substeps(
+    spec: Spec, mechanics: Mechanics, longest: float, over: float, intervals: int, *, coarse: bool
+) -> int:
     """Steps within each interval of a grid whose longest is `longest` s, for free runs of `over` s.
 
     A motion that lasts for many radians gathers the errors of its steps, and so needs shorter ones, as far as
@@ -79,7 +84,7 @@ def substeps(spec: Spec, mechanics: Mechanics, longest: float, over: float, inte
     phases = np.clip((GATHERED * STRAYS / np.maximum(radians, 1.0)) ** 0.25, SHORTEST_PHASE, LONGEST_PHASE)
     least, needed = (
         max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), 1.0 / _longest_step(spec)) - 1e-6))
-        for rate in (rates / LONGEST_PHASE, rates / phases)
+        for rate in (rates / (COARSE_PHASE if coarse else LONGEST_PHASE), rates / phases)
     )
     return min(needed, max(least, AFFORDED // intervals), MOST_SUBSTEPS)
 

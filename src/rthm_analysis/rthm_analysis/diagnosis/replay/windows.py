@@ -57,6 +57,13 @@ class Windows:
         kept = self.start < samples
         return Windows(self.start[kept], self.state[kept], self.length)
 
+    def every(self, step: int, samples: int) -> tuple[Integers, Windows]:
+        """The first of `step` samples each of every window, of so many samples in all; windows of these."""
+        ends = np.append(self.start[1:], samples)
+        kept = [np.arange(a, b, step) for a, b in zip(self.start, ends, strict=True)]
+        start = np.cumsum([0, *(part.size for part in kept[:-1])])
+        return np.concatenate(kept), Windows(start, self.state, self.length)
+
     def moved(self, column: int, by: float) -> Windows:
         """The same with one entry of every state moved."""
         state = self.state.copy()

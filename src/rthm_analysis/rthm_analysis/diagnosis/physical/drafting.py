@@ -1,0 +1,101 @@
+"""A draft of the search, on fewer samples and in coarser steps, and its fair copy.
+
+Far from the noise, the samples of a test that is sampled often say what their neighbours say. What a search
+among some of them finds is fitted to all of them, and the search goes on there where it came near the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import FINE, Fitting
+from rthm_analysis.diagnosis.physical.beginning import Begun
+from rthm_analysis.diagnosis.search.choosing import choose
+from rthm_analysis.diagnosis.search.judging import Choice, Tried, doubt
+from rthm_analysis.diagnosis.search.refining import FINISHING
+from rthm_core.errors import InputError
+
+SAMPLES, EXCESS = 3_000, 5_000.0
+"""Samples that a draft has at least, and squared error in them above the noise, in units of the noise: so
+much tells kinds apart.
+"""
+
+COPIED = 5
+"""Kinds of each round of a draft that are copied: the one that was chosen and the nearest others."""
+
+IN_WINDOW = 30
+"""Samples of a draft in each window at least."""
+
+
+def drafted(begun: Begun, stop: Callable[[float], bool]) -> Choice | None:
+    """What a search finds in a draft, fitted to everything; None where a draft is not called for, or misled.
+
+    Parameters
+    ----------
+    begun : Begun
+        Its fitting has the doubt of the retuned model.
+    stop : callable
+        As in `choose`.
+    """
+    fitting = begun.fitting
+    every = _every(begun)
+    if every < 2:
+        return None
+    kept, windows = fitting.windows.every(every, fitting.experiment.evidence.stamps_ns.size)
+    draft = Fitting(
+        fitting.experiment.draft(kept), windows, begun.noise.level, fitting.base, fitting.progress,
+        doubt=fitting.doubt, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
+    )  # fmt: skip
+    base = draft.fit(begun.retuned.model)
+    draft.doubt = doubt(draft, base)
+    found = choose(draft, base, stop)
+    return _copied(begun, draft, found, every)
+
+
+def _every(begun: Begun) -> int:
+    """Of how many samples a draft takes one; 1 where it would save nothing, or not be the same test."""
+    fitting = begun.fitting
+    samples = fitting.experiment.evidence.stamps_ns.size
+    shortest = int(np.diff(np.append(fitting.windows.start, samples)).min())
+    excess = (fitting.doubt - 1.0) * fitting.expected
+    return int(min(samples // SAMPLES, shortest // IN_WINDOW, excess // EXCESS))
+
+
+def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice | None:
+    """The choice of a draft, with the fits of all samples; None where these say something else."""
+    fitting = begun.fitting
+    limits = {
+        label: {name: float(size / np.sqrt(every)) for name, size in sizes.items()}
+        for label, sizes in found.limits.items()
+    }
+    if not found.rounds:
+        return Choice(begun.retuned, begun.retuned, [], limits)
+    fitting.progress("fitting what was found to all samples")
+    before, fitting.doubt = fitting.doubt, draft.doubt
+    try:
+        fitting.rebase(found.best.model)
+        if draft.experiment.sharp:
+            fitting.experiment.sharpen(found.best.model.spec)
+        whole = fitting.fit(found.best.model, most=FINISHING, least=FINE)
+        rounds = [
+            [one for one in fitting.cores.each_in_parts(lambda t: _tried(fitting, t), tried[:COPIED]) if one]
+            for tried in found.rounds
+        ]
+    except np.linalg.LinAlgError:
+        fitting.doubt = before
+        return None
+    fitting.doubt = doubt(fitting, whole)
+    if not all(rounds):
+        return None
+    return Choice(begun.retuned, whole, rounds, limits)
+
+
+def _tried(fitting: Fitting, tried: Tried) -> Tried | None:
+    """A candidate fitted to all samples from where the draft left it; None where it diverges."""
+    try:
+        fitted = fitting.fit(tried.fitted.model, most=1)
+    except (InputError, np.linalg.LinAlgError):
+        return None
+    return Tried(tried.start, fitted, float(fitted.left_out.sum()))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from threading import Lock
 
 LIMIT = 190e6
-"""Steps of replays with wires after which a search winds down; on a slow host about 35 s of one core."""
+"""Steps of replays with wires after which a search winds down; on a slow host about 45 s of one core."""
 
 PLAIN = 0.75
 """What a step of a plant without wires takes, over one with them."""

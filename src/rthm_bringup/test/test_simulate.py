@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rthm_core.engine import simulate
-from rthm_core.spec import apply, shipped_spec
+from rthm_core.spec import apply, shipped_spec, write_spec
 
 
 @pytest.mark.parametrize("system", ["hybrid", "ideal", "taylor"])
@@ -81,3 +81,39 @@ def test_an_hour_needs_no_more_memory_than_a_minute(tmp_path: Path) -> None:
     with np.load(out) as file:
         assert file["t"][-1] == pytest.approx(3600.0, abs=1e-9)
         assert file["E_err"].shape == file["t"].shape == (3_000_001,)
+
+
+def unstable(tmp_path: Path) -> Path:
+    file = tmp_path / "unstable.yaml"
+    file.write_text(write_spec(apply(shipped_spec(), {"timing.tau2": 0.09})))
+    return file
+
+
+def test_the_verdict_is_told_in_words_and_in_json(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", "paper", "--duration", "20"]
+    command += ["--out", str(tmp_path / "a.npz"), "--json", str(tmp_path / "a.json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    told = json.loads((tmp_path / "a.json").read_text())["verdict"]
+    assert told["stable"] and told["delay_margin"] == pytest.approx(21.1688, abs=1e-3)
+    assert told["error"]["x1"]["nrmse"] == pytest.approx(0.4475, abs=1e-4)
+    assert "differs from the ideal system by 44.8 %" in done.stdout.splitlines()[-1]
+    assert not done.stderr
+
+
+def test_an_unstable_loop_is_told_before_it_is_simulated(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", str(unstable(tmp_path)), "--duration"]
+    command += ["20000", "--sample", "0.1", "--out", str(tmp_path / "a.npz")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stderr.startswith("rthm: Unstable: a small motion doubles every 21.3 s.")
+    assert len(done.stderr.splitlines()) == 1
+    assert "with tau2 below 78 ms (now 90 ms)" in done.stdout
+    assert "nan" not in done.stdout and "beyond every bound" in done.stdout
+
+
+def test_an_unstable_loop_does_not_move_a_real_machine_unless_asked_to(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "rthm_bringup", "run", str(unstable(tmp_path)), "--plant", "external"]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path / "run")], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert "--unstable" in done.stderr and not (tmp_path / "run").exists()

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rthm_analysis.energy import EnergyResult, energy_of
+from rthm_analysis.outcome import Outcome, outcome_of
 from rthm_analysis.recording import Recording, read_recording
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.errors import InputError
@@ -29,6 +30,7 @@ class Gathered:
     ideal: Trajectory | None
     notes: tuple[str, ...]
     abort: Abort | None = None
+    outcome: Outcome | None = None
 
     @property
     def spec(self) -> Spec | None:
@@ -54,7 +56,9 @@ def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
         ideal = _ideal(recording, energy)
     except InputError as reason:
         notes.append(str(reason))
-    return Gathered(recording, energy, timing, ideal, tuple(dict.fromkeys(notes)), recording.abort or abort)
+    outcome = outcome_of(recording, ideal)
+    noted = tuple(dict.fromkeys(notes))
+    return Gathered(recording, energy, timing, ideal, noted, recording.abort or abort, outcome)
 
 
 def _about_others(recording: Recording) -> list[str]:

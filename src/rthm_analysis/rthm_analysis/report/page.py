@@ -40,8 +40,8 @@ class Section:
     parts: Sequence[str | list[figure]]
 
 
-def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) -> None:
-    """Write the page about a recorded test.
+def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) -> Gathered:
+    """Write the page about a recorded test; return what it shows.
 
     Parameters
     ----------
@@ -57,7 +57,9 @@ def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) 
     InputError
         The recording cannot be read, or the page cannot be written.
     """
-    write_page(page(gather(bag, abort)), html)
+    gathered = gather(bag, abort)
+    write_page(page(gathered), html)
+    return gathered
 
 
 def write_page(text: str, html: str | Path) -> None:
@@ -161,10 +163,11 @@ def _header(gathered: Gathered) -> str:
     recording = gathered.recording
     begin = datetime.fromtimestamp(recording.start_ns / NS, UTC)
     when = f"from {begin:%Y-%m-%d %H:%M:%S} UTC" if begin.year > EARLIEST_YEAR else "in simulated time"
-    facts = fact_boxes(verdict(gathered.energy, gathered.timing))
+    facts = fact_boxes(verdict(gathered.energy, gathered.timing, gathered.outcome))
     words = f"{recording.duration:.3f} s {when}, {len(recording.plant)} samples of the plant"
     abort = f'<p class="abort">{escape(gathered.abort.sentence)}</p>' if gathered.abort else ""
-    return f"<header>{abort}<h1>{escape(_title(gathered))}</h1><p>{words}</p>{facts}</header>"
+    said = "".join(f"<p>{escape(line)}</p>" for line in gathered.outcome.lines()) if gathered.outcome else ""
+    return f"<header>{abort}<h1>{escape(_title(gathered))}</h1><p>{words}</p>{said}{facts}</header>"
 
 
 def fact_boxes(facts: Iterable[Fact]) -> str:
@@ -203,6 +206,8 @@ def _numbers(gathered: Gathered) -> str:
     results: dict[str, Any] = {"timing": gathered.timing.as_dict()}
     if gathered.energy is not None:
         results["energy"] = gathered.energy.as_dict()
+    if gathered.outcome is not None:
+        results["verdict"] = gathered.outcome.as_dict()
     return "".join(
         f'<script type="application/json" id="{name}">{script_safe(to_json(result))}</script>'
         for name, result in results.items()

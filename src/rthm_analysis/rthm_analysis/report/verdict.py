@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 
 from rthm_analysis.energy import EnergyResult
+from rthm_analysis.outcome import Margin, Outcome
+from rthm_analysis.outcome.outcome import UNSEEN, error_words
 from rthm_analysis.timing import TimingResult
 
 GOOD, NOTED, BAD = "good", "noted", "bad"
@@ -31,9 +33,36 @@ class Fact:
     level: str = NOTED
 
 
-def verdict(energy: EnergyResult | None, timing: TimingResult) -> list[Fact]:
+def verdict(energy: EnergyResult | None, timing: TimingResult, outcome: Outcome | None = None) -> list[Fact]:
     """Facts of a recording, the most important first."""
-    return [*(_energies(energy) if energy else []), _deadlines(timing), _samples(timing)]
+    return [
+        *(_outcome(outcome) if outcome else []),
+        *(_energies(energy) if energy else []),
+        _deadlines(timing),
+        _samples(timing),
+    ]
+
+
+def _outcome(outcome: Outcome) -> list[Fact]:
+    """Stability, error against the ideal system, what late samples did, limits that were reached."""
+    facts = []
+    if isinstance(outcome.margin, Margin):
+        stable = outcome.margin.stable
+        facts.append(
+            Fact("Loop", "stable" if stable else "unstable", outcome.stability, GOOD if stable else BAD)
+        )
+    for dof, error in outcome.error.items():
+        value = f"{100.0 * error.nrmse:.3g} %" if math.isfinite(error.nrmse) else f"{error.largest:.3g} m"
+        facts.append(Fact(f"{dof} against the ideal system", value, error_words(dof, error)))
+    if outcome.lateness is not None:
+        late = outcome.lateness
+        changed = f"{100.0 * late.error:.2g} %" if late.error >= UNSEEN else "nothing"
+        level = GOOD if late.ok else BAD
+        facts.append(Fact("Late samples changed", changed, late.words, level))
+    if outcome.limits_touched:
+        reached = ", ".join(outcome.limits_touched)
+        facts.append(Fact("Limits reached", reached, f"Limits that the test reached: {reached}.", BAD))
+    return facts
 
 
 def _energies(energy: EnergyResult) -> list[Fact]:

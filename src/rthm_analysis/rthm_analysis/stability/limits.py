@@ -96,10 +96,10 @@ def _points(loop: LinearLoop, begin: float, end: float, seconds: float) -> Float
     return np.linspace(begin, end, min(max(count, FEWEST), MOST))
 
 
-def scale_limit(spec: Spec, loop: LinearLoop, cycle: Cycle) -> Limit:
-    """Factor on all periods and delays. From zero, where the loop is the ideal system, to 100."""
-    seconds = LARGEST_FACTOR * sum(value for _, value in spec.loop().timing.items())
-    points = _points(loop, 1e-3, LARGEST_FACTOR, seconds)
+def scale_limit(spec: Spec, loop: LinearLoop, cycle: Cycle, upto: float = LARGEST_FACTOR) -> Limit:
+    """Factor on all periods and delays. From zero, where the loop is the ideal system, to `upto`."""
+    seconds = upto * sum(value for _, value in spec.loop().timing.items())
+    points = _points(loop, 1e-3, upto, seconds)
     found = scan(of_scale(loop, cycle), np.concatenate([[1e-3, 1e-2, 0.1], points[1:]]), 1e-9)
     return Limit(1.0, _from_zero(found), 1e-9)
 
@@ -109,13 +109,13 @@ def _from_zero(found: Scan) -> Scan:
     return found._replace(begin=0.0)
 
 
-def delay_limit(spec: Spec, loop: LinearLoop, name: str) -> Limit:
-    """One delay alone, s: from zero to a hundred times its value (of the longest delay when it is zero), or
-    as far as not too much is under way.
+def delay_limit(spec: Spec, loop: LinearLoop, name: str, upto: float = LARGEST_FACTOR) -> Limit:
+    """One delay alone, s: from zero to `upto` times its value (of the longest delay when it is zero), or as
+    far as not too much is under way.
     """
     timing = spec.loop().timing
     nominal = float(getattr(timing, name))
-    end = LARGEST_FACTOR * (nominal or max(getattr(timing, one) for one in DELAYS) or timing.td2)
+    end = upto * (nominal or max(getattr(timing, one) for one in DELAYS) or timing.td2)
     end = _affordable(spec, loop, name, end)
     found = scan(of_delay(spec, loop, name), _points(loop, 0.0, end, end), 1e-9)
     return Limit(nominal, found, 1e-9)

@@ -93,5 +93,6 @@ def all_energies(trajectory: Trajectory) -> dict[str, Floats]:
     """Energies of a trajectory with ``E_err``, the sum of the three errors of the loop."""
     energies = dict(trajectory.energies)
     if energies and "E_err" not in energies:
-        energies["E_err"] = energies["E_num"] + energies["E_ff"] + energies["E_fx"]
+        with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
+            energies["E_err"] = energies["E_num"] + energies["E_ff"] + energies["E_fx"]
     return energies

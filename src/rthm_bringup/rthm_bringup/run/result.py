@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.plan import Plan
 from rthm_core.errors import InputError
+
+if TYPE_CHECKING:
+    from rthm_analysis.outcome import Outcome
 
 WORDS = {
     "E_fx": ("drained by the position cancellation", -1.0),
@@ -37,6 +40,8 @@ class Result:
         As ``rthm timing`` tells them.
     missed_deadlines
         Of all clocks; None: not known.
+    outcome
+        Stability, error against the ideal system, what late samples did; None: no loop, or not known.
     lost
         Samples that were published and never reached the recorder.
     problems
@@ -50,6 +55,7 @@ class Result:
     links: dict[str, Any] = field(default_factory=dict)
     clocks: dict[str, Any] = field(default_factory=dict)
     missed_deadlines: int | None = None
+    outcome: Outcome | None = None
     lost: int = 0
     problems: list[str] = field(default_factory=list)
 
@@ -72,6 +78,7 @@ class Result:
             "clocks": self.clocks,
             "energies": self.energies,
             "equivalent_damping": self.equivalent_damping,
+            "verdict": self.outcome.as_dict() if self.outcome else None,
             "lost": self.lost,
             "network": plan.network.reach,
             "hosts": {name: one and one.as_dict() for name, one in self.ending.clocks.items()},
@@ -103,7 +110,7 @@ class Result:
             lines.append(f"equivalent damping of these three: {self.equivalent_damping:.3f} N s/m")
         if self.missed_deadlines is not None:
             lines.append(f"missed deadlines: {self._deadlines()}")
-        return [*lines, *self.problems]
+        return [*lines, *(self.outcome.lines() if self.outcome else []), *self.problems]
 
     def _deadlines(self) -> str:
         if self.plan.virtual:
@@ -155,7 +162,7 @@ def _analyse(result: Result) -> None:
     result.energies = last_values(energy.as_dict())
     damping = energy.equivalent_damping
     result.equivalent_damping = damping if math.isfinite(damping) else None
-    write_report(result.plan.bag, result.plan.report, result.ending.abort)
+    result.outcome = write_report(result.plan.bag, result.plan.report, result.ending.abort).outcome
 
 
 def _lost_between_nodes(result: Result) -> list[str]:

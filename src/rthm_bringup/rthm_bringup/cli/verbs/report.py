@@ -19,6 +19,7 @@ def verb(
     from rthm_analysis.report import write_report
     from rthm_bringup.cli.output import put
 
-    write_report(bag, out)
-    put({"report": str(out)}, [str(out)], json)
+    outcome = write_report(bag, out).outcome
+    result = {"report": str(out), "verdict": outcome and outcome.as_dict()}
+    put(result, [str(out), *(outcome.lines() if outcome else [])], json)
     return 0

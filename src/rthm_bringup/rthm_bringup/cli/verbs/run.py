@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Amplitude, Json, SpecName
 from rthm_bringup.topics import NAMESPACE
+
+if TYPE_CHECKING:
+    from rthm_core.spec import Spec
 
 
 class Plant(StrEnum):
@@ -64,6 +67,10 @@ def verb(
         bool,
         typer.Option("--compose", help="Numerical side and controller in one process: less to do per tick."),
     ] = False,
+    unstable: Annotated[
+        bool,
+        typer.Option("--unstable", help="Go on with a real machine though the loop is unstable."),
+    ] = False,
     amplitude: Amplitude = 1.0,
     domain: Domain = None,
     network: OpenNetwork = False,
@@ -91,6 +98,7 @@ def verb(
     if plant is Plant.external:
         parts |= {"plant"}
     test = scaled_motion(spec_named(spec), amplitude)
+    _warn(test, refused=plant is Plant.external and not (unstable or dry_run))
     with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(
             test,
@@ -110,3 +118,15 @@ def verb(
         result = perform(plan)
     put(result.as_dict(), result.lines(), json)
     return result.status
+
+
+def _warn(test: Spec, *, refused: bool) -> None:
+    """Say that a loop is unstable; InputError where it must not begin then."""
+    from rthm_bringup.judged import is_unstable
+    from rthm_core.errors import InputError
+
+    if is_unstable(test) and refused:
+        raise InputError(
+            "a real machine is not moved by an unstable loop; change its delays, or give --unstable where"
+            " that is what you want to see."
+        )

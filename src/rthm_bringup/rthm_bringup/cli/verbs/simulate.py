@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,6 +56,7 @@ def verb(
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
     from rthm_bringup.cli.trajectory import trajectory_file
+    from rthm_bringup.judged import Judged
     from rthm_core.spec import scaled_motion
 
     test = scaled_motion(spec_named(spec), amplitude)
@@ -66,16 +68,28 @@ def verb(
             "hybrid and without --sensitivity."
         )
     schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
+    judged = Judged(test, duration, sample) if test.is_loop and system is System.hybrid else None
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
         blocks, changes = _simulated(test, duration, sample, system, schedule, sensitivity or [])
         for block in blocks:
             file.add(block)
+            if judged is not None:
+                judged.add(block)
             report(float(block.t[-1]))
         for name, change in changes.items():
             file.add_change(name, change)
     result = {"file": str(out), "duration": duration, "system": system.value, "energies": file.energies}
-    put(result, [str(out), *table((name, f"{value:+.6e} J") for name, value in file.energies.items())], json)
+    lines = [str(out), *table((name, _joules(value)) for name, value in file.energies.items())]
+    if judged is not None:
+        outcome = judged.outcome()
+        result["verdict"] = outcome.as_dict()
+        lines += ["", *outcome.lines()]
+    put(result, lines, json)
     return 0
+
+
+def _joules(value: float) -> str:
+    return f"{value:+.6e} J" if isfinite(value) else "beyond every bound"
 
 
 def _simulated(

@@ -1,0 +1,85 @@
+"""How far the motion of a test is from that of the ideal system: no delays, no holds, no actuator."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_core.clock import NS, to_ns
+from rthm_core.engine import Trajectory, simulate
+from rthm_core.engine.simulate import checked_step
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+    from rthm_core.spec import Spec
+
+ROWS = 100_000
+"""Instants at which a motion is compared, about."""
+
+
+@dataclass(frozen=True)
+class IdealError:
+    """Error of one dof of the plant against the ideal system.
+
+    Attributes
+    ----------
+    nrmse : float
+        Root mean square error over the root mean square of the ideal motion.
+    largest : float
+        m.
+    """
+
+    nrmse: float
+    largest: float
+
+    def as_dict(self) -> dict[str, float]:
+        """Contract, section 5."""
+        return {"nrmse": self.nrmse, "max": self.largest}
+
+
+class IdealComparison:
+    """Gathers the error of a simulated test from its blocks.
+
+    Parameters
+    ----------
+    spec : Spec
+        A loop.
+    duration : float
+        s.
+    sample : float, optional
+        Distance of the rows of the test, s.
+    """
+
+    def __init__(self, spec: Spec, duration: float, sample: float | None = None) -> None:
+        step = checked_step(spec, duration, sample)
+        self._every = max(1, math.ceil(to_ns(duration) // step / ROWS))
+        self._dofs = spec.plant.dofs if spec.plant else ()
+        ideal = simulate(spec, duration, step * self._every / NS, "ideal", energies=False)
+        self._ideal = ideal.plant_position
+        self._error = np.zeros_like(self._ideal)
+        self._rows = 0
+
+    def add(self, block: Trajectory) -> None:
+        """Compare the next rows of the test."""
+        first = -self._rows % self._every
+        seen = block.plant_position[first :: self._every]
+        at = (self._rows + first) // self._every
+        kept = slice(at, min(at + len(seen), len(self._ideal)))
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._error[kept] = seen[: kept.stop - kept.start] - self._ideal[kept]
+        self._rows += len(block.t)
+
+    def errors(self) -> dict[str, IdealError]:
+        """Error of every dof of the plant."""
+        return {dof: error_of(self._error[:, i], self._ideal[:, i]) for i, dof in enumerate(self._dofs)}
+
+
+def error_of(error: Floats, ideal: Floats) -> IdealError:
+    """Measures of an error (N,), m, beside the ideal motion (N,), m."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        size = float(np.sqrt(np.mean(np.square(ideal))))
+        rms = float(np.sqrt(np.mean(np.square(error))))
+    return IdealError(rms / size if size else math.nan, float(np.abs(error).max(initial=0.0)))

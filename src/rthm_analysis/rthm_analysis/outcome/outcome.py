@@ -1,0 +1,113 @@
+"""The verdict on a test."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from rthm_analysis.outcome.ideal import IdealError
+from rthm_analysis.outcome.margin import Margin
+
+BEYOND = 1e6
+"""Error from which a motion has left every rig, m."""
+
+UNSEEN, HARMLESS = 1e-6, 0.01
+"""Error by late samples, over the ideal motion, up to which nobody sees it, and timing is called good."""
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """What samples that were late, beyond the delays of the spec, changed in a recorded test.
+
+    Attributes
+    ----------
+    error : float
+        Root mean square of the difference between the loop along its recorded delays and along those of the
+        spec, both simulated, over that of the ideal motion: of the dof of the plant where it is largest.
+    """
+
+    error: float
+
+    @property
+    def ok(self) -> bool:
+        """Whether timing did not matter."""
+        return self.error < HARMLESS
+
+    @property
+    def words(self) -> str:
+        """One sentence."""
+        if self.error < UNSEEN:
+            return "Timing did not matter: late samples changed nothing."
+        if self.ok:
+            return f"Timing did not matter: late samples changed the motion by {_percent(self.error)}."
+        return (
+            f"Timing mattered: late samples changed the motion by {_percent(self.error)} (rms of the ideal)."
+        )
+
+    def as_dict(self) -> dict[str, object]:
+        """``timing`` of the verdict (contract, section 5)."""
+        return {"ok": self.ok, "error": self.error}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a test is worth.
+
+    Attributes
+    ----------
+    margin : Margin or str
+        Or why it is not known.
+    error : dict of IdealError
+        By dof of the plant; empty where there is no motion to compare.
+    lateness : Lateness or None
+        None: not known, or nothing can be late.
+    limits_touched : tuple of str
+        Limits of the spec that the test reached.
+    """
+
+    margin: Margin | str
+    error: dict[str, IdealError] = field(default_factory=dict)
+    lateness: Lateness | None = None
+    limits_touched: tuple[str, ...] = ()
+
+    @property
+    def stability(self) -> str:
+        """A sentence on stability."""
+        if isinstance(self.margin, Margin):
+            return self.margin.words
+        return f"Whether the loop is stable is not known: {self.margin}"
+
+    def lines(self) -> list[str]:
+        """For the terminal: stability first, then the error of every dof, timing and limits."""
+        left_out = self.margin.left_out if isinstance(self.margin, Margin) else ()
+        said = [self.stability, *left_out, *(error_words(*one) for one in self.error.items())]
+        if self.lateness is not None:
+            said.append(self.lateness.words)
+        if self.limits_touched:
+            said.append(f"Limits reached: {', '.join(self.limits_touched)}.")
+        return said
+
+    def as_dict(self) -> dict[str, object]:
+        """``verdict`` of the JSON (contract, section 5)."""
+        known = self.margin.as_dict() if isinstance(self.margin, Margin) else {"stable": None}
+        return known | {
+            "error": {dof: one.as_dict() for dof, one in self.error.items()},
+            "timing": self.lateness and self.lateness.as_dict(),
+            "limits_touched": list(self.limits_touched),
+        }
+
+
+def error_words(dof: str, error: IdealError) -> str:
+    """The error of a dof in a sentence."""
+    if not error.largest < BEYOND:
+        return f"{dof} leaves every bound, as the motion of an unstable loop does."
+    if not math.isfinite(error.nrmse):
+        return f"{dof} is up to {error.largest:.3g} m from the ideal system, which does not move."
+    return (
+        f"{dof} differs from the ideal system by {_percent(error.nrmse)} (rms of the ideal motion), by "
+        f"{error.largest:.3g} m at most."
+    )
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.3g} %"

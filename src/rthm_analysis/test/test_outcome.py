@@ -1,0 +1,105 @@
+"""The verdict on a test: stability and margin, error against the ideal system, late samples, limits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rthm_analysis.outcome import (
+    IdealComparison,
+    Lateness,
+    Outcome,
+    ideal,
+    margin_of,
+    margin_or_why,
+    outcome_of,
+)
+from rthm_analysis.outcome.ideal import error_of
+from rthm_analysis.outcome.outcome import error_words
+from rthm_analysis.recording import read_recording
+from rthm_analysis.report.verdict import verdict
+from rthm_analysis.stability import stability
+from rthm_analysis.timing import timing_of
+from rthm_core.engine import simulate
+from rthm_core.engine.simulate import simulate_blocks
+from rthm_core.spec import LimitsSpec, apply, shipped_spec
+
+from .conftest import mcap_file
+from .loop import recorded
+
+PAPER = shipped_spec("paper")
+UNSTABLE = apply(PAPER, {"timing.tau2": 0.09})
+
+
+def test_the_margin_is_that_of_the_whole_analysis_of_stability() -> None:
+    margin, whole = margin_of(PAPER), stability(PAPER)
+    assert margin.stable and margin.spectral_radius == whole.spectral_radius
+    assert margin.scale == pytest.approx(whole.limits["scale"].critical_scale, abs=1e-6)
+    assert margin.delays["tau2"][1] == pytest.approx(whole.limits["tau2"].critical_value, abs=1e-7)
+    assert margin.nearest is not None and margin.nearest[0] == "tau3"
+    assert margin.doubling_time is None
+
+
+def test_an_unstable_loop_says_how_fast_it_grows_and_which_delay_makes_it_stable() -> None:
+    margin = margin_of(UNSTABLE)
+    assert not margin.stable and margin.doubling_time is not None
+    motion = np.abs(simulate(UNSTABLE, 400.0, 0.05, energies=False).plant_position[:, 0])
+    early, late = motion[: motion.size // 2].max(), motion[motion.size // 2 :].max()
+    assert late / early == pytest.approx(2.0 ** (200.0 / margin.doubling_time), rel=0.1)
+    assert margin.nearest is not None and margin.nearest[0] == "tau2"
+    assert margin_of(apply(UNSTABLE, {"timing.tau2": 0.99 * margin.nearest[2]})).stable
+    assert margin.words.startswith("Unstable: a small motion doubles every 21.3 s. It is stable below 0.713")
+
+
+def test_a_loop_whose_stability_is_not_known_says_why() -> None:
+    said = Outcome(margin_or_why(shipped_spec("decay")))
+    assert said.stability.startswith("Whether the loop is stable is not known: ")
+    assert said.as_dict()["stable"] is None
+
+
+@pytest.mark.parametrize(("rows", "near"), [(ideal.ROWS, 1e-9), (1000, 5e-3)])
+def test_the_error_of_the_paper_is_the_one_worked_out_by_hand(
+    rows: int, near: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ideal, "ROWS", rows)
+    beside = IdealComparison(PAPER, 20.0)
+    for block in simulate_blocks(PAPER, 20.0):
+        beside.add(block)
+    test, model = simulate(PAPER, 20.0), simulate(PAPER, 20.0, system="ideal")
+    error = test.plant_position - model.plant_position
+    by_hand = np.sqrt(np.mean(error**2) / np.mean(model.plant_position**2))
+    assert by_hand == pytest.approx(0.4475, abs=1e-4)
+    assert beside.errors()["x1"].nrmse == pytest.approx(by_hand, rel=near)
+    assert beside.errors()["x1"].largest == pytest.approx(np.abs(error).max(), rel=near)
+
+
+def test_words_of_an_error_say_what_there_is_to_say() -> None:
+    assert "44.8 %" in error_words("x1", error_of(np.array([0.448]), np.array([1.0])))
+    assert "does not move" in error_words("x1", error_of(np.array([0.1]), np.array([0.0])))
+    assert "leaves every bound" in error_words("x1", error_of(np.array([np.inf]), np.array([1.0])))
+
+
+def test_a_recorded_test_is_judged_by_its_own_motion_delays_and_limits(tmp_path: Path) -> None:
+    limits = LimitsSpec(command=10.0, position=0.4, velocity=100.0)
+    spec = PAPER.model_copy(update={"limits": limits})
+    recording = read_recording(mcap_file(tmp_path / "loop.mcap", recorded(spec, 3.0)))
+    model = simulate(spec, recording.duration, 0.0012, "ideal", energies=False)
+    found = outcome_of(recording, model)
+    assert found is not None and found.lateness is not None
+    assert found.lateness.ok and found.lateness.error < 1e-9
+    true = simulate(spec, recording.duration, 0.0012, energies=False).plant_position
+    rows = min(len(true), len(model.t))
+    by_hand = error_of(true[:rows, 0] - model.plant_position[:rows, 0], model.plant_position[:rows, 0])
+    assert found.error["x1"].nrmse == pytest.approx(by_hand.nrmse, rel=0.01)
+    assert found.limits_touched == ("position",)
+    facts = verdict(None, timing_of(recording, recording.spec), found)
+    assert [fact.label for fact in facts[:2]] == ["Loop", "x1 against the ideal system"]
+
+
+def test_late_samples_that_move_the_test_are_told() -> None:
+    assert (
+        Lateness(0.02).words == "Timing mattered: late samples changed the motion by 2 % (rms of the ideal)."
+    )
+    assert not Lateness(0.02).ok and Lateness(0.002).ok

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rthm_bringup.cli.output import plain, table
+from rthm_core.effects.base import BLOCKS, effect, family, kinds
+from rthm_core.spec import read_spec, shipped_names, shipped_spec
 
 
 def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
@@ -27,6 +30,11 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["juggle"], "No such command 'juggle'; see rthm --help."),
         (["run", "--dance"], "No such option: --dance"),
         (["run", "--duration", "long"], "Invalid value for '--duration'"),
+        (["simulat"], "Did you mean 'simulate'?"),
+        (["effects", "coulomb_frictoin"], "there is no effect 'coulomb_frictoin'; write coulomb_friction."),
+        (["specs", "papr"], "there is no shipped spec 'papr', only decay, friction, paper"),
+        (["simulate", "papr", "--duration", "1", "--out", "a.npz"], "a shipped one's name: paper is one."),
+        (["simulate", "--duration", "1", "--out", "a.csv"], "--out is a.csv, but a trajectory is written as"),
         (["run", "no_such_spec"], "no_such_spec: there is no such file"),
         (["run", "--duration", "-1"], "The duration is -1 s, but must be from 0 to 1e6 s"),
         (["run", "--domain", "300"], "The domain is 300, but must be between 0 and 232"),
@@ -106,3 +114,31 @@ def test_numbers_that_are_not_finite_become_null() -> None:
 def test_columns_stand_under_each_other() -> None:
     assert table([("a", "1"), ("long", "10")]) == ["a      1", "long  10"]
     assert table([]) == []
+
+
+def test_without_a_verb_there_is_help() -> None:
+    done = rthm()
+    assert done.returncode == 0 and done.stdout == rthm("--help").stdout
+    assert "simulate" in done.stdout and not done.stderr
+
+
+def test_the_version_is_told() -> None:
+    done = rthm("--version")
+    assert done.returncode == 0 and re.fullmatch(r"rthm \d+\.\d+\.\d+\n", done.stdout)
+
+
+def test_a_shipped_spec_that_was_printed_can_be_simulated(tmp_path: Path) -> None:
+    assert [line.split()[0] for line in rthm("specs").stdout.splitlines()] == list(shipped_names())
+    (tmp_path / "mine.yaml").write_text(rthm("specs", "decay").stdout)
+    assert read_spec(tmp_path / "mine.yaml") == shipped_spec("decay")
+
+
+def test_every_effect_is_listed_with_its_parameters() -> None:
+    listed = json.loads(rthm("effects", "--json", "-").stdout)["effects"]
+    told = {(one["block"], one["kind"]): one for one in listed}
+    assert len(told) == len(listed)
+    for block in BLOCKS:
+        for kind in kinds(block):
+            one = told[family(block), kind]
+            assert one["words"] and list(one["parameters"]) == list(effect(kind, block).parameters)
+    assert "F_f sign(v)" in rthm("effects", "coulomb_friction").stdout

@@ -402,7 +402,15 @@ def test_a_path_that_leads_to_no_spec_is_told(tmp_path: Path) -> None:
     binary.write_bytes(bytes(range(256)))
     large.write_bytes(b"#" * 5_000_000)
     for path, told in (
-        (tmp_path / "none.yaml", "there is no such file; give the path of a spec, or a shipped one's name."),
+        (
+            tmp_path / "none.yaml",
+            "there is no such file; give the path of a spec, or a shipped one's name: they are decay, "
+            "friction, paper, paper_noisy, paper_printed, three_mass, transmission.",
+        ),
+        (
+            tmp_path / "papr",
+            "there is no such file; give the path of a spec, or a shipped one's name: paper is one.",
+        ),
         (tmp_path, "this is a folder, but must be a spec file; name the file in it."),
         (Path("/dev/zero"), "this is no ordinary file of at most 4 MB; give the path of a spec."),
         (large, "this is no ordinary file of at most 4 MB; give the path of a spec."),

@@ -6,7 +6,7 @@ import os
 import pkgutil
 import sys
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -30,11 +30,28 @@ def application() -> typer.Typer:
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    app.callback()(lambda: None)  # a single verb is a verb, too
+    app.callback()(_options)
     for module in pkgutil.iter_modules(verbs.__path__):
         name = module.name.rstrip("_").replace("_", "-")
         app.command(name)(import_module(f"{verbs.__name__}.{module.name}").verb)
     return app
+
+
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=lambda asked: _version(asked), is_eager=True, help="Show it."),
+    ] = False,
+) -> None:
+    pass
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        print("rthm", version("rthm_bringup"))
+        raise typer.Exit
 
 
 def main() -> None:
@@ -44,7 +61,8 @@ def main() -> None:
 
 def _status() -> int:
     try:
-        return application()(standalone_mode=False, prog_name="rthm") or 0
+        words = sys.argv[1:] or ["--help"]
+        return application()(words, standalone_mode=False, prog_name="rthm") or 0
     except InputError as error:
         return _told(str(error), BAD_INPUT)
     except ClickError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -63,7 +64,7 @@ def _text_of(path: Path) -> str:
         if path.is_dir():
             raise InputError("this is a folder, but must be a spec file; name the file in it.")
         if not path.exists():
-            raise InputError("there is no such file; give the path of a spec, or a shipped one's name.")
+            raise InputError(_no_such_file(path.name))
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
             raise InputError("this is no ordinary file of at most 4 MB; give the path of a spec.")
         return path.read_text(encoding="utf-8-sig")
@@ -76,6 +77,13 @@ def _text_of(path: Path) -> str:
             raise
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"the file cannot be read ({reason}); check its name and permissions.") from None
+
+
+def _no_such_file(name: str) -> str:
+    shipped = shipped_names()
+    near = get_close_matches(name[:100], shipped, n=1)
+    way_out = f"{near[0]} is one" if near else f"they are {', '.join(shipped)}"
+    return f"there is no such file; give the path of a spec, or a shipped one's name: {way_out}."
 
 
 def _from_folder(name: str, value: Any, spec: Path) -> Any:

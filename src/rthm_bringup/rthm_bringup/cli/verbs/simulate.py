@@ -60,6 +60,11 @@ def verb(
     from rthm_core.spec import scaled_motion
 
     test = scaled_motion(spec_named(spec), amplitude)
+    if out.suffix != ".npz":
+        raise InputError(
+            f"--out is {out}, but a trajectory is written as .npz; name it {out.with_suffix('.npz')}"
+            " (`rthm export` writes recordings as CSV, MAT or Parquet)."
+        )
     if not out.parent.is_dir():
         raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
     if as_recorded is not None and (sensitivity or not test.is_loop or system is not System.hybrid):

@@ -18,11 +18,13 @@ from rthm_analysis.diagnosis.replay.model import Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.drive_starts import drive_starts
 from rthm_analysis.diagnosis.search.judging import (
+    CLOSE,
     ENOUGH,
     PER_PARAMETER,
     Tried,
     best_of_labels,
     clear_gain,
+    doubt,
 )
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
 from rthm_core.compiled import Floats
@@ -116,7 +118,8 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         if not tried or not _better(tried[0], here):
             break
         left = evidence.measured - experiment.predicted(model.spec, runs)
-        if not rounds and _wanders(evidence, left, fitting.sigma):
+        told = doubt(fitting, tried[0].fitted) < CLOSE
+        if not rounds and not told and _wanders(evidence, left, fitting.sigma):
             break
         rounds.append(tried)
         model = tried[0].fitted.model

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import FINE, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import Choice, Tried, doubt
@@ -23,7 +23,7 @@ much tells kinds apart.
 """
 
 COPIED = 5
-"""Kinds of each round of a draft that are copied: the one that was chosen and the nearest others."""
+"""Kinds of each round of a draft that are copied near the noise: the one that was chosen and others."""
 
 IN_WINDOW = 30
 """Samples of a draft in each window at least."""
@@ -76,11 +76,13 @@ def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice |
     before, fitting.doubt = fitting.doubt, draft.doubt
     try:
         fitting.rebase(found.best.model)
-        if draft.experiment.sharp:
-            fitting.experiment.sharpen(found.best.model.spec)
         whole = fitting.fit(found.best.model, most=FINISHING, least=FINE)
+        near = doubt(fitting, whole) < WRONG
+        if near and fitting.experiment.sharpen(whole.model.spec):
+            whole = fitting.fit(whole.model, most=FINISHING, least=FINE)
+        copied = COPIED if near else 1
         rounds = [
-            [one for one in fitting.cores.each_in_parts(lambda t: _tried(fitting, t), tried[:COPIED]) if one]
+            [one for one in fitting.cores.each_in_parts(lambda t: _tried(fitting, t), tried[:copied]) if one]
             for tried in found.rounds
         ]
     except np.linalg.LinAlgError:

@@ -117,8 +117,10 @@ class Experiment:
         self._forget()
 
     def sharpen(self, spec: Spec) -> bool:
-        """Refine the grid from now on if a wire of this model needs it; whether anything changed."""
-        if self.sharp or not can_be_sharper(spec):
+        """Refine the grid from now on if a wire of this model needs it, but for a draft; whether anything
+        changed.
+        """
+        if self.sharp or self._is_draft or not can_be_sharper(spec):
             return False
         self.sharp = True
         self._forget()
@@ -140,7 +142,7 @@ class Experiment:
         """The same test in coarser steps, with the samples that are kept."""
         e = self.evidence
         some = replace(e, stamps_ns=e.stamps_ns[kept], load=e.load[kept], measured=e.measured[kept])
-        return Experiment(some, self.first, self.starts_ns, self.between, self.sharp, e, self.budget)
+        return Experiment(some, self.first, self.starts_ns, self.between, False, e, self.budget)
 
     @property
     def _is_draft(self) -> bool:

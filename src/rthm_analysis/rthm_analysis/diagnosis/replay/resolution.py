@@ -37,7 +37,7 @@ AFFORDED = 20_000
 KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
 """Laws with kinks that the replay does not locate."""
 
-COSTLY = {("wire", "bouc_wen"): 5}
+COSTLY = {("wire", "bouc_wen"): 10}
 """Laws that take more than others: of how many steps a step with one is worth."""
 
 LONGEST_NS = 5_000_000
@@ -56,7 +56,7 @@ def longest_interval(spec: Spec, *, sharp: bool, coarse: bool) -> int:
     fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
     if not fastest_motor:
         return LONGEST_NS
-    angle = SHARP if sharp and _remembers(spec) else COARSE if coarse else TURN
+    angle = (SHARP if sharp else TURN) if _remembers(spec) else COARSE if coarse else TURN
     return min(LONGEST_NS, int(angle / fastest_motor * NS))
 
 

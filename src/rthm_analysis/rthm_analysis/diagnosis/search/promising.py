@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.replay.resolution import COSTLY
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
 from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
@@ -17,6 +18,9 @@ NEAR = 0.15
 
 REFINED = 10
 """Most kinds that are refined."""
+
+STARTS = 2
+"""Starts from which a kind is refined whose replays take many times as long as others'."""
 
 AGAIN = 12
 """Most kinds that are screened once more, with the size that was found."""
@@ -69,7 +73,9 @@ def promising(screened: list[Screened]) -> list[Screened]:
     kinds = {s.start.label[:2] for s in firsts[:5]}
     chosen = list(firsts)
     for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
-        if one.start.label[:2] in kinds and one not in chosen:
+        label = one.start.label
+        enough = label[:2] in COSTLY and sum(other.start.label == label for other in chosen) >= STARTS
+        if label[:2] in kinds and one not in chosen and not enough:
             chosen.append(one)
     return chosen
 

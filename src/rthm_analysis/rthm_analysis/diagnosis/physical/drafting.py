@@ -7,6 +7,7 @@ among some of them finds is fitted to all of them, and the search goes on there 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -14,8 +15,7 @@ from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Begun
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import Choice, Tried, doubt
-from rthm_analysis.diagnosis.search.refining import FINISHING
-from rthm_core.errors import InputError
+from rthm_analysis.diagnosis.search.refining import FINISHING, fit_further, unfitted
 
 SAMPLES, EXCESS = 3_000, 5_000.0
 """Samples that a draft has at least, and squared error in them above the noise, in units of the noise: so
@@ -80,9 +80,9 @@ def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice |
         near = doubt(fitting, whole) < WRONG
         if near and fitting.experiment.sharpen(whole.model.spec):
             whole = fitting.fit(whole.model, most=FINISHING, least=FINE)
-        copied = COPIED if near else 1
+        copied, copy = COPIED if near else 1, partial(_copy, fitting)
         rounds = [
-            [one for one in fitting.cores.each_in_parts(lambda t: _tried(fitting, t), tried[:copied]) if one]
+            [one for one in fitting.cores.each_in_parts(copy, tried[:copied]) if np.isfinite(one.error)]
             for tried in found.rounds
         ]
     except np.linalg.LinAlgError:
@@ -94,10 +94,6 @@ def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice |
     return Choice(begun.retuned, whole, rounds, limits)
 
 
-def _tried(fitting: Fitting, tried: Tried) -> Tried | None:
-    """A candidate fitted to all samples from where the draft left it; None where it diverges."""
-    try:
-        fitted = fitting.fit(tried.fitted.model, most=1)
-    except (InputError, np.linalg.LinAlgError):
-        return None
-    return Tried(tried.start, fitted, float(fitted.left_out.sum()))
+def _copy(fitting: Fitting, tried: Tried) -> Tried:
+    """A candidate fitted to all samples from where the draft left it; its error is inf where it diverges."""
+    return fit_further(fitting, unfitted(tried.start, tried.fitted, tried.fitted.model), None, 1)

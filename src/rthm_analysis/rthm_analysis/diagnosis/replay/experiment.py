@@ -189,15 +189,14 @@ class Experiment:
         lags = [time_constant(some) for some in effects]
         between = any(lags)
         motion, steps = self._motion(bare, _key(bare, windows), windows, between=between)
-        fine, samples = self._inputs(spec)[3::2] if between else (None, slice(None))
+        inputs = self._inputs(spec) if between else None
         columns = []
         for channel, some, lag in zip(channels, effects, lags, strict=True):
             places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
-            if lag:
-                reading = lagged(fine.time, reading, lag)[samples]
-            elif between:
-                reading = reading[samples, 0]
+            if inputs is not None:
+                lagging = lagged(inputs.fine.time, reading, lag) if lag else reading[:, 0]
+                reading = lagging[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, some))
         self.budget.charge(steps if spec.actuator else PLAIN * steps)
         return np.stack(columns, axis=1)

@@ -122,7 +122,7 @@ def verb(
 
 def _warn(test: Spec, *, refused: bool) -> None:
     """Say that a loop is unstable; InputError where it must not begin then."""
-    from rthm_bringup.judged import is_unstable
+    from rthm_bringup.unstable import is_unstable
     from rthm_core.errors import InputError
 
     if is_unstable(test) and refused:

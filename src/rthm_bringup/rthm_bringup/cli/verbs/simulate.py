@@ -53,10 +53,11 @@ def verb(
     json: Json = None,
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
+    from rthm_analysis.outcome import IdealComparison, Outcome
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
     from rthm_bringup.cli.trajectory import trajectory_file
-    from rthm_bringup.judged import Judged
+    from rthm_bringup.unstable import told_margin
     from rthm_core.spec import scaled_motion
 
     test = scaled_motion(spec_named(spec), amplitude)
@@ -73,20 +74,22 @@ def verb(
             "hybrid and without --sensitivity."
         )
     schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
-    judged = Judged(test, duration, sample) if test.is_loop and system is System.hybrid else None
+    is_judged = test.is_loop and system is System.hybrid
+    margin = told_margin(test) if is_judged else ""
+    beside = IdealComparison(test, duration, sample) if is_judged else None
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
         blocks, changes = _simulated(test, duration, sample, system, schedule, sensitivity or [])
         for block in blocks:
             file.add(block)
-            if judged is not None:
-                judged.add(block)
+            if beside is not None:
+                beside.add(block)
             report(float(block.t[-1]))
         for name, change in changes.items():
             file.add_change(name, change)
     result = {"file": str(out), "duration": duration, "system": system.value, "energies": file.energies}
     lines = [str(out), *table((name, _joules(value)) for name, value in file.energies.items())]
-    if judged is not None:
-        outcome = judged.outcome()
+    if beside is not None:
+        outcome = Outcome(margin, beside.errors())
         result["verdict"] = outcome.as_dict()
         lines += ["", *outcome.lines()]
     put(result, lines, json)

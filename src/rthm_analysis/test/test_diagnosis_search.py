@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
+from rthm_analysis.diagnosis.search.judging import looked_for
 from rthm_analysis.diagnosis.search.refining import refined
 from rthm_analysis.diagnosis.search.screening import Screened
 from rthm_analysis.diagnosis.search.starts import Start
@@ -35,6 +36,15 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of(known
     assert start.added.kind == "slack" and pretension.prior is not None
     assert abs(pretension.value - known) < 4.0 * pretension.prior[1] < near
     assert released(model, 0).parameters[0].prior is None
+
+
+def test_beside_the_kind_that_explains_the_force_of_a_wire_no_other_is_looked_for_in_it() -> None:
+    fitting = fitting_of(having("wire", "slack", pretension=0.5), 4)
+    fitting.told["a1"] = "slack"
+    added = [Added("wire", "slack", "a1", {}), Added("wire", "bouc_wen", "a1", {})]
+    added += [Added("wire", "bouc_wen", "a2", {}), Added("plant", "bouc_wen", "x1", {})]
+    starts = [Start(one, (), ()) for one in added]
+    assert list(looked_for(fitting, starts)) == [starts[0], *starts[2:]]
 
 
 @pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])

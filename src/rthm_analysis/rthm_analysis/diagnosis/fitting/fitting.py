@@ -34,6 +34,9 @@ STEP = 1e-3
 FINE, FINER = 1e-4, 0.02
 """Part of the squared error up to which a fit is one that finishes; factor of its last finite differences."""
 
+DIVERGED = 1e6
+"""Error, over the noise or the standard deviation of a signal, of a model that diverges, and at most."""
+
 WRONG = 3.0
 """Doubt above which sensitivities are computed anew at every step of a fit."""
 
@@ -90,6 +93,8 @@ class Fitting:
         Combinations of effects that were fitted.
     simple : bool
         Whether no effect is looked for that can imitate others.
+    told : dict
+        By wire: the kind that explains its own force, beside which no other is looked for in that wire.
 
     Attributes
     ----------
@@ -107,6 +112,7 @@ class Fitting:
     cores: Cores = field(default_factory=Cores)
     asked: set[frozenset[tuple[str, str, str]]] = field(default_factory=set)
     simple: bool = False
+    told: dict[str, str] = field(default_factory=dict)
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:

@@ -20,9 +20,6 @@ SIGNAL_OF = {
 
 BLOCK_OF = {"position": "plant", "velocity": "plant", "force": "wire"}
 
-DIVERGED = 1e6
-"""Error over the standard deviation of the signal beyond which a free run says only that it diverges."""
-
 
 def channel_of(physical: Physical, block: str) -> int | None:
     """First channel that shows a block's output."""
@@ -68,7 +65,7 @@ def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeR
     errors = {name: _free_errors(physical, run) for name, run in runs.items()}
     for k, channel in enumerate(evidence.channels):
         if channel.family == "position":
-            values = {name: min(error[k], DIVERGED) for name, error in errors.items()}
+            values = {name: error[k] for name, error in errors.items()}
             seconds = float(evidence.time[-1] - evidence.time[train])
             found[channel.place] = FreeRun(seconds, values["nominal"], values["retuned"], values["explained"])
     return found
@@ -85,6 +82,4 @@ def _free_errors(physical: Physical, run: Simulated) -> list[float]:
         once = Windows(start, np.stack([physical.windows.state[0], state]), 0.0)
         physical.experiment.begin_at(evidence.stamps_ns[np.union1d(physical.windows.start, start)])
         predicted = physical.experiment.predicted(spec, once)
-    channels = range(len(physical.evidence.channels))
-    found = [nrmse(physical, predicted, k) for k in channels]
-    return [error if np.isfinite(error) else DIVERGED for error in found]
+    return [nrmse(physical, predicted, k) for k in range(len(physical.evidence.channels))]

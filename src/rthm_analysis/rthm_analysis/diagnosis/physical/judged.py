@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
-from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted
 from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -69,17 +69,21 @@ def spread(physical: Physical, channel: int) -> float:
 
 
 def nrmse(physical: Physical, predicted: Floats, channel: int) -> float:
-    """Error on the held-out part over the `spread` of the signal."""
+    """Error on the held-out part over the `spread` of the signal; `DIVERGED` at most."""
     held = slice(physical.train, None)
     error = physical.evidence.measured[held, channel] - predicted[held, channel]
-    return float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel)
+    if not np.isfinite(predicted[held, channel]).all():
+        return DIVERGED
+    return min(float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel), DIVERGED)
 
 
 def errors_of(physical: Physical, predicted: Floats) -> Floats:
-    """Errors (s, k) over the noise and whitened; NaN where nothing was measured."""
-    error = (physical.evidence.measured - predicted) / physical.noise.sigma
-    white = whitened_from(np.nan_to_num(error), physical.noise.colours, physical.windows.start)
-    return np.where(np.isfinite(error), white, np.nan)
+    """Errors (s, k) over the noise and whitened; NaN where nothing was measured, `DIVERGED` at most."""
+    measured = physical.evidence.measured
+    error = np.nan_to_num((np.nan_to_num(measured) - predicted) / physical.noise.sigma, nan=DIVERGED)
+    error = np.where(np.isfinite(measured), np.clip(error, -DIVERGED, DIVERGED), 0.0)
+    white = whitened_from(error, physical.noise.colours, physical.windows.start)
+    return np.where(np.isfinite(measured), white, np.nan)
 
 
 def held_out_squares(physical: Physical, predicted: Floats) -> float:

@@ -60,10 +60,11 @@ def choose(
     """
     choice = _together(fitting, begun, begun.rounds[0]) if begun and begun.rounds else Choice(base, base)
     scores: list[Screened] = []
+    told = [] if choice.rounds else _told(fitting, base)
     while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(choice.best)
         scores = _scores(fitting, choice, known, scores)
-        tried, told = _tried(fitting, choice, known, promising(scores))
+        tried = _tried(fitting, choice, known, promising(scores), told)
         if not tried or not better(tried[0], choice.best) or not relevant(fitting, tried[0], choice):
             break
         tried[0] = _settled(fitting, choice, tried[0], known, told=any(tried[0] is one for one in told))
@@ -72,6 +73,7 @@ def choose(
         if stop(fitting.doubt):
             return choice
         choice = _together(fitting, choice, told or tried)
+        told = []
     if is_lost(fitting, choice):
         return choice
     return compared(fitting, simplified(fitting, combined(fitting, choice)))
@@ -116,15 +118,14 @@ def _scores(fitting: Fitting, choice: Choice, known: Floats, before: list[Screen
 
 
 def _tried(
-    fitting: Fitting, choice: Choice, known: Floats, worth: list[Screened]
-) -> tuple[list[Tried], list[Tried]]:
-    """Refined candidates, best first, and those of them that the force of a wire told."""
+    fitting: Fitting, choice: Choice, known: Floats, worth: list[Screened], told: list[Tried]
+) -> list[Tried]:
+    """Refined candidates, best first, what the force of a wire told among them."""
     if not worth:
-        return [], []
+        return []
     fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in worth))}")
     tried = _plain_first(fitting, choice, refined(fitting, choice.best, known, worth))
-    told = _told(fitting, choice.best) if not choice.rounds and fitting.doubt > WRONG else []
-    return best_of_labels([*told, *tried]) if told else tried, told
+    return best_of_labels([*told, *tried]) if told else tried
 
 
 def _plain_first(fitting: Fitting, choice: Choice, tried: list[Tried]) -> list[Tried]:
@@ -140,11 +141,12 @@ def _plain_first(fitting: Fitting, choice: Choice, tried: list[Tried]) -> list[T
 
 
 def _told(fitting: Fitting, base: Fitted) -> list[Tried]:
-    """The wire that its own force tells all about; none where it does not."""
-    found = told_wire(fitting, base)
+    """The wire that its own force tells all about; none where it does not, or where singles come near."""
+    found = told_wire(fitting, base) if fitting.doubt > WRONG else None
     if found is None:
         return []
     start, model = found
+    fitting.told[start.added.place] = start.added.kind
     return [
         one for one in [fit_further(fitting, unfitted(start, base, model), None, 1)] if np.isfinite(one.error)
     ]

@@ -137,8 +137,14 @@ def _is_sensor(block: str) -> bool:
 
 
 def looked_for(fitting: Fitting, starts: Iterable[Start]) -> Iterator[Start]:
-    """Those starts that are looked for: all, or only what imitates no others."""
-    return (one for one in starts if not (fitting.simple and imitates(*one.label[:2])))
+    """Those starts that are looked for: all, or only what imitates no others; in a wire whose own force is
+    explained by one kind, only that.
+    """
+    for start in starts:
+        block, kind, place = start.label
+        told = fitting.told.get(place, kind) if block == "wire" else kind
+        if kind == told and not (fitting.simple and imitates(block, kind)):
+            yield start
 
 
 def doubt(fitting: Fitting, fitted: Fitted) -> float:

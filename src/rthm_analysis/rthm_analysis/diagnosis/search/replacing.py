@@ -90,8 +90,9 @@ def _plainer_starts(start: Start, best: Fitted, index: int) -> Iterator[Start]:
 def compared(fitting: Fitting, choice: Choice) -> Choice:
     """Fit other kinds that earlier rounds could not tell from the chosen one again, beside all the others.
 
-    One that then predicts unseen data clearly better takes its place.
+    One that then predicts unseen data clearly better takes its place, or what is plainer and as good.
     """
+    before = choice.best
     for index in range(len(choice.rounds) - 1):
         first, rivals = choice.rounds[index][0], _rivals(fitting, choice, index)
         again = [other if whole is None else whole for other, whole in rivals]
@@ -101,7 +102,7 @@ def compared(fitting: Fitting, choice: Choice) -> Choice:
         winner = min(beside, key=lambda one: merit(one.fitted), default=None)
         if winner is not None and merit(winner.fitted) < merit(choice.best) - CLEAR:
             choice = _replaced(fitting, choice, index, winner.start, winner.fitted)
-    return choice
+    return choice if choice.best is before else plainer(fitting, choice)
 
 
 def _rivals(fitting: Fitting, choice: Choice, index: int) -> list[tuple[Tried, Tried | None]]:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
@@ -29,9 +29,6 @@ SETTLED, WHITE = 0.02, 1.5
 
 ROUGH, FINE = 6, 40
 """Runs along the recorded motion for a first fit of every kind, and for the fit of the best."""
-
-DIVERGED = 1e6
-"""Residual, over the noise, of a model that diverges."""
 
 TRUSTED = 3.0
 """Factor on a standard deviation for the noise of the recorded motion, which is not in it."""

@@ -53,6 +53,7 @@ def test_runs_in_simulated_time_that_fall_short_are_named(change: dict) -> None:
 
 def missed(bare: int, composed: int, apart: int = 99) -> dict:
     found = {"ticks": 60000, "bare": bare, "composed": composed, "apart": apart}
+    found["cut_short"] = {"composed": 0, "apart": 2}
     return {"periods": {"0.001": found, "0.0005": found}}
 
 
@@ -62,6 +63,12 @@ def test_a_composed_loop_at_1_ms_misses_no_more_than_a_bare_one() -> None:
     assert unmet == ["ticks missed at 1 ms, composed"]
     assert "ratio 1.20" in judge_short_periods(missed(5, 6))[0].value
     assert "ratio" not in judge_short_periods(missed(0, 0))[0].value
+
+
+def test_runs_that_ended_early_are_told() -> None:
+    composed, apart, *_ = judge_short_periods(missed(5, 5))
+    assert "ended early" not in composed.value
+    assert "2 of 3 runs ended early, with all their ticks missed" in apart.value
 
 
 @pytest.mark.graph

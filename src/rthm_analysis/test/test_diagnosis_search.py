@@ -11,7 +11,8 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
-from rthm_analysis.diagnosis.search.judging import looked_for
+from rthm_analysis.diagnosis.search.judging import doubt, looked_for
+from rthm_analysis.diagnosis.search.pairing import led_by_a_wire
 from rthm_analysis.diagnosis.search.refining import refined
 from rthm_analysis.diagnosis.search.screening import Screened
 from rthm_analysis.diagnosis.search.starts import Start
@@ -45,6 +46,18 @@ def test_beside_the_kind_that_explains_the_force_of_a_wire_no_other_is_looked_fo
     added += [Added("wire", "bouc_wen", "a2", {}), Added("plant", "bouc_wen", "x1", {})]
     starts = [Start(one, (), ()) for one in added]
     assert list(looked_for(fitting, starts)) == [starts[0], *starts[2:]]
+
+
+def test_what_the_force_of_a_wire_tells_leads_to_what_goes_with_it() -> None:
+    slack = having("wire", "slack", pretension=0.5)
+    stop = {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.3, "stiffness": 200.0}
+    fitting = fitting_of(apply(slack, {"effects": ["one", "stop"], "stop": stop | {"damping": 1.0}}), 1)
+    base = fitting.fit(Model(PAPER))
+    fitting.doubt = doubt(fitting, base)
+    led = led_by_a_wire(fitting, base)
+    assert led is not None and fitting.told == {"a1": "slack"}
+    assert [tried[0].label[1] for tried in led.rounds] == ["slack", "end_stop"]
+    assert doubt(fitting, led.best) < 0.1 * doubt(fitting, base)
 
 
 @pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])

@@ -16,6 +16,7 @@ from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, PER_PARAMETER, Choice, clear_gain, doubt
 from rthm_analysis.diagnosis.search.refining import FINISHED, FINISHING
+from rthm_analysis.diagnosis.search.replacing import rounds_refitted
 
 PRUNING = 6
 """Steps of a fit with a value returned to that of the spec."""
@@ -64,10 +65,9 @@ def needed_only(fitting: Fitting, choice: Choice) -> Choice:
     if best is choice.best:
         return choice
     best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
-    rounds = choice.rounds
-    base = best if not rounds else fitting.fit(base.model, most=PRUNING)
+    base = best if not choice.rounds else fitting.fit(base.model, most=PRUNING)
     fitting.doubt = doubt(fitting, best)
-    return Choice(base, best, rounds, choice.limits)
+    return rounds_refitted(fitting, Choice(base, best, choice.rounds, choice.limits))
 
 
 def _without(model: Model, key: str) -> Model:

@@ -47,6 +47,15 @@ def model_of(choice: Choice, starts: list[tuple[int, Start]]) -> Model:
     return model
 
 
+def rounds_refitted(fitting: Fitting, choice: Choice) -> Choice:
+    """The same, what each round but the last added fitted again beside the values of the present base."""
+    rounds = list(choice.rounds)
+    for i, (first, *others) in enumerate(rounds[:-1]):
+        upto = fitting.fit(model_of(choice, [(j, tried[0].start) for j, tried in enumerate(rounds[: i + 1])]))
+        rounds[i] = [Tried(first.start, upto, float(upto.left_out.sum())), *others]
+    return replace(choice, rounds=rounds)
+
+
 def plainer(fitting: Fitting, choice: Choice) -> Choice:
     """Put plainer kinds in the place of others, where they predict unseen data as well."""
     for index, tried in enumerate(choice.rounds):

@@ -63,9 +63,8 @@ def _missed(spec: str, period: float, duration: float, folder: Path) -> dict[str
         found["bare"] += missed_ticks(period, duration)
         for way, options in WAYS.items():
             try:
-                found[way] += run(str(file), duration, folder / f"{period}-{way}-{number}", *options)[
-                    "missed_deadlines"
-                ]
+                told = run(str(file), duration, folder / f"{period}-{way}-{number}", *options)
+                found[way] += told["missed_deadlines"]
             except RuntimeError as error:
                 found[way] += ticks
                 found["cut_short"][way] += 1

@@ -72,6 +72,11 @@ class Fitted:
         return self.sums.left_out()
 
 
+def bounded(errors: Floats) -> Floats:
+    """Errors with `DIVERGED` in the place of what is larger or not finite."""
+    return np.clip(np.nan_to_num(errors, nan=DIVERGED), -DIVERGED, DIVERGED)
+
+
 @dataclass
 class Fitting:
     """Fits of the training part of one recording: the experiment holds nothing else.

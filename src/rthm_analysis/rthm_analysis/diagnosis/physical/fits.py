@@ -65,9 +65,10 @@ def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeR
     errors = {name: _free_errors(physical, run) for name, run in runs.items()}
     for k, channel in enumerate(evidence.channels):
         if channel.family == "position":
-            values = {name: error[k] for name, error in errors.items()}
             seconds = float(evidence.time[-1] - evidence.time[train])
-            found[channel.place] = FreeRun(seconds, values["nominal"], values["retuned"], values["explained"])
+            found[channel.place] = FreeRun(
+                seconds, *(errors[name][k] for name in ("nominal", "retuned", "explained"))
+            )
     return found
 
 

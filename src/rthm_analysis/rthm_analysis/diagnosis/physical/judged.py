@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
-from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted
+from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, bounded
 from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -80,8 +80,8 @@ def nrmse(physical: Physical, predicted: Floats, channel: int) -> float:
 def errors_of(physical: Physical, predicted: Floats) -> Floats:
     """Errors (s, k) over the noise and whitened; NaN where nothing was measured, `DIVERGED` at most."""
     measured = physical.evidence.measured
-    error = np.nan_to_num((np.nan_to_num(measured) - predicted) / physical.noise.sigma, nan=DIVERGED)
-    error = np.where(np.isfinite(measured), np.clip(error, -DIVERGED, DIVERGED), 0.0)
+    error = bounded((np.nan_to_num(measured) - predicted) / physical.noise.sigma)
+    error = np.where(np.isfinite(measured), error, 0.0)
     white = whitened_from(error, physical.noise.colours, physical.windows.start)
     return np.where(np.isfinite(measured), white, np.nan)
 

@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.search.doubted_tones import TONE, lasts
 from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
-from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
+from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import Start
 from rthm_analysis.diagnosis.search.subsets import promised
 
@@ -125,13 +125,8 @@ def _chosen(fitting: Fitting, choice: Choice, pieces: list[Piece], fitted: Fitte
     fitted = _rebased(fitting, fitted, pieces[-1].start)
     others = {tried[0].label: tried[1:] for tried in choice.rounds}
     last = choice.rounds[-1][0]
-    whole = Choice(choice.base, fitted, [[Tried(one.start, fitted, 0.0)] for one in pieces], choice.limits)
-    rounds = []
-    for i, one in enumerate(pieces):
-        upto = fitted
-        if i + 1 < len(pieces):
-            upto = fitting.fit(model_of(whole, [(j, p.start) for j, p in enumerate(pieces[: i + 1])]))
-        rounds.append([Tried(one.start, upto, float(upto.left_out.sum())), *others.get(one.start.label, [])])
+    error = float(fitted.left_out.sum())
+    rounds = [[Tried(one.start, fitted, error), *others.get(one.start.label, [])] for one in pieces]
     if last.label not in {one.start.label for one in pieces}:
         rounds[-1].append(Tried(last.start, choice.best, last.error))
-    return Choice(choice.base, fitted, rounds, choice.limits)
+    return rounds_refitted(fitting, Choice(choice.base, fitted, rounds, choice.limits))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, Fitting, bounded
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
@@ -78,7 +78,7 @@ class _Alone(NamedTuple):
 def _left(alone: WiresAlone, model: Model) -> Floats:
     """What a model leaves of the forces, over their noise; far more than any does where it diverges."""
     try:
-        return np.clip(np.nan_to_num(alone.residual(model), nan=DIVERGED), -DIVERGED, DIVERGED)
+        return bounded(alone.residual(model))
     except InputError:
         return np.full(alone.size, DIVERGED)
 

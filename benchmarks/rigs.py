@@ -22,11 +22,12 @@ RTHM = [sys.executable, "-m", "rthm_bringup"]
 
 @dataclass
 class Told:
-    """A run that is over: its status, its JSON, what it printed, and its recording."""
+    """A run that is over: its status, its JSON, its output, what it said beside it, and its recording."""
 
     status: int
     json: dict[str, Any]
     out: str
+    notes: str
 
     @property
     def recording(self) -> Recording:
@@ -66,15 +67,15 @@ class Runs:
             env=self.environment,
             stdin=keyboard,
             stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
+            stderr=subprocess.PIPE,
             text=True,
         ) as run:
 
             def ended() -> Told:
-                said, _ = run.communicate(timeout=300)
-                assert json_file.exists() or run.returncode < 0, said
+                out, notes = run.communicate(timeout=300)
+                assert json_file.exists() or run.returncode < 0, out + notes
                 told = json.loads(json_file.read_text()) if json_file.exists() else {}
-                return Told(run.returncode, told, said)
+                return Told(run.returncode, told, out, notes)
 
             try:
                 yield run, ended

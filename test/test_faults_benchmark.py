@@ -35,7 +35,7 @@ def recording(stamp_ms: list[float], sent_ms: list[float], u_d: list[float]) -> 
 
 
 def outcome(fault: Fault, figures: Figures, status: int = 3, **abort: object) -> Outcome:
-    told = Told(status, {"abort": ABORT | abort, "problems": []}, "")
+    told = Told(status, {"abort": ABORT | abort, "problems": []}, "", "")
     return judged(Case(fault, PATIENT, 10 * NS, Stalls()), told, figures, [], DriverLog([]))
 
 

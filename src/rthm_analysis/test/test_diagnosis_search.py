@@ -11,12 +11,12 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
-from rthm_analysis.diagnosis.search.judging import doubt, looked_for
-from rthm_analysis.diagnosis.search.pairing import led_by_a_wire
-from rthm_analysis.diagnosis.search.refining import refined
+from rthm_analysis.diagnosis.search.beside_wires import led_by_a_wire, one_by_one
+from rthm_analysis.diagnosis.search.judging import CLOSE, doubt, looked_for
+from rthm_analysis.diagnosis.search.refining import fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.screening import Screened
 from rthm_analysis.diagnosis.search.starts import Start
-from rthm_analysis.diagnosis.search.told_wires import released, told_wire
+from rthm_analysis.diagnosis.search.told_wires import released, told_wires
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply
@@ -30,9 +30,7 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of(known
     slack = having("wire", "slack", pretension=known)
     stop = {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.3, "stiffness": 200.0}
     fitting = fitting_of(apply(slack, {"effects": ["one", "stop"], "stop": stop | {"damping": 1.0}}), 1)
-    told = told_wire(fitting, fitting.fit(Model(PAPER)))
-    assert told is not None
-    start, model = told
+    ((start, model),) = told_wires(fitting, fitting.fit(Model(PAPER)))
     (pretension,) = model.parameters
     assert start.added.kind == "slack" and pretension.prior is not None
     assert abs(pretension.value - known) < 4.0 * pretension.prior[1] < near
@@ -60,15 +58,42 @@ def test_what_the_force_of_a_wire_tells_leads_to_what_goes_with_it() -> None:
     assert doubt(fitting, led.best) < 0.1 * doubt(fitting, base)
 
 
+def test_plain_kinds_that_go_with_what_the_force_of_a_wire_tells_are_found_together() -> None:
+    slack = having("wire", "slack", pretension=0.5)
+    drag = {"block": "plant", "kind": "quadratic_drag", "dof": "x1", "coefficient": 1.0}
+    spring = {"block": "plant", "kind": "cubic_stiffness", "dof": "x1", "coefficient": 60.0}
+    both = {"effects": ["one", "drag", "spring"], "drag": drag, "spring": spring}
+    fitting = fitting_of(apply(slack, both), 6)
+    base = fitting.fit(Model(PAPER))
+    fitting.doubt = doubt(fitting, base)
+    led = led_by_a_wire(fitting, base)
+    assert led is not None
+    assert {tried[0].label[1] for tried in led.rounds} == {"slack", "quadratic_drag", "cubic_stiffness"}
+    assert doubt(fitting, led.best) < CLOSE
+
+
+def test_they_are_found_one_after_the_other_as_well() -> None:
+    slack = having("wire", "slack", pretension=0.5)
+    spring = {"block": "plant", "kind": "cubic_stiffness", "dof": "x1", "coefficient": 60.0}
+    fitting = fitting_of(apply(slack, {"effects": ["one", "spring"], "spring": spring}), 6)
+    base = fitting.fit(Model(PAPER))
+    fitting.doubt = doubt(fitting, base)
+    ((start, model),) = told_wires(fitting, base)
+    alone = fit_further(fitting, unfitted(start, base, model), None, 1)
+    with fitting.simple_only():
+        found = one_by_one(fitting, alone)
+    assert [one.label[1] for one in found] == ["slack", "cubic_stiffness"]
+
+
 @pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])
 def test_a_wire_that_does_nothing_tells_nothing(true: Spec) -> None:
     fitting = fitting_of(true, 2)
-    assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
+    assert told_wires(fitting, fitting.fit(Model(PAPER))) == []
 
 
 def test_a_wire_whose_force_was_not_measured_tells_nothing() -> None:
     fitting = fitting_of(having("wire", "slack", pretension=0.5), 3, "position", "velocity")
-    assert told_wire(fitting, fitting.fit(Model(PAPER))) is None
+    assert told_wires(fitting, fitting.fit(Model(PAPER))) == []
 
 
 def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
@@ -83,8 +108,8 @@ def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
         return replay(alone, model)
 
     monkeypatch.setattr(WiresAlone, "residual", refusing)
-    told = told_wire(fitting, fitting.fit(Model(PAPER)))
-    assert told is not None and told[0].added.kind == "slack"
+    ((start, _),) = told_wires(fitting, fitting.fit(Model(PAPER)))
+    assert start.added.kind == "slack"
 
 
 def test_an_effect_that_never_acts_explains_nothing() -> None:

@@ -182,6 +182,16 @@ class Fitting:
         finally:
             self.simple = False
 
+    @contextmanager
+    def told_by(self, kind: str, wire: str) -> Iterator[None]:
+        """Look for no other kind in a wire for a while."""
+        before = self.told
+        self.told = before | {wire: kind}
+        try:
+            yield
+        finally:
+            self.told = before
+
     def states(self, model: Model, here: Floats) -> Floats:
         """Change of the prediction with the initial states (2 n, s k), over the noise."""
         size = 1e-3 * (float(np.nanstd(self.experiment.evidence.measured[:, 0])) or 1.0)

@@ -5,6 +5,7 @@
 ``beginning``    free runs, noise, loads between samples, retuned model
 ``colours``      noise that has a colour
 ``explaining``   from the retuned model to an explanation
+``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured
 ``judged``       errors on data that had no part in any fit or choice

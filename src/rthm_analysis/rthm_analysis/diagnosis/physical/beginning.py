@@ -113,6 +113,16 @@ def with_noise(begun: Begun, noise: Noise) -> Begun:
     return Begun(begun.runs, noise, fitting, nominal, retuned_from(fitting, nominal))
 
 
+def in_short_runs(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
+    """The same in short runs, in which a model that is wrong does not get far from the recording."""
+    longer = begun.fitting
+    longer.progress("looking in short runs, where a wrong model stays near")
+    runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
+    fitting = fitting_of(longer.experiment, runs.first(train), begun.noise, settled, longer.progress)
+    nominal = fitting.fit(settled)
+    return Begun(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
+
+
 def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
     """Whether little is left of what was: far from the noise, the smaller of two errors says nothing."""
     left = old.squares - fitting.expected

@@ -9,14 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.physical.beginning import Begun, fitting_of, retuned_from
+from rthm_analysis.diagnosis.physical.beginning import Begun, in_short_runs
 from rthm_analysis.diagnosis.physical.drafting import drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.budget import FURTHER
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_analysis.diagnosis.search.choosing import choose, is_lost
 from rthm_analysis.diagnosis.search.judging import (
     CLEAR,
@@ -43,7 +42,7 @@ def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Be
     fitting = begun.fitting
     plain = near = None
     if not at_noise(fitting, begun.retuned):
-        near = _short(begun, seen, settled, train) if fitting.doubt > _lost(begun) else None
+        near = in_short_runs(begun, seen, settled, train) if fitting.doubt > _lost(begun) else None
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
         plain = plain_fit(fitting, begun, _freed_near(near))
@@ -151,16 +150,6 @@ def _choice(begun: Begun, stop: Callable[[float], bool]) -> Choice:
     if draft is not None and (fitting.doubt > CLOSE or not draft.rounds):
         return draft
     return choose(fitting, begun.retuned, stop, begun=draft)
-
-
-def _short(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
-    """The same in short runs, in which a model that is wrong does not get far from the recording."""
-    longer = begun.fitting
-    longer.progress("looking in short runs, where a wrong model stays near")
-    runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
-    fitting = fitting_of(longer.experiment, runs.first(train), begun.noise, settled, longer.progress)
-    nominal = fitting.fit(settled)
-    return Begun(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
 
 
 def _freed_near(short: Begun | None) -> Fitted | None:

@@ -25,6 +25,7 @@ from rthm_analysis.diagnosis.physical.beginning import (
 from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, going_on, is_behind
+from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -119,13 +120,21 @@ def diagnose_physical(
         if not is_behind(again, choice):
             begun, choice = again
             noise = _noise_left(begun, choice)
-    part = begun.fitting.experiment
-    experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
+    experiment = _over_everything(begun, seen, first)
+    begun, choice = foreseen(begun, choice, seen, settled, experiment)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
         begun.nominal, choice, drives.limits, drives.left,
     )  # fmt: skip
+
+
+def _over_everything(begun: Begun, seen: Evidence, first: Floats) -> Experiment:
+    """Simulations of the whole recording, as exact as those of its first part."""
+    part = begun.fitting.experiment
+    experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
+    experiment.begin_at(seen.stamps_ns[begun.runs.start])
+    return experiment
 
 
 def _noise_left(begun: Begun, choice: Choice) -> Noise:

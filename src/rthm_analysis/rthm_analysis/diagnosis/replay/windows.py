@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
+SHORT = 1.0
+"""Length of short windows, in periods of the recorded motion."""
+
 PERIODS = 0.015
 """Length of the shortest windows, in periods of the recorded motion: a wrong model stays near for so long."""
 
@@ -91,7 +94,7 @@ def windows(
     duration = float(evidence.time[-1])
     length = None
     if short:
-        length = period(evidence)
+        length = SHORT * period(evidence)
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)

@@ -18,6 +18,7 @@
 ``pieces``        effects of which combinations are made
 ``subsets``       what every combination would leave
 ``combining``     combinations that do better than what was found one by one
+``beside_wires``  what goes beside an effect that the force of a wire tells
 ``choosing``      effects added one at a time, as long as unseen data are predicted better
 ================  =============================================================================
 """

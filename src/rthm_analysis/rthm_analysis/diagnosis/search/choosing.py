@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.search.beside_wires import led_by_a_wire
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
@@ -17,7 +18,7 @@ from rthm_analysis.diagnosis.search.judging import (
     doubt,
     relevant,
 )
-from rthm_analysis.diagnosis.search.pairing import led_by_a_wire, let_go, paired
+from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.replacing import compared

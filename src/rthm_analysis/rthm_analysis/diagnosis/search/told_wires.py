@@ -21,8 +21,11 @@ from rthm_core.errors import InputError
 
 LEFT, APART = 0.25, 4.0
 """Part of the squared error of a wire's force that may be left along the recorded motion, and how many times
-as much every other kind leaves; what is noise counts on neither side.
+as much a kind leaves that explains it less well; what is noise counts on neither side.
 """
+
+TELLING = 2
+"""Kinds at most that may explain a force alike: of more it tells nothing."""
 
 SETTLED, WHITE = 0.02, 1.5
 """Part that is as good as nothing, and how many times its white part something may be that is only noise."""
@@ -34,45 +37,61 @@ TRUSTED = 3.0
 """Factor on a standard deviation for the noise of the recorded motion, which is not in it."""
 
 
-def told_wire(fitting: Fitting, fitted: Fitted) -> tuple[Start, Model] | None:
-    """Effect that explains the force of a wire, and the model with it; None where none or several do."""
+def told_wires(fitting: Fitting, fitted: Fitted) -> list[tuple[Start, Model]]:
+    """Effects that each explain the force of a wire, and models with them, best first.
+
+    None where no effect does, or so many that the force tells nothing.
+    """
     alone, without = fitting.wires_alone, fitted.model
     if not alone.forces:
-        return None
-    here = alone.residual(without)
-    before = _squares(here)
-    if before < WHITE * _white(here, alone):
-        return None
-    best = _best_starts(fitting, without)
-    rough = fitting.cores.each(lambda start: _fitted(alone, without, start.added_to(without), ROUGH), best)
-    if not rough:
-        return None
-    order = sorted(range(len(best)), key=lambda i: rough[i].left)
-    others = min((rough[i].left for i in order[1:]), default=np.inf)
-    fine = _fitted(alone, without, rough[order[0]].model, FINE)
-    noise = _white(fine.residual, alone)
-
-    def beyond(squares: float) -> float:
-        return max(squares - noise, np.sqrt(2.0 * here.size))
-
-    if beyond(fine.left) > LEFT * beyond(before) or beyond(others) < APART * beyond(fine.left):
-        return None
-    if fine.left > max(SETTLED * before, WHITE * noise):
-        return None
-    return best[order[0]], _held(fine, len(without.parameters))
+        return []
+    nothing = _alone(alone, without, alone.residual(without), np.empty(0))
+    if nothing.left < WHITE * nothing.white:
+        return []
+    found = _best_fits(fitting, nothing)
+    least = min((one.beyond(nothing) for _, one in found), default=np.inf)
+    little = max(SETTLED * nothing.left, (WHITE - 1.0) * nothing.white)
+    if least > min(LEFT * nothing.beyond(nothing), little):
+        return []
+    alike = [(start, one) for start, one in found if one.beyond(nothing) < APART * least]
+    return [(start, _held(one, len(without.parameters))) for start, one in alike if len(alike) <= TELLING]
 
 
 class _Alone(NamedTuple):
-    """What is left of a wire's force with its effect at its best, the model, and what is uncertain of it."""
+    """What is left of a wire's force with its effect at its best, the model, and what is uncertain of it.
+
+    Its squared error is `left`; white noise with the same differences from sample to sample has `white`.
+    """
 
     residual: Floats
     model: Model
     stds: Floats
+    left: float
+    white: float
 
-    @property
-    def left(self) -> float:
-        """Squared error."""
-        return _squares(self.residual)
+    def beyond(self, nothing: _Alone) -> float:
+        """Squared error that is no noise, at least what chance leaves.
+
+        An effect that makes the noise of the recorded motion larger excuses no more than a little of it.
+        """
+        noise = min(self.white, WHITE * nothing.white)
+        return float(max(self.left - noise, np.sqrt(2.0 * self.residual.size)))
+
+
+def _alone(alone: WiresAlone, model: Model, residual: Floats, stds: Floats) -> _Alone:
+    columns = residual.reshape(-1, len(alone.forces))
+    white = 0.5 * float(np.square(np.diff(columns, axis=0)).sum())
+    return _Alone(residual, model, stds, _squares(residual), white)
+
+
+def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[Start, _Alone]]:
+    """The kinds that explain the force best, fitted to their end, best first."""
+    alone, without = fitting.wires_alone, nothing.model
+    starts = _best_starts(fitting, without)
+    rough = fitting.cores.each(lambda start: _fitted(alone, without, start.added_to(without), ROUGH), starts)
+    order = sorted(range(len(starts)), key=lambda i: rough[i].beyond(nothing))[: TELLING + 1]
+    fine = [(starts[i], _fitted(alone, without, rough[i].model, FINE)) for i in order]
+    return sorted(fine, key=lambda one: one[1].beyond(nothing))
 
 
 def _left(alone: WiresAlone, model: Model) -> Floats:
@@ -113,7 +132,7 @@ def _fitted(alone: WiresAlone, without: Model, model: Model, most: int) -> _Alon
         lambda values: _left(alone, at(values)), np.ones(len(own)), diff_step=1e-3, max_nfev=most
     )
     stds = TRUSTED * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
-    return _Alone(done.fun, at(done.x), stds)
+    return _alone(alone, at(done.x), done.fun, stds)
 
 
 def _held(found: _Alone, since: int) -> Model:
@@ -133,9 +152,3 @@ def released(model: Model, since: int) -> Model:
 
 def _squares(residual: Floats) -> float:
     return float(residual @ residual)
-
-
-def _white(residual: Floats, alone: WiresAlone) -> float:
-    """Squared error that white noise with the differences of a residual from sample to sample would have."""
-    columns = residual.reshape(-1, len(alone.forces))
-    return 0.5 * float(np.square(np.diff(columns, axis=0)).sum())

@@ -1,0 +1,64 @@
+"""How far ahead a fitted model tells a motion: where neighbouring motions part, only in short runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.fitting.fitting import FINE, Fitted, bounded
+from rthm_analysis.diagnosis.physical.beginning import Begun, in_short_runs
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, doubt
+from rthm_analysis.diagnosis.search.refining import FINISHING
+from rthm_analysis.diagnosis.search.replacing import rounds_refitted
+
+UNSURE = 1.0
+"""What the uncertainty of the values makes of a prediction of unseen data, over the noise, above which one
+free run tells nothing there: after so many contacts the right model, too, is somewhere else.
+"""
+
+
+def foreseen(
+    begun: Begun, choice: Choice, seen: Evidence, settled: Model, whole: Experiment
+) -> tuple[Begun, Choice]:
+    """The same, or in short runs where a model that is at the noise cannot tell the unseen part in one run.
+
+    Parameters
+    ----------
+    begun : Begun
+    choice : Choice
+        Found in `begun`.
+    seen : Evidence
+    settled : Model
+    whole : Experiment
+        Over the whole recording. Nothing that was measured in its unseen part is looked at.
+    """
+    fitting, best = begun.fitting, choice.best
+    if not choice.rounds or begun.runs.length is not None or doubt(fitting, best) > CLOSE:
+        return begun, choice
+    train = fitting.measured.shape[0]
+    if _spread(begun, best, whole, train) < UNSURE:
+        return begun, choice
+    short = in_short_runs(begun, seen, settled, train)
+    try:
+        fitted = short.fitting.fit(best.model, most=FINISHING, least=FINE)
+        short.fitting.doubt = doubt(short.fitting, fitted)
+        again = rounds_refitted(short.fitting, Choice(short.retuned, fitted, choice.rounds, choice.limits))
+    except np.linalg.LinAlgError:
+        return begun, choice
+    return (short, again) if short.fitting.doubt < CLOSE else (begun, choice)
+
+
+def _spread(begun: Begun, best: Fitted, whole: Experiment, train: int) -> float:
+    """Standard deviation of what a fitted model predicts of unseen data, root mean square over the noise."""
+    runs, model = begun.runs, best.model
+    for column, by in enumerate(begun.fitting.state_correction(best)):
+        runs = runs.moved(column, float(by))
+    here = whole.predicted(model.spec, runs)
+    size, directions = np.linalg.eigh(np.nan_to_num(best.sums.covariance()))
+    squares = np.zeros(here[train:].shape)
+    for std, direction in zip(np.sqrt(np.maximum(size, 0.0)), directions.T, strict=True):
+        there = whole.predicted(model.at(model.values + std * direction).spec, runs)
+        squares += np.square(bounded((there - here)[train:] / begun.noise.level))
+    return float(np.sqrt(squares.mean()))

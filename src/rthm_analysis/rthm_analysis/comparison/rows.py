@@ -1,0 +1,122 @@
+"""A comparison as tables: rows of text, the heading first. Terminal and page show the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+from rthm_analysis.comparison.comparison import NAUGHT, Against, Comparison, Difference, part
+from rthm_analysis.comparison.lateness import Estimate
+from rthm_analysis.comparison.tracking import Tracking
+from rthm_analysis.diagnosis.numbers import number, with_unit
+
+Row = tuple[str, ...]
+
+UNKNOWN = "-"
+EXACT_S = 1e-9
+"""Time below which there is none, s."""
+
+
+def difference_rows(against: Against) -> list[Row]:
+    """Motion and forces of a test against the reference: by signal, size, difference, delay, amplitude."""
+    head = ("signal", "rms", "differs by", "at most", "late by", "amplitude", "but for these")
+    return [head, *(_difference(one) for one in against.judged.values())]
+
+
+def _difference(one: Difference) -> Row:
+    late = one.lateness
+    return (
+        one.name,
+        size(one.size, one.unit),
+        part(one.nrmse) if math.isfinite(one.nrmse) else UNKNOWN,
+        size(one.largest if one.largest > NAUGHT * one.size else 0.0, one.unit),
+        seconds(late.delay),
+        _change(late.gain),
+        part(late.rest) if math.isfinite(late.rest) else UNKNOWN,
+    )
+
+
+def energy_rows(comparison: Comparison) -> list[Row]:
+    """By term, energy at the end of every test and the damper that it is; then E_err over the largest
+    E_total. Terms that are zero in all tests are left out.
+    """
+    books = [one.books for one in comparison.told]
+    least = NAUGHT * max((abs(work) for one in books for work in one.at_end.values()), default=0.0)
+    rows = [
+        *_terms([one.at_end for one in books], "", "J", least),
+        *_terms([one.damping for one in books], " as a damper", "N s/m", NAUGHT),
+    ]
+    error = ("energy error", *(part(one.error) if math.isfinite(one.error) else UNKNOWN for one in books))
+    return [("energy", *_names(comparison)), *rows, error] if rows else []
+
+
+def _terms(tests: Sequence[dict[str, float]], words: str, unit: str, least: float) -> Iterator[Row]:
+    """One row for each term that is above the least in one of the tests."""
+    for term in dict.fromkeys(term for one in tests for term in one):
+        values = [one.get(term, math.nan) for one in tests]
+        if any(abs(value) > least for value in values):
+            yield (
+                term + words,
+                *(size(value if abs(value) > least else 0.0 * value, unit) for value in values),
+            )
+
+
+def tracking_rows(comparison: Comparison) -> list[Row]:
+    """What actuators of every test followed, and how well."""
+    head = ("tracking", "test", "J1", "J2", "J3", "FEI amplitude", "FEI delay", "TI")
+    rows = [
+        _tracking(name, one)
+        for name, told in zip(_names(comparison), comparison.told, strict=True)
+        for one in told.trackings
+    ]
+    return [head, *rows] if rows else []
+
+
+def _tracking(name: str, one: Tracking) -> Row:
+    index = one.evaluation
+    return (
+        f"{one.got} after {one.wanted}",
+        name,
+        seconds(one.lateness.delay),
+        part(one.nrmse) if math.isfinite(one.nrmse) else UNKNOWN,
+        part(one.peak) if math.isfinite(one.peak) else UNKNOWN,
+        size(index.amplitude, "", 4),
+        seconds(Estimate(index.delay, math.nan)),
+        size(one.indicator, f"{one.unit}^2"),
+    )
+
+
+def delay_rows(comparison: Comparison) -> list[Row]:
+    """Effective delay of every link, and of command to motion, in every test."""
+    every = [one.delays for one in comparison.told]
+    ways = list(dict.fromkeys(way for one in every for way in one))
+    rows = [(way, *(seconds(one[way]) if way in one else UNKNOWN for one in every)) for way in ways]
+    return [("effective delay", *_names(comparison)), *rows] if rows else []
+
+
+def _names(comparison: Comparison) -> Iterable[str]:
+    return [one.motion.name for one in comparison.told]
+
+
+def size(value: float, unit: str, digits: int = 3) -> str:
+    """A value with its unit; a dash where it is not known."""
+    return with_unit(value + 0.0, unit, digits) if math.isfinite(value) else UNKNOWN
+
+
+def seconds(estimate: Estimate) -> str:
+    """A time with its standard deviation."""
+    if not math.isfinite(estimate.value):
+        return UNKNOWN
+    if abs(estimate.value) < EXACT_S and not estimate.std > EXACT_S:
+        return "0 ms"
+    return number(estimate.value, estimate.std, "s", signed=True, size=math.inf)
+
+
+def _change(gain: Estimate) -> str:
+    """Amplitude error in per cent with its standard deviation."""
+    if not math.isfinite(gain.value):
+        return UNKNOWN
+    change, std = 100.0 * (gain.value - 1.0), 100.0 * gain.std
+    if abs(change) < NAUGHT and not std > NAUGHT:
+        return "0 %"
+    return number(change, std, "%", signed=True, size=math.inf)

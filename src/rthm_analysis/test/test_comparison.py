@@ -136,7 +136,7 @@ def test_a_motor_that_follows_at_once_is_late_by_tau4(bag: Path) -> None:
     found = compare([motion, motion])
     assert found.told[0].delays["a1.command to a1.motor"].value == pytest.approx(0.010, abs=50e-6)
     follows = {each.got: each for each in found.told[0].trackings}
-    assert follows["a1.motor"].lateness.delay.value == pytest.approx(0.010, abs=5e-4)
+    assert follows["a1.motor"].delay == pytest.approx(0.010, abs=5e-4)
     assert follows["a1.motor"].evaluation.amplitude == pytest.approx(1.0, abs=0.02)
     assert follows["a1.motor"].indicator > 0.0
 

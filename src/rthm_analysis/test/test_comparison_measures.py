@@ -28,7 +28,7 @@ def test_the_measures_of_three_samples_are_those_of_a_calculation_on_paper() -> 
     found = tracking("a1.command", "a1.motor", "m", Pair(np.array([0.0, 0.1, 0.2]), wanted, got))
     assert found.nrmse == pytest.approx(np.sqrt((0.3**2 + 0.4**2) / 9.0))
     assert found.peak == pytest.approx(0.4 / 2.0)
-    assert np.isnan(found.lateness.delay.value)
+    assert np.isnan(found.delay)
     # A = 1.5*1.3 + 0*(-3.9) = 1.95; TA = 1.65*1 + 0.35*(-4) = 0.25
     assert found.indicator == pytest.approx(0.5 * (1.95 - 0.25))
 

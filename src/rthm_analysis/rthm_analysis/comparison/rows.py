@@ -77,11 +77,11 @@ def _tracking(name: str, one: Tracking) -> Row:
     return (
         f"{one.got} after {one.wanted}",
         name,
-        seconds(one.lateness.delay),
+        _time(one.delay),
         part(one.nrmse) if math.isfinite(one.nrmse) else UNKNOWN,
         part(one.peak) if math.isfinite(one.peak) else UNKNOWN,
         size(index.amplitude, "", 4),
-        seconds(Estimate(index.delay, math.nan)),
+        _time(index.delay),
         size(one.indicator, f"{one.unit}^2"),
     )
 
@@ -110,6 +110,11 @@ def seconds(estimate: Estimate) -> str:
     if abs(estimate.value) < EXACT_S and not estimate.std > EXACT_S:
         return "0 ms"
     return number(estimate.value, estimate.std, "s", signed=True, size=math.inf)
+
+
+def _time(value: float) -> str:
+    """A time whose uncertainty is not known."""
+    return seconds(Estimate(value, math.nan))
 
 
 def _change(gain: Estimate) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.comparison.lateness import Lateness, lateness
+from rthm_analysis.comparison.lateness import lateness
 from rthm_analysis.comparison.measures import (
     Evaluation,
     frequency_evaluation,
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 FOLLOWED = (("command", "motor"), ("reference", "force"))
 """What an actuator is told, and what follows it."""
 
+AVERAGED = 0.05
+"""Part of a mean period over which signals are averaged before their delay is measured."""
+
 
 @dataclass(frozen=True)
 class Tracking:
@@ -34,8 +37,8 @@ class Tracking:
         Names of the signals.
     unit : str
         Of both.
-    lateness : Lateness
-        Its delay is J1.
+    delay : float
+        J1, s, + where it is late.
     nrmse, peak : float
         J2 and J3.
     evaluation : Evaluation
@@ -47,7 +50,7 @@ class Tracking:
     wanted: str
     got: str
     unit: str
-    lateness: Lateness
+    delay: float
     nrmse: float
     peak: float
     evaluation: Evaluation
@@ -57,7 +60,7 @@ class Tracking:
         """Keys of the JSON."""
         return {
             "wanted": self.wanted,
-            "J1": self.lateness.delay.as_dict(),
+            "J1": self.delay,
             "J2": self.nrmse,
             "J3": self.peak,
             "FEI": self.evaluation.as_dict(),
@@ -83,16 +86,28 @@ def trackings_of(motion: Motion) -> list[Tracking]:
 def tracking(wanted: str, got: str, unit: str, pair: Pair) -> Tracking:
     """Measures of a pair of signals, the wanted one first."""
     error = error_of(pair.other - pair.one, pair.one)
+    step, one, other = _even(pair)
+    evaluation = frequency_evaluation(step, one, other)
     return Tracking(
         wanted,
         got,
         unit,
-        lateness(*pair),
+        _delay(step, one, other, evaluation.frequency),
         error.nrmse,
         peak_error(pair.one, pair.other),
-        frequency_evaluation(*_even(pair)),
+        evaluation,
         tracking_indicator(pair.one, pair.other),
     )
+
+
+def _delay(step: float, one: Floats, other: Floats, frequency: float) -> float:
+    """Delay of the motion, not of the steps in which a held signal goes: both are averaged over the same
+    short part of a period, which delays both alike.
+    """
+    count = round(AVERAGED / (frequency * step)) if frequency > 0.0 else 0
+    if 1 < count < one.size:
+        one, other = (np.convolve(values, np.full(count, 1.0 / count), "valid") for values in (one, other))
+    return lateness(step * np.arange(one.size), one, other).delay.value
 
 
 def _even(pair: Pair) -> tuple[float, Floats, Floats]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from rthm_analysis.comparison import Motion, Signal, compare, motions_at
 from rthm_analysis.comparison.delays import delays_of
 from rthm_analysis.comparison.motion import paired
 from rthm_analysis.comparison.recorded import motion_of_recording
+from rthm_analysis.comparison.rows import difference_rows
 from rthm_analysis.comparison.simulated import motion_of_columns, motion_of_spec, names_of
 from rthm_analysis.energy import energy_of
 from rthm_analysis.recording import Recording, read_recording
@@ -159,11 +161,28 @@ def test_a_trajectory_takes_its_names_from_the_first_source_with_a_spec(tmp_path
     assert alone.dofs == again.dofs == ("x1",)
 
 
+def test_a_recording_without_a_spec_takes_its_names_from_the_others(plant_bag: Callable[[str], Path]) -> None:
+    bag = str(plant_bag("mcap"))
+    recorded_alone, _ = motions_at([bag, "paper"])
+    assert recorded_alone.dofs == ("x1",) and recorded_alone.actuators == ("a1",)
+    assert set(recorded_alone.signals) == {"x1", "a1.motor", "a1.force"}
+    found = compare(motions_at([bag, bag]))
+    assert (
+        set(found.against[0].judged) == {"x1", "a1.motor", "a1.force"} and found.against[0].worst.far == 0.0
+    )
+
+
 def test_what_moves_where_the_reference_is_at_rest_is_beyond_measure() -> None:
-    still = Motion("still", "trajectory", {"x1": ramp("x1", [0, 10**9])}, ("x1",), ())
-    zero = replace(still, signals={"x1": replace(still.signals["x1"], values=np.zeros(2))})
-    assert compare([zero, still], 0.5).words.startswith("differs beyond measure")
-    assert compare([zero, still], 0.5).within is False
+    def moving(name: str, end: float) -> Motion:
+        x1 = Signal("x1", "m", np.array([0, 10**9]), np.array([0.0, end]))
+        return Motion(name, "trajectory", {"x1": x1}, ("x1",), ())
+
+    found = compare([moving("rest", 0.0), moving("slow", 0.1)], 0.5)
+    assert found.words == "differs beyond measure: x1 of slow, against rest, which is zero there."
+    assert found.within is False
+    found = compare([moving("slow", 0.1), moving("far", 1e7)], 0.5)
+    assert found.words == "differs beyond measure: x1 of far, against slow, as it leaves every bound."
+    assert "boundless" in difference_rows(found.against[0])[1]
 
 
 def test_tests_without_a_signal_or_a_time_in_common_are_refused() -> None:

@@ -16,6 +16,7 @@ from rthm_analysis.comparison.measures import peak_error
 from rthm_analysis.comparison.motion import Motion, Pair, paired
 from rthm_analysis.comparison.tracking import Tracking, trackings_of
 from rthm_analysis.outcome.ideal import error_of
+from rthm_analysis.outcome.outcome import BEYOND
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 
@@ -63,12 +64,13 @@ class Difference:
 
     @property
     def far(self) -> float:
-        """`nrmse`, or infinite where the reference is zero, or no number can be told, and there is a
-        difference.
+        """`nrmse`; infinite where the reference is zero and the other is not, or the difference leaves every
+        bound.
         """
-        if math.isfinite(self.nrmse):
-            return self.nrmse
-        return 0.0 if self.largest == 0.0 else math.inf
+        if self.largest == 0.0:
+            return 0.0
+        known = math.isfinite(self.nrmse) and self.largest < BEYOND
+        return self.nrmse if known else math.inf
 
     def as_dict(self) -> dict[str, object]:
         """Keys of the JSON."""
@@ -195,7 +197,8 @@ class Comparison:
         where = f"{most.name} of {self.worst.name}, against {self.reference.name}"
         allowed = "" if self.tolerance is None else f"{100.0 * self.tolerance:.4g} %"
         if not math.isfinite(most.far):
-            return f"differs beyond measure: {where}, where it is zero, or beyond every bound."
+            why = "which is zero there" if most.largest < BEYOND else "as it leaves every bound"
+            return f"differs beyond measure: {where}, {why}."
         if self.tolerance is None:
             return f"differs by {part(most.far)} at most: {where} (rms over that of the reference)."
         if self.within:
@@ -215,7 +218,9 @@ class Comparison:
 
 
 def part(share: float) -> str:
-    """Part of something in per cent; what is the arithmetic's alone is none."""
+    """Part of something in per cent; what is the arithmetic's alone is none, a dash is not known."""
+    if not math.isfinite(share):
+        return "boundless" if share == math.inf else "-"
     return f"{100.0 * share if abs(share) > NAUGHT else 0.0:.3g} %"
 
 

@@ -128,7 +128,7 @@ def _refined(curve: CubicSpline, time: Floats, other: Floats, start: float) -> f
     delay, reach = start, abs(start) + SHARE * (time[-1] - time[0])
     for _ in range(STEPS):
         basis, within = _basis(curve, time, delay)
-        gain, step = np.linalg.lstsq(basis, other[within], rcond=None)[0][:2]
+        gain, step = _least_squares(basis, other[within])[:2]
         change = float(step / gain) if gain else 0.0
         if not abs(delay + change) < reach:
             return start
@@ -140,7 +140,7 @@ def _refined(curve: CubicSpline, time: Floats, other: Floats, start: float) -> f
 
 def _fitted(curve: CubicSpline, time: Floats, other: Floats, delay: float) -> Lateness:
     basis, within = _basis(curve, time, delay)
-    found = np.linalg.lstsq(basis, other[within], rcond=None)[0]
+    found = _least_squares(basis, other[within])
     left = other[within] - basis @ found
     spread = np.sqrt(np.maximum(np.diag(covariance(basis, basis, left)), 0.0))
     size = float(np.sqrt(np.mean(np.square(curve(time[within])))))
@@ -150,6 +150,11 @@ def _fitted(curve: CubicSpline, time: Floats, other: Floats, delay: float) -> La
         Estimate(gain, float(spread[0])),
         float(np.sqrt(np.mean(np.square(left)))) / size,
     )
+
+
+def _least_squares(basis: Floats, values: Floats) -> Floats:
+    """Numbers (p,) with which the basis (s, p) is nearest to values (s,)."""
+    return np.linalg.lstsq(basis.T @ basis, basis.T @ values, rcond=None)[0]
 
 
 def _basis(curve: CubicSpline, time: Floats, delay: float) -> tuple[Floats, np.ndarray]:

@@ -71,10 +71,9 @@ class Signal:
         known = (instants_ns >= self.begin_ns) & (instants_ns <= self.end_ns)
         if self.held:
             return np.where(known, hold(self.at_ns, self.values, instants_ns), np.nan)
-        after = np.clip(np.searchsorted(self.at_ns, instants_ns), 1, max(self.at_ns.size - 1, 1))
-        if self.at_ns.size > 1:
-            wide = self.at_ns[after] - self.at_ns[after - 1] > GAP * self.usual_ns
-            known &= ~wide | np.isin(instants_ns, self.at_ns)
+        after = np.minimum(np.searchsorted(self.at_ns, instants_ns), self.at_ns.size - 1)
+        wide = self.at_ns[after] - self.at_ns[np.maximum(after - 1, 0)] > GAP * self.usual_ns
+        known &= ~wide | (self.at_ns[after] == instants_ns)
         return np.where(known, np.interp(instants_ns, self.at_ns, self.values), np.nan)
 
 

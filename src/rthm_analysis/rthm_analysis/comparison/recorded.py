@@ -14,6 +14,7 @@ from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
+    from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
 
@@ -58,14 +59,21 @@ def motion_of_recording(name: str, recording: Recording, beside: Spec | None = N
 
 
 def _names_in(recording: Recording) -> Names:
-    """Names of a recording that no spec explains: what has a position is a dof, all else pulls."""
-    plant = recording.plant
-    moved = np.isfinite(plant.position).any(axis=0)
-    dofs = tuple(name for name, moves in zip(plant.names, moved, strict=True) if moves)
-    numerical = recording.tables.get("numerical/state")
+    """Names of a recording that no spec explains: what pulls is an actuator, what only moves is a dof; where
+    all that moves pulls as well, as under known loads, it is a dof.
+    """
+    plant, numerical = recording.plant, recording.tables.get("numerical/state")
+    moving = _known(plant.names, plant.position)
+    pulling = _known(plant.names, plant.effort)
+    dofs = tuple(name for name in moving if name not in pulling) or moving
     computed = tuple(name for name in numerical.names if name not in dofs) if numerical else ()
-    pulling = tuple(name for name, moves in zip(plant.names, moved, strict=True) if not moves)
-    return Names(dofs, computed, pulling, tuple(range(len(dofs))))
+    actuators = tuple(name for name in pulling if name not in dofs)
+    return Names(dofs, computed, actuators, tuple(range(len(dofs))))
+
+
+def _known(names: tuple[str, ...], values: Floats) -> tuple[str, ...]:
+    """Names whose column of values (n, k) is known anywhere."""
+    return tuple(name for name, known in zip(names, np.isfinite(values).any(axis=0), strict=True) if known)
 
 
 def _measured(recording: Recording, names: Names) -> dict[str, Signal]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from rthm_analysis.comparison.comparison import NAUGHT, Against, Comparison, Difference, part
 from rthm_analysis.comparison.lateness import Estimate
@@ -13,6 +14,9 @@ from rthm_analysis.diagnosis.numbers import number, with_unit
 Row = tuple[str, ...]
 
 UNKNOWN = "-"
+BOUND = 1e12
+"""Size from which no number is told, SI."""
+
 EXACT_S = 1e-9
 """Time below which there is none, s."""
 
@@ -28,11 +32,11 @@ def _difference(one: Difference) -> Row:
     return (
         one.name,
         size(one.size, one.unit),
-        part(one.nrmse) if math.isfinite(one.nrmse) else UNKNOWN,
+        part(one.far),
         size(one.largest if one.largest > NAUGHT * one.size else 0.0, one.unit),
         seconds(late.delay),
         _change(late.gain),
-        part(late.rest) if math.isfinite(late.rest) else UNKNOWN,
+        part(late.rest),
     )
 
 
@@ -41,24 +45,27 @@ def energy_rows(comparison: Comparison) -> list[Row]:
     E_total. Terms that are zero in all tests are left out.
     """
     books = [one.books for one in comparison.told]
-    least = NAUGHT * max((abs(work) for one in books for work in one.at_end.values()), default=0.0)
     rows = [
-        *_terms([one.at_end for one in books], "", "J", least),
-        *_terms([one.damping for one in books], " as a damper", "N s/m", NAUGHT),
+        *_terms([one.at_end for one in books], "", "J"),
+        *_terms([one.damping for one in books], " as a damper", "N s/m"),
     ]
-    error = ("energy error", *(part(one.error) if math.isfinite(one.error) else UNKNOWN for one in books))
+    error = ("energy error", *(part(one.error) for one in books))
     return [("energy", *_names(comparison)), *rows, error] if rows else []
 
 
-def _terms(tests: Sequence[dict[str, float]], words: str, unit: str, least: float) -> Iterator[Row]:
-    """One row for each term that is above the least in one of the tests."""
+def _terms(tests: Sequence[dict[str, float]], words: str, unit: str) -> Iterator[Row]:
+    """One row for each term that is more than the arithmetic's in one of the tests."""
+    known = [_without_naught(one) for one in tests]
     for term in dict.fromkeys(term for one in tests for term in one):
-        values = [one.get(term, math.nan) for one in tests]
-        if any(abs(value) > least for value in values):
-            yield (
-                term + words,
-                *(size(value if abs(value) > least else 0.0 * value, unit) for value in values),
-            )
+        values = [one.get(term, math.nan) for one in known]
+        if any(values):
+            yield (term + words, *(size(value, unit) for value in values))
+
+
+def _without_naught(terms: dict[str, float]) -> dict[str, float]:
+    """Terms of one test, those zero that are nothing beside the largest."""
+    least = NAUGHT * max(map(abs, terms.values()), default=0.0)
+    return {name: value if abs(value) > least else 0.0 for name, value in terms.items()}
 
 
 def tracking_rows(comparison: Comparison) -> list[Row]:
@@ -78,8 +85,8 @@ def _tracking(name: str, one: Tracking) -> Row:
         f"{one.got} after {one.wanted}",
         name,
         _time(one.delay),
-        part(one.nrmse) if math.isfinite(one.nrmse) else UNKNOWN,
-        part(one.peak) if math.isfinite(one.peak) else UNKNOWN,
+        part(one.nrmse),
+        part(one.peak),
         size(index.amplitude, "", 4),
         _time(index.delay),
         size(one.indicator, f"{one.unit}^2"),
@@ -94,12 +101,17 @@ def delay_rows(comparison: Comparison) -> list[Row]:
     return [("effective delay", *_names(comparison)), *rows] if rows else []
 
 
-def _names(comparison: Comparison) -> Iterable[str]:
-    return [one.motion.name for one in comparison.told]
+def _names(comparison: Comparison) -> list[str]:
+    """What tests are called in headings: by the last part of their names where these are different."""
+    names = [one.motion.name for one in comparison.told]
+    short = {name: Path(name).name for name in names}
+    return [short[name] if len(set(short.values())) == len(short) else name for name in names]
 
 
 def size(value: float, unit: str, digits: int = 3) -> str:
-    """A value with its unit; a dash where it is not known."""
+    """A value with its unit; a dash where it is not known, no number where it leaves every bound."""
+    if abs(value) > BOUND:
+        return "boundless"
     return with_unit(value + 0.0, unit, digits) if math.isfinite(value) else UNKNOWN
 
 

@@ -102,7 +102,12 @@ def _sections(comparison: Comparison) -> list[Section]:
 
 def _table(told: list[rows.Row]) -> str:
     shown = [[_shown(cell) for cell in row] for row in told]
-    return table(shown[0], shown[1:]) if shown else ""
+    return _wide(table(shown[0], shown[1:])) if shown else ""
+
+
+def _wide(html: str) -> str:
+    """Table that may be wider than a phone."""
+    return f'<div class="wide">{html}</div>'
 
 
 def _shown(text: str) -> str:
@@ -111,4 +116,4 @@ def _shown(text: str) -> str:
 
 def _definitions() -> str:
     told = table(("measure", "is", "from"), ((name, *words) for name, words in DEFINITIONS.items()))
-    return told + note_list(SOURCES)
+    return _wide(told) + note_list(SOURCES)

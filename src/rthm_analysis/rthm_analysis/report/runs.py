@@ -50,7 +50,7 @@ def _index(runs: Sequence[Run], html: Path) -> str:
     head, *body = rows(runs)
     top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
     lines = "".join(_line(run, row, html) for run, row in zip(runs, body, strict=True))
-    return f"<table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table>"
+    return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table></div>'
 
 
 def _line(run: Run, row: Sequence[str], html: Path) -> str:

@@ -154,7 +154,7 @@ def _fitted(curve: CubicSpline, time: Floats, other: Floats, delay: float) -> La
 
 def _least_squares(basis: Floats, values: Floats) -> Floats:
     """Numbers (p,) with which the basis (s, p) is nearest to values (s,)."""
-    return np.linalg.lstsq(basis.T @ basis, basis.T @ values, rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(basis.T @ basis, basis.T @ values, rcond=None)[0], dtype=float)
 
 
 def _basis(curve: CubicSpline, time: Floats, delay: float) -> tuple[Floats, np.ndarray]:

@@ -73,13 +73,14 @@ def _names_in(recording: Recording) -> Names:
 
 def _known(names: tuple[str, ...], values: Floats) -> tuple[str, ...]:
     """Names whose column of values (n, k) is known anywhere."""
-    return tuple(name for name, known in zip(names, np.isfinite(values).any(axis=0), strict=True) if known)
+    return tuple(name for name, column in zip(names, values.T, strict=True) if np.isfinite(column).any())
 
 
 def _measured(recording: Recording, names: Names) -> dict[str, Signal]:
     """Positions of dofs and motors, and forces in the wires."""
     plant, numerical = recording.plant, recording.tables.get("numerical/state")
-    at_ns, found = plant.stamp_ns - recording.start_ns, {}
+    at_ns = plant.stamp_ns - recording.start_ns
+    found: dict[str, Signal] = {}
     for dof in names.plant:
         found |= signal(dof, "m", at_ns, plant.columns("position", [dof])[:, 0])
     if numerical is not None:
@@ -94,7 +95,8 @@ def _measured(recording: Recording, names: Names) -> dict[str, Signal]:
 
 def _commanded(recording: Recording, names: Names) -> dict[str, Signal]:
     """Commands, and the force references in them, both held."""
-    table, found = recording.tables.get("actuator/command"), {}
+    table = recording.tables.get("actuator/command")
+    found: dict[str, Signal] = {}
     if table is None:
         return {}
     at_ns = table.stamp_ns - recording.start_ns
@@ -112,7 +114,8 @@ def _books(recording: Recording) -> tuple[dict[str, Signal], Signal | None, tupl
         books = energy_of(recording, recording.spec)
     except InputError as reason:
         return {}, None, (str(reason),)
-    at_ns, found = np.rint(books.t * NS).astype(np.int64), {}
+    at_ns = np.rint(books.t * NS).astype(np.int64)
+    found: dict[str, Signal] = {}
     for term, work in (books.works | {"E_err": books.error, "E_total": books.total}).items():
         found |= signal(term, "J", at_ns, work)
     return found, signal("passed", "m^2/s", at_ns, books.passed).get("passed"), books.notes

@@ -14,6 +14,9 @@ from rthm_analysis.diagnosis.numbers import number, with_unit
 Row = tuple[str, ...]
 
 UNKNOWN = "-"
+EXACT_PERCENT = 1e-7
+"""Change below which there is none, %."""
+
 BOUND = 1e12
 """Size from which no number is told, SI."""
 
@@ -23,7 +26,7 @@ EXACT_S = 1e-9
 
 def difference_rows(against: Against) -> list[Row]:
     """Motion and forces of a test against the reference: by signal, size, difference, delay, amplitude."""
-    head = ("signal", "rms", "differs by", "at most", "late by", "amplitude", "but for these")
+    head = ("signal", "rms", "differs by", "at most", "late by", "amplitude", "left over")
     return [head, *(_difference(one) for one in against.judged.values())]
 
 
@@ -134,6 +137,6 @@ def _change(gain: Estimate) -> str:
     if not math.isfinite(gain.value):
         return UNKNOWN
     change, std = 100.0 * (gain.value - 1.0), 100.0 * gain.std
-    if abs(change) < NAUGHT and not std > NAUGHT:
+    if abs(change) < EXACT_PERCENT and not std > EXACT_PERCENT:
         return "0 %"
     return number(change, std, "%", signed=True, size=math.inf)

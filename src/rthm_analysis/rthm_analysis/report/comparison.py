@@ -22,7 +22,7 @@ FOOTER = (
     "</footer>"
 )
 
-PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+PLUS_MINUS, SPACE = "\N{PLUS-MINUS SIGN}", "\N{NO-BREAK SPACE}"
 
 LEVELS = {True: GOOD, False: BAD, None: NOTED}
 
@@ -67,8 +67,9 @@ def _facts(comparison: Comparison) -> list[Fact]:
 
 def _verdict(comparison: Comparison) -> str:
     if comparison.tolerance is None or comparison.within is None:
-        return "told, not judged"
-    return f"{'within' if comparison.within else 'beyond'} {100.0 * comparison.tolerance:.4g} %"
+        return f"not{SPACE}judged"
+    word = "within" if comparison.within else "beyond"
+    return f"{word}{SPACE}{100.0 * comparison.tolerance:.4g}{SPACE}%"
 
 
 def _sections(comparison: Comparison) -> list[Section]:

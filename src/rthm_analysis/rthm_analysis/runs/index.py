@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rthm_core.errors import InputError, printable
 
@@ -66,7 +66,7 @@ class Run:
         }
 
 
-ORDERS: dict[str, tuple[Callable[[Run], object], bool]] = {
+ORDERS: dict[str, tuple[Callable[[Run], Any], bool]] = {
     "date": (lambda run: run.begun, True),
     "name": (lambda run: run.name, False),
     "spec": (lambda run: run.spec, False),
@@ -109,4 +109,4 @@ def sorted_runs(runs: Iterable[Run], order: str) -> list[Run]:
     if order not in ORDERS:
         raise InputError(f"--sort is {order!r}, but must be one of {', '.join(ORDERS)}; give one of them.")
     key, falling = ORDERS[order]
-    return sorted(runs, key=key, reverse=falling)  # type: ignore[arg-type,type-var]
+    return sorted(runs, key=key, reverse=falling)

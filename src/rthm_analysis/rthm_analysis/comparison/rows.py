@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from rthm_analysis.comparison.comparison import NAUGHT, Against, Comparison, Difference, part
+from rthm_analysis.comparison.against import Against
+from rthm_analysis.comparison.comparison import Comparison
+from rthm_analysis.comparison.difference import NAUGHT, Difference, part
 from rthm_analysis.comparison.lateness import Estimate
 from rthm_analysis.comparison.tracking import Tracking
 from rthm_analysis.diagnosis.numbers import number, with_unit

@@ -107,12 +107,12 @@ def _delay(step: float, one: Floats, other: Floats, frequency: float) -> float:
     count = round(AVERAGED / (frequency * step)) if frequency > 0.0 else 0
     if 1 < count < one.size:
         one, other = _averaged(one, count), _averaged(other, count)
-    return lateness(step * np.arange(one.size), one, other).delay.value
+    return lateness(step * np.arange(one.size, dtype=float), one, other).delay.value
 
 
 def _averaged(values: Floats, count: int) -> Floats:
     """Means of so many neighbours."""
-    return np.asarray(np.convolve(values, np.full(count, 1.0 / count), "valid"), dtype=float)
+    return np.convolve(values, np.full(count, 1.0 / count), "valid").astype(float)
 
 
 def _even(pair: Pair) -> tuple[float, Floats, Floats]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rthm_analysis.bag_analysis import to_json
 from rthm_analysis.comparison import rows
-from rthm_analysis.comparison.comparison import part
+from rthm_analysis.comparison.difference import part
 from rthm_analysis.comparison.measures import DEFINITIONS, SOURCES
 from rthm_analysis.report.page import Section, assemble, fact_boxes, note_list, script_safe, write_page
 from rthm_analysis.report.tables import table

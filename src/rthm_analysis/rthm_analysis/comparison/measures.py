@@ -56,7 +56,8 @@ DEFINITIONS = {
 SOURCES = (
     "Silva, Gomez, Maghareh, Dyke, Spencer 2020: Benchmark control problem for real-time hybrid simulation,"
     " Mech. Syst. Signal Process. 135, 106381",
-    "Guo, Chen, Chen, Xu 2014: frequency domain evaluation of real-time hybrid simulation",
+    "Guo, Chen, Xu, Sanchez 2014: A frequency response analysis approach for quantitative assessment of"
+    " actuator tracking for real-time hybrid simulation, Smart Mater. Struct. 23, 045042",
     "Mercan, Ricles 2007: Stability and accuracy analysis of outer loop dynamics in real-time pseudodynamic"
     " testing of SDOF systems, Earthquake Eng. Struct. Dyn. 36",
 )

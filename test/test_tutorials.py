@@ -17,7 +17,7 @@ from rthm_core.spec import apply, shipped_spec
 
 pytestmark = pytest.mark.usefixtures("nothing_left")
 ROOT = Path(__file__).parents[1]
-PAGES = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+PAGES = [*sorted((ROOT / "docs" / "tutorials").glob("*.md")), ROOT / "docs" / "compare.md"]
 SPECS = ROOT / "src" / "rthm_core" / "rthm_core" / "spec" / "shipped"
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
@@ -48,9 +48,7 @@ def agrees(said: list[str], printed: list[str]) -> bool:
     return bool(printed) and same(said[0], printed[0]) and agrees(said[1:], printed[1:])
 
 
-@pytest.mark.parametrize(
-    "page", sorted((ROOT / "docs" / "tutorials").glob("*.md")), ids=lambda page: page.stem
-)
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_tutorial_prints_what_its_commands_print(
     environment: dict[str, str], tmp_path: Path, page: Path
 ) -> None:

@@ -18,6 +18,9 @@ from rthm_core.errors import InputError, refusal
 NS = 1_000_000_000
 """Nanoseconds in a second."""
 
+EARLIEST_YEAR = 2000
+"""Stamps before it are simulated time, which begins in 1970."""
+
 LONGEST = 2**63 - 1
 """Latest instant that a stored stamp can hold, in ns."""
 

@@ -174,15 +174,15 @@ def forces(gathered: Gathered, span: Range1d) -> list[figure]:
             wanted = reference.columns("effort", [name])[:, 0]
             curves.add(
                 f"reference for {name}",
-                *_steps(recording.seconds(reference.stamp_ns), wanted),
+                *steps(recording.seconds(reference.stamp_ns), wanted),
                 COLOURS[(2 * k + 1) % 8],
             )
             drawn = True
     return [curves.finish()] if drawn else []
 
 
-def _steps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Corners of a held signal."""
+def steps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Corners of a held signal (n,), (2 n - 1,) each."""
     return np.repeat(t, 2)[1:], np.repeat(values, 2)[:-1]
 
 

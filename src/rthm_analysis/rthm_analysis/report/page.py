@@ -18,15 +18,12 @@ from rthm_analysis.report import tables
 from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
 from rthm_analysis.report.verdict import Fact, verdict
-from rthm_core.clock import NS
+from rthm_core.clock import EARLIEST_YEAR, NS
 from rthm_core.errors import InputError
 from rthm_core.events import Abort
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
-
-EARLIEST_YEAR = 2000
-"""Stamps before it are simulated time."""
 
 COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
 

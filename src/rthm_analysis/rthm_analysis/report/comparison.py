@@ -1,0 +1,120 @@
+"""Page of a comparison: verdict, overlays, differences, measures and what they are. It computes nothing."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rthm_analysis.bag_analysis import to_json
+from rthm_analysis.comparison import rows
+from rthm_analysis.comparison.difference import part
+from rthm_analysis.comparison.measures import DEFINITIONS, SOURCES
+from rthm_analysis.report.page import Section, assemble, fact_boxes, note_list, script_safe, write_page
+from rthm_analysis.report.tables import table
+from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
+
+if TYPE_CHECKING:
+    from rthm_analysis.comparison import Comparison
+
+FOOTER = (
+    "<footer>Drag to zoom in, reset to go back, click a name to hide its curve; all time axes move together."
+    "</footer>"
+)
+
+PLUS_MINUS, SPACE = "\N{PLUS-MINUS SIGN}", "\N{NO-BREAK SPACE}"
+
+LEVELS = {True: GOOD, False: BAD, None: NOTED}
+
+
+def write_comparison(comparison: Comparison, html: str | Path) -> None:
+    """Write the page about a comparison; it needs no other file and no network.
+
+    Raises
+    ------
+    InputError
+        The page cannot be written.
+    """
+    write_page(comparison_page(comparison), html)
+
+
+def comparison_page(comparison: Comparison) -> str:
+    """Page as text."""
+    others = ", ".join(one.name for one in comparison.against)
+    title = f"Comparison: {others} against {comparison.reference.name}"
+    numbers = script_safe(to_json(comparison.as_dict()))
+    data = f'<script type="application/json" id="comparison">{numbers}</script>'
+    return assemble(title, _header(title, comparison), _sections(comparison), FOOTER, data)
+
+
+def _header(title: str, comparison: Comparison) -> str:
+    told = "; ".join(one.motion.words for one in comparison.told)
+    answer = f'<p class="answer">{escape(comparison.words[:1].upper() + comparison.words[1:])}</p>'
+    boxes = fact_boxes(_facts(comparison))
+    return f"<header><h1>{escape(title)}</h1>{answer}<p>{escape(told)}</p>{boxes}</header>"
+
+
+def _facts(comparison: Comparison) -> list[Fact]:
+    facts = [Fact("Verdict", _verdict(comparison), comparison.words, LEVELS[comparison.within])]
+    for one in comparison.against:
+        for name, difference in one.judged.items():
+            words = f"Root mean square of the difference of {name}, over that of the reference."
+            allowed = comparison.tolerance
+            level = NOTED if allowed is None else LEVELS[difference.far <= allowed]
+            facts.append(Fact(f"{name} of {one.name}", part(difference.nrmse), words, level))
+    return facts
+
+
+def _verdict(comparison: Comparison) -> str:
+    if comparison.tolerance is None or comparison.within is None:
+        return f"not{SPACE}judged"
+    word = "within" if comparison.within else "beyond"
+    return f"{word}{SPACE}{100.0 * comparison.tolerance:.4g}{SPACE}%"
+
+
+def _sections(comparison: Comparison) -> list[Section]:
+    from rthm_analysis.report.comparison_figures import overlays
+
+    notes = dict.fromkeys(
+        f"{one.motion.name}: {note}" for one in comparison.told for note in one.motion.notes
+    )
+    return [
+        *(
+            Section(
+                f"{one.name} against {comparison.reference.name}",
+                f"Aligned at their starts, over {one.begin:.4g} to {one.end:.4g} s. Time offset:"
+                f" {_shown(rows.seconds(one.offset))}.",
+                [_table(rows.difference_rows(one))],
+            )
+            for one in comparison.against
+        ),
+        Section("Signals", "Each in all tests, and what is between them.", overlays(comparison)),
+        Section(
+            "Tracking",
+            "How well actuators did what they were told, in each test.",
+            [_table(rows.tracking_rows(comparison))],
+        ),
+        Section("Delays", "As they acted, holds included.", [_table(rows.delay_rows(comparison))]),
+        Section("Energy", "Work on the moving masses until the end.", [_table(rows.energy_rows(comparison))]),
+        Section("What is measured", "", [_definitions()]),
+        Section("Notes", "", [note_list(list(notes))] if notes else []),
+    ]
+
+
+def _table(told: list[rows.Row]) -> str:
+    shown = [[_shown(cell) for cell in row] for row in told]
+    return _wide(table(shown[0], shown[1:])) if shown else ""
+
+
+def _wide(html: str) -> str:
+    """Table that may be wider than a phone."""
+    return f'<div class="wide">{html}</div>'
+
+
+def _shown(text: str) -> str:
+    return text.replace("+-", PLUS_MINUS)
+
+
+def _definitions() -> str:
+    told = table(("measure", "is", "from"), ((name, *words) for name, words in DEFINITIONS.items()))
+    return _wide(told) + note_list(SOURCES)

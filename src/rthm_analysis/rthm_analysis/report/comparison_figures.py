@@ -1,0 +1,43 @@
+"""Curves of the page of a comparison: every signal in all tests, and the differences."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from bokeh.models import Range1d
+
+from rthm_analysis.report.figures import COLOURS, INK, Curves, steps
+from rthm_core.clock import NS
+
+if TYPE_CHECKING:
+    from bokeh.plotting import figure
+
+    from rthm_analysis.comparison import Comparison, Signal
+    from rthm_core.compiled import Floats
+
+
+def overlays(comparison: Comparison) -> list[list[figure]]:
+    """For each signal of the reference that another test has: all tests, and below it the differences."""
+    end = max(one.end for one in comparison.against)
+    span = Range1d(0.0, end, bounds="auto")
+    names = dict.fromkeys(name for one in comparison.against for name in one.differences)
+    return [[plot] for name in names for plot in _of_signal(comparison, name, span)]
+
+
+def _of_signal(comparison: Comparison, name: str, span: Range1d) -> list[figure]:
+    unit = comparison.reference.signals[name].unit
+    shown, apart = Curves(name, unit, span), Curves(f"{name}: difference from the reference", unit, span, 200)
+    reference = comparison.reference
+    shown.add(reference.name, *_curve(reference.signals[name]), INK, line_width=2.6, line_alpha=0.75)
+    for told, one, colour in zip(comparison.told[1:], comparison.against, COLOURS * 9, strict=False):
+        if name in one.differences:
+            pair = one.differences[name].pair
+            shown.add(one.name, *_curve(told.motion.signals[name]), colour)
+            apart.add(one.name, pair.time, pair.other - pair.one, colour)
+    return [shown.finish(), apart.finish()]
+
+
+def _curve(signal: Signal) -> tuple[Floats, Floats]:
+    """Times (s) and values; a held signal as steps."""
+    time = signal.at_ns / NS
+    return steps(time, signal.values) if signal.held else (time, signal.values)

@@ -81,8 +81,8 @@ def test_a_recording_differs_from_its_simulation_by_rounding_alone(bag: Path) ->
     assert set(one.judged) == {"x1", "x2", "a1.force", "a1.reference"}
     assert max(each.nrmse for each in one.judged.values()) < 1e-9
     assert one.missing == ("a1.command", "a1.motor")
-    books = found.told[0].books
-    assert books.at_end["E_err"] == pytest.approx(found.told[1].books.at_end["E_err"], abs=1e-3)
+    balance = found.told[0].balance
+    assert balance.at_end["E_err"] == pytest.approx(found.told[1].balance.at_end["E_err"], abs=1e-3)
 
 
 def test_the_error_of_the_paper_is_that_of_its_verdict() -> None:
@@ -145,11 +145,11 @@ def test_a_motor_that_follows_at_once_is_late_by_tau4(bag: Path) -> None:
 
 def test_equivalent_damping_is_that_of_the_books(bag: Path) -> None:
     recording = read_recording(bag)
-    books = energy_of(recording, recording.spec)
+    balance = energy_of(recording, recording.spec)
     found = compare(motions_at([str(bag), "paper"])).told
-    assert found[0].books.damping["E_err"] == pytest.approx(books.equivalent_damping, rel=1e-9)
-    assert found[1].books.damping["E_err"] == pytest.approx(books.equivalent_damping, rel=2e-3)
-    assert found[0].books.error == pytest.approx(books.error[-1] / books.total.max(), rel=1e-9)
+    assert found[0].balance.damping["E_err"] == pytest.approx(balance.equivalent_damping, rel=1e-9)
+    assert found[1].balance.damping["E_err"] == pytest.approx(balance.equivalent_damping, rel=2e-3)
+    assert found[0].balance.error == pytest.approx(balance.error[-1] / balance.total.max(), rel=1e-9)
 
 
 def test_a_trajectory_takes_its_names_from_the_first_source_with_a_spec(tmp_path: Path) -> None:

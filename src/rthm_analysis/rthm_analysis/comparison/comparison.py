@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rthm_analysis.comparison.against import Against, against
-from rthm_analysis.comparison.books import Books, books_of
+from rthm_analysis.comparison.balance import Balance, balance_of
 from rthm_analysis.comparison.delays import delays_of
 from rthm_analysis.comparison.difference import part
 from rthm_analysis.comparison.lateness import Estimate
@@ -25,7 +25,7 @@ class Told:
     motion: Motion
     trackings: list[Tracking]
     delays: dict[str, Estimate]
-    books: Books
+    balance: Balance
 
     def as_dict(self) -> dict[str, object]:
         """Keys of the JSON."""
@@ -36,7 +36,7 @@ class Told:
             "duration": motion.duration,
             "tracking": {one.got: one.as_dict() for one in self.trackings},
             "delays": {name: one.as_dict() for name, one in self.delays.items()},
-            "energy": self.books.as_dict(),
+            "energy": self.balance.as_dict(),
             "notes": list(motion.notes),
         }
 
@@ -133,5 +133,5 @@ def compare(
     reference, *others = motions
     found = tuple(against(reference, other, only) for other in others)
     until = min(round(one.end * NS) for one in found)
-    told = tuple(Told(one, trackings_of(one), delays_of(one), books_of(one, until)) for one in motions)
+    told = tuple(Told(one, trackings_of(one), delays_of(one), balance_of(one, until)) for one in motions)
     return Comparison(told, found, tolerance)

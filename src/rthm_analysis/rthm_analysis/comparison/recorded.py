@@ -111,11 +111,11 @@ def _books(recording: Recording) -> tuple[dict[str, Signal], Signal | None, tupl
     if recording.spec is None:
         return {}, None, ()
     try:
-        books = energy_of(recording, recording.spec)
+        balance = energy_of(recording, recording.spec)
     except InputError as reason:
         return {}, None, (str(reason),)
-    at_ns = np.rint(books.t * NS).astype(np.int64)
+    at_ns = np.rint(balance.t * NS).astype(np.int64)
     found: dict[str, Signal] = {}
-    for term, work in (books.works | {"E_err": books.error, "E_total": books.total}).items():
+    for term, work in (balance.works | {"E_err": balance.error, "E_total": balance.total}).items():
         found |= signal(term, "J", at_ns, work)
-    return found, signal("passed", "m^2/s", at_ns, books.passed).get("passed"), books.notes
+    return found, signal("passed", "m^2/s", at_ns, balance.passed).get("passed"), balance.notes

@@ -49,12 +49,12 @@ def energy_rows(comparison: Comparison) -> list[Row]:
     """By term, energy at the end of every test and the damper that it is; then E_err over the largest
     E_total. Terms that are zero in all tests are left out.
     """
-    books = [one.books for one in comparison.told]
+    balances = [one.balance for one in comparison.told]
     rows = [
-        *_terms([one.at_end for one in books], "", "J"),
-        *_terms([one.damping for one in books], " as a damper", "N s/m"),
+        *_terms([one.at_end for one in balances], "", "J"),
+        *_terms([one.damping for one in balances], " as a damper", "N s/m"),
     ]
-    error = ("energy error", *(part(one.error) for one in books))
+    error = ("energy error", *(part(one.error) for one in balances))
     return [("energy", *_names(comparison)), *rows, error] if rows else []
 
 

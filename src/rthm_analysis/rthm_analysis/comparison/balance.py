@@ -15,7 +15,7 @@ DAMPED = ("E_fx", "E_ff", "E_num", "E_err")
 
 
 @dataclass(frozen=True)
-class Books:
+class Balance:
     """Energies of a test at an instant.
 
     Attributes
@@ -37,7 +37,7 @@ class Books:
         return {"at_end": self.at_end, "energy_error": self.error, "equivalent_damping": self.damping}
 
 
-def books_of(motion: Motion, until_ns: int) -> Books:
+def balance_of(motion: Motion, until_ns: int) -> Balance:
     """Energies of a test at the instant `until_ns`, ns since its start."""
     known = {name: one for name, one in motion.signals.items() if one.unit == "J"}
     at_end = {name: _newest(one, until_ns) for name, one in known.items()}
@@ -46,7 +46,7 @@ def books_of(motion: Motion, until_ns: int) -> Books:
     error = at_end["E_err"] / most if "E_err" in at_end and most else np.nan
     passed = _newest(motion.passed, until_ns) if motion.passed else np.nan
     damping = {term: -at_end[term] / passed for term in DAMPED if term in at_end and passed > 0.0}
-    return Books(at_end, error, damping)
+    return Balance(at_end, error, damping)
 
 
 def _newest(signal: Signal, until_ns: int) -> float:

@@ -200,6 +200,6 @@ def test_the_page_shows_verdict_signals_measures_and_definitions(bag: Path, tmp_
     found = compare(motions_at([str(bag), "paper", str(tmp_path / "late.yaml")]), 0.01)
     page = comparison_page(found)
     assert "more than 1 %" in page and "What is measured" in page
-    for words in ("x1: difference from the reference", "Silva", "effective delay", 'id="comparison"'):
+    for words in ("x1: difference", "Silva", "effective delay", 'id="comparison"'):
         assert words in page
     assert "http://" not in page.split("<main>")[1].split('id="comparison"')[0]

@@ -1,4 +1,4 @@
-"""What the tutorials print is what the commands print."""
+"""What the tutorials and how-to pages print is what the commands print."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from rthm_core.spec import apply, shipped_spec
 
 pytestmark = pytest.mark.usefixtures("nothing_left")
 ROOT = Path(__file__).parents[1]
-PAGES = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+PAGES = sorted(page for kind in ("tutorials", "how-to") for page in (ROOT / "docs" / kind).glob("*.md"))
 SPECS = ROOT / "src" / "rthm_core" / "rthm_core" / "spec" / "shipped"
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r'^```\w+ title="([^"/]+)"\n(.*?)^```$', re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
@@ -48,16 +49,16 @@ def agrees(said: list[str], printed: list[str]) -> bool:
     return bool(printed) and same(said[0], printed[0]) and agrees(said[1:], printed[1:])
 
 
-@pytest.mark.parametrize(
-    "page", sorted((ROOT / "docs" / "tutorials").glob("*.md")), ids=lambda page: page.stem
-)
-def test_a_tutorial_prints_what_its_commands_print(
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_page_prints_what_its_commands_print(
     environment: dict[str, str], tmp_path: Path, page: Path
 ) -> None:
     (tmp_path / "rthm").write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m rthm_bringup "$@"\n')
     (tmp_path / "rthm").chmod(0o755)
     path = os.pathsep.join([str(tmp_path), environment.get("PATH", os.defpath)])
     variables = environment | {"PATH": path, "SPECS": str(SPECS)}
+    for name, text in FILE.findall(page.read_text(encoding="utf-8")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
     told = list(commands(page))
     assert told
     for command, said in told:

@@ -85,7 +85,7 @@ def read(bag: Recorded, effects: Iterable[str | Path] = ()) -> Recording:
     >>> import rthm
     >>> rig = rthm.read("rig/bag")
     >>> f"{rig.duration:.0f} s of {', '.join(rig.plant.names)}"
-    '20 s of x1, a1'
+    '10 s of x1, a1'
     """
     load_effects(effects)
     found = bag if isinstance(bag, recording.Recording) else recording.read_recording(bag)
@@ -175,7 +175,7 @@ def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | P
     Examples
     --------
     >>> import rthm
-    >>> found = rthm.diagnose("rig/bag")
+    >>> found = rthm.diagnose("rig/bag", "paper")
     >>> found.verdict, [one.kind for one in found.physics]
     ('explained', ['coulomb_friction'])
     """

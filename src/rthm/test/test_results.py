@@ -31,7 +31,7 @@ def results(rig: Path) -> dict[str, Any]:
         "stability": rthm.stability("paper", limits=False),
         "response": rthm.response("paper", OMEGA),
         "sweep": rthm.sweep("paper", {"timing.scale": "1:30:3"}, 0.0),
-        "diagnose": rthm.diagnose(bag),
+        "diagnose": rthm.diagnose(bag, "paper"),
     }
 
 

@@ -181,4 +181,5 @@ def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | P
     """
     from rthm_analysis import diagnosis
 
-    return Diagnosis.of(diagnosis.diagnose(*recording.read_with_spec(bag, spec, effects)))
+    recorded = read(bag, effects)
+    return Diagnosis.of(diagnosis.diagnose(recorded, recording.nominal_spec(recorded, spec, effects)))

@@ -1,25 +1,23 @@
-"""A recording together with the model that it is compared with."""
+"""The model that a recording is compared with."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
 
-from rthm_analysis.recording.reading import read_recording
 from rthm_analysis.recording.recording import Recording
-from rthm_core.effects import load_effects
 from rthm_core.spec import Spec, spec_at
 
 
-def read_with_spec(
-    bag: str | Path | Recording, spec: Spec | Path | str | None = None, effects: Iterable[str | Path] = ()
-) -> tuple[Recording, Spec]:
-    """Read a recording, and its nominal model.
+def nominal_spec(
+    recording: Recording, spec: Spec | Path | str | None = None, effects: Iterable[str | Path] = ()
+) -> Spec:
+    """Return the nominal model of a recorded test.
 
     Parameters
     ----------
-    bag
-        A folder or a file, or a recording that was read before.
+    recording
+        The test.
     spec
         What names the model; the recording's own spec when absent.
     effects
@@ -28,8 +26,6 @@ def read_with_spec(
     Raises
     ------
     InputError
-        If the recording or the spec cannot be read.
+        If there is no spec that can be read.
     """
-    loaded = load_effects(effects)
-    recording = bag if isinstance(bag, Recording) else read_recording(bag)
-    return recording, spec_at(recording.known_spec() if spec is None else spec, loaded)
+    return spec_at(recording.known_spec() if spec is None else spec, effects)

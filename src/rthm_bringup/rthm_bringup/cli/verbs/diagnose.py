@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Bag, Effects, Json
+from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
@@ -36,10 +36,11 @@ def verb(
 ) -> int:
     """Say where a recording and its simulation differ, and which physics was left out."""
     from rthm_analysis.diagnosis import diagnose
-    from rthm_analysis.recording import read_with_spec
+    from rthm_analysis.recording import nominal_spec
     from rthm_bringup.cli.output import put, status
 
-    recording, nominal = read_with_spec(bag, spec or None, effects or ())
+    recording = recording_of(bag, effects)
+    nominal = nominal_spec(recording, spec or None, effects or ())
     with status("reading") as say:
         found = diagnose(recording, nominal, say)
     lines = [*_lines(found), *_not_patched(found, patched), *_not_planned(found, next_test)]

@@ -51,12 +51,20 @@ def as_before() -> Iterator[None]:
     yield
     base.forget(one for one in base.declared() if one not in before)
     own._LOADED.clear()
+    own.load_installed.cache_clear()
 
 
 def file_in(folder: Path, text: str = LAW, name: str = "mine.py") -> Path:
     file = folder / name
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def announced(monkeypatch: pytest.MonkeyPatch, module: str) -> None:
+    """Have a module announced by an installed package."""
+    point = EntryPoint("magnets", module, own.GROUP)
+    monkeypatch.setattr(own, "entry_points", lambda group: [point])
+    own.load_installed.cache_clear()
 
 
 def rig(block: str, kind: str, place: str, **parameters: float) -> Trajectory:
@@ -147,11 +155,19 @@ def test_what_an_installed_package_announces_is_known_without_being_named(
 ) -> None:
     file_in(tmp_path, LAW, "announced_mine.py")
     monkeypatch.syspath_prepend(tmp_path)
-    point = EntryPoint("magnets", "announced_mine", base.GROUP)
-    monkeypatch.setattr(base, "entry_points", lambda group: [point])
-    base._load_installed.cache_clear()
+    announced(monkeypatch, "announced_mine")
     assert "mine" in kinds("plant") and effect("mine", "plant").kind == "mine"
     assert not any(one.kind == "mine" for one in base.shipped("plant"))
+
+
+def test_what_an_installed_package_announces_must_be_a_law_of_force(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file_in(tmp_path, LAW.replace('("plant",)', '("sensor",)'), "announced_sensor.py")
+    monkeypatch.syspath_prepend(tmp_path)
+    announced(monkeypatch, "announced_sensor")
+    with pytest.raises(InputError, match=r"a package \(announced_sensor\) declares mine for sensor"):
+        kinds("sensor.force")
 
 
 @pytest.mark.parametrize(

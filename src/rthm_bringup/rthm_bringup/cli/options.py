@@ -23,7 +23,9 @@ Wait = Annotated[float, typer.Option(metavar="S", help="How long to wait for a s
 Effects = Annotated[
     list[str] | None,
     typer.Option(
-        "--effects", metavar="FILE", help="Python file that declares kinds of effects; it is executed."
+        "--effects",
+        metavar="FILE",
+        help="Python file that declares kinds of effects; it is executed. Can be repeated.",
     ),
 ]
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]

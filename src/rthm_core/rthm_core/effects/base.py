@@ -22,14 +22,13 @@ import pkgutil
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from string import Formatter
 from typing import ClassVar, TypeVar
 
 from rthm_core.effects.guess import Guess, Signals
 from rthm_core.effects.possible import Plainer, Possible, Values, identified
-from rthm_core.errors import InputError, RefusedError
+from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
 
 EffectParameter = Quantity
@@ -165,23 +164,11 @@ def _load() -> None:
         importlib.import_module(f"{__package__}.{module.name}")
 
 
-GROUP = "rthm.effects"
-"""Entry points by which an installed package announces modules that declare kinds."""
-
-
-@cache
 def _load_installed() -> None:
     """Import what installed packages announce, once."""
-    _load()
-    for found in entry_points(group=GROUP):
-        try:
-            found.load()
-        except Exception as error:
-            package = found.dist.name if found.dist else "a package"
-            raise InputError(
-                f"the effects of {package} ({found.value}) cannot be loaded ({type(error).__name__}: "
-                f"{error}); repair or remove the package."
-            ) from error
+    from rthm_core.effects.own import load_installed  # checks laws, which are derived from this module's base
+
+    load_installed()
 
 
 def declared() -> tuple[type[Effect], ...]:

@@ -11,13 +11,14 @@ import hashlib
 import importlib
 import importlib.util
 import sys
-from collections.abc import Iterable
-from importlib.machinery import ModuleSpec
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import entry_points
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
-from rthm_core.effects.base import Effect, declared, forget
+from rthm_core.effects.base import declared, forget
 from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
 from rthm_core.errors import InputError, shown
 from rthm_core.quantity import Text
@@ -27,6 +28,9 @@ _LOADED: dict[str, bytes] = {}
 
 KEY = "effects_from"
 """Key of a spec that lists files and modules."""
+
+GROUP = "rthm.effects"
+"""Entry points by which an installed package announces modules that declare kinds."""
 
 
 def load_effects(sources: Iterable[str | Path], folder: Path | None = None) -> tuple[str, ...]:
@@ -72,11 +76,41 @@ def _load(source: str) -> str:
         if known != digest:
             raise InputError(f"{source} was changed after it was loaded; start Python again.")
         return source
+    with _declaring(source):
+        _execute(source)
+    _LOADED[source] = digest
+    return source
+
+
+@cache
+def load_installed() -> None:
+    """Import what installed packages announce in the group of entry points `GROUP`, once.
+
+    Raises
+    ------
+    InputError
+        When one of them fails, or declares what nothing would compute with.
+    """
+    for found in entry_points(group=GROUP):
+        with _declaring(f"{found.dist.name if found.dist else 'a package'} ({found.value})", named=False):
+            found.load()
+
+
+@contextmanager
+def _declaring(source: str, *, named: bool = True) -> Iterator[None]:
+    """Check the kinds that are declared meanwhile, and take them out again if anything is wrong; where a
+    source was `named` for them there must be some.
+    """
     before = set(declared())
     try:
-        module = _module(source)
+        yield
         found = [one for one in declared() if one not in before]
-        _check(source, module, found)
+        if not found and named and source not in sys.modules:
+            raise InputError(
+                f"{source} declares no kind of effect; decorate a class of PlantLaw with register."
+            )
+        for law in found:
+            _check_law(source, law)
     except Exception as error:
         forget(one for one in declared() if one not in before)
         if isinstance(error, InputError):
@@ -84,8 +118,6 @@ def _load(source: str) -> str:
         raise InputError(
             f"{source} cannot be loaded as effects ({type(error).__name__}: {error}); correct it."
         ) from error
-    _LOADED[source] = digest
-    return source
 
 
 def _digest(source: str) -> bytes:
@@ -100,27 +132,18 @@ def _digest(source: str) -> bytes:
     return hashlib.sha256(content).digest()
 
 
-def _module(source: str) -> ModuleType:
+def _execute(source: str) -> None:
     """Execute a file or import a module."""
     if not source.endswith(".py"):
-        return importlib.import_module(source)
+        importlib.import_module(source)
+        return
     path = Path(source)
     name = f"{path.stem}_{hashlib.sha256(source.encode()).hexdigest()[:8]}"
     found = importlib.util.spec_from_file_location(name, path)
-    assert isinstance(found, ModuleSpec) and found.loader is not None
+    assert found is not None and found.loader is not None
     module = importlib.util.module_from_spec(found)
     sys.modules[name] = module
     found.loader.exec_module(module)
-    return module
-
-
-def _check(source: str, module: ModuleType, found: list[type[Effect]]) -> None:
-    """Refuse what nothing would compute with."""
-    kept = [one for one in vars(module).values() if isinstance(one, type) and issubclass(one, Effect)]
-    if not found and not any(one in declared() for one in kept):
-        raise InputError(f"{source} declares no kind of effect; decorate a class of PlantLaw with register.")
-    for law in found:
-        _check_law(source, law)
 
 
 def _check_law(source: str, law: Any) -> None:

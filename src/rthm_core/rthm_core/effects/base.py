@@ -165,7 +165,8 @@ def _load() -> None:
 
 
 def _load_installed() -> None:
-    """Import what installed packages announce, once."""
+    """Import every module of this package, and what installed packages announce, once."""
+    _load()
     from rthm_core.effects.own import load_installed  # checks laws, which are derived from this module's base
 
     load_installed()

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from rthm.recordings import diagnose, energy, read, timing
     from rthm.simulations import sensitivities, simulate, simulate_many
     from rthm.specs import load
-    from rthm.theory import response, stability, sweep
+    from rthm.sweeps import sweep
+    from rthm.theory import response, stability
     from rthm_core.effects import Effect
     from rthm_core.errors import InputError
 
@@ -54,7 +55,7 @@ _PLACES = {
     "simulate": "rthm.simulations",
     "simulate_many": "rthm.simulations",
     "stability": "rthm.theory",
-    "sweep": "rthm.theory",
+    "sweep": "rthm.sweeps",
     "timing": "rthm.recordings",
 }
 

@@ -24,7 +24,7 @@ def test_importing_the_core_costs_at_most_twice_importing_numpy() -> None:
     assert cpu_of_import("rthm_core") <= 2 * cpu_of_import("numpy")
 
 
-@pytest.mark.parametrize("module", ["rthm_core", "rthm_analysis", "rthm_bringup"])
+@pytest.mark.parametrize("module", ["rthm", "rthm_core", "rthm_analysis", "rthm_bringup"])
 def test_importing_a_package_compiles_nothing_and_draws_nothing(module: str) -> None:
     heavy = ("bokeh", "matplotlib", "numba", "pydantic", "rclpy", "scipy.optimize", "scipy.signal")
     assert run(HEAVY.format(module=module, heavy=heavy)).split() == []

@@ -1,4 +1,4 @@
-"""What the tutorials print is what the commands print."""
+"""What the tutorials and how-to pages print is what the commands print."""
 
 from __future__ import annotations
 
@@ -17,9 +17,21 @@ from rthm_core.spec import apply, shipped_spec
 
 pytestmark = pytest.mark.usefixtures("nothing_left")
 ROOT = Path(__file__).parents[1]
-PAGES = [*sorted((ROOT / "docs" / "tutorials").glob("*.md")), ROOT / "docs" / "compare.md"]
+PAGES = [*sorted((ROOT / "docs" / "tutorials").glob("*.md")), ROOT / "docs" / "how-to" / "compare-tests.md"]
+EFFECT = ROOT / "docs" / "how-to" / "add-an-effect.md"
 SPECS = ROOT / "src" / "rthm_core" / "rthm_core" / "spec" / "shipped"
 BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r'^```\w+ title="([^"/]+)"\n(.*?)^```$', re.DOTALL | re.MULTILINE)
+WORST = """
+import numpy, rthm
+spec = rthm.load("rig.yaml")
+recorded, run = rthm.read("rig/bag"), rthm.simulate(spec, 20.0, sample=spec.timing.td2)
+table = recorded.tables["numerical/state"]
+tick = numpy.rint(recorded.seconds(table.stamp_ns) / spec.timing.td2).astype(int)
+print(abs(table.position - run.numerical_position[tick]).max())
+"""
+"""Largest difference between node and engine of x2, which is measured without noise, m."""
+
 NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
 
@@ -48,22 +60,39 @@ def agrees(said: list[str], printed: list[str]) -> bool:
     return bool(printed) and same(said[0], printed[0]) and agrees(said[1:], printed[1:])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_a_tutorial_prints_what_its_commands_print(
-    environment: dict[str, str], tmp_path: Path, page: Path
-) -> None:
-    (tmp_path / "rthm").write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m rthm_bringup "$@"\n')
-    (tmp_path / "rthm").chmod(0o755)
-    path = os.pathsep.join([str(tmp_path), environment.get("PATH", os.defpath)])
+def follow(page: Path, folder: Path, environment: dict[str, str]) -> None:
+    """Write the files of a page, run its commands, and compare what they print with what it says."""
+    (folder / "rthm").write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m rthm_bringup "$@"\n')
+    (folder / "rthm").chmod(0o755)
+    path = os.pathsep.join([str(folder), environment.get("PATH", os.defpath)])
     variables = environment | {"PATH": path, "SPECS": str(SPECS)}
+    for name, text in FILE.findall(page.read_text(encoding="utf-8")):
+        (folder / name).write_text(text, encoding="utf-8")
     told = list(commands(page))
     assert told
     for command, said in told:
         done = subprocess.run(
-            command, shell=True, cwd=tmp_path, env=variables, capture_output=True, text=True, check=False
+            command, shell=True, cwd=folder, env=variables, capture_output=True, text=True, check=False
         )
         assert done.returncode == 0, f"{command}: {done.stderr}"
         assert agrees(said, done.stdout.splitlines()), f"{command} printed\n{done.stdout}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_tutorial_prints_what_its_commands_print(
+    environment: dict[str, str], tmp_path: Path, page: Path
+) -> None:
+    follow(page, tmp_path, environment)
+
+
+def test_an_effect_of_ones_own_is_found_by_name_and_moves_nodes_as_the_engine(
+    environment: dict[str, str], tmp_path: Path
+) -> None:
+    follow(EFFECT, tmp_path, environment)
+    variables = environment | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", WORST]
+    done = subprocess.run(command, cwd=tmp_path, env=variables, check=True, capture_output=True, text=True)
+    assert float(done.stdout) < 1e-9
 
 
 def test_the_factors_of_the_first_tutorial_are_where_stability_is_lost() -> None:

@@ -1,4 +1,4 @@
-"""colcon builds the tree into six ament packages with everything that they need at run time."""
+"""colcon builds the tree into seven ament packages with everything that they need at run time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PACKAGES = ["rthm_actuator", "rthm_analysis", "rthm_bringup", "rthm_core", "rthm_numerical", "rthm_plant_sim"]
+PACKAGES = [
+    "rthm",
+    "rthm_actuator",
+    "rthm_analysis",
+    "rthm_bringup",
+    "rthm_core",
+    "rthm_numerical",
+    "rthm_plant_sim",
+]
 
 
 def colcon(*arguments: str | Path, cwd: Path) -> str:
@@ -55,7 +63,7 @@ def built(tree: Path) -> Path:
     return tree / "install"
 
 
-def test_colcon_sees_six_ament_python_packages_and_nothing_else(tree: Path) -> None:
+def test_colcon_sees_seven_ament_python_packages_and_nothing_else(tree: Path) -> None:
     rows = (row.split("\t") for row in colcon("list", cwd=tree).splitlines())
     assert sorted((name, kind) for name, _, kind in rows) == [(p, "(ros.ament_python)") for p in PACKAGES]
 

@@ -80,7 +80,7 @@ def test_the_json_has_the_keys_of_its_page(rthm: Rthm) -> None:
     assert x1["amplitude_error"]["value"] == pytest.approx(0.043) and x1["peak"] == pytest.approx(0.043)
     assert abs(one["offset"]["value"]) < 1e-9
     assert [source["kind"] for source in told["sources"]] == ["trajectory", "trajectory"]
-    page = (Path(__file__).parents[3] / "docs" / "compare.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "compare-tests.md").read_text(encoding="utf-8")
     keys = {*told, *one, *x1, *told["sources"][0]}
     assert [key for key in sorted(keys) if f"`{key}`" not in page] == []
 

@@ -218,7 +218,7 @@ CHANGES = [
         "limmits: {command: 1.0}",
         "limmits (given as {'command': 1.0}) is not a key of the spec, which knows plant, "
         "numerical, interface, actuator, timing, load, noise, uncertainty, limits, zero, "
-        "effects there; write limits.",
+        "effects_from, effects there; write limits.",
     ),
 ]
 

@@ -92,7 +92,7 @@ class Comparison:
         return f"differs by {part(most.far)}, more than {allowed}: {where}."
 
     def as_dict(self) -> dict[str, object]:
-        """Keys of ``rthm compare --json`` (docs/compare.md)."""
+        """Keys of ``rthm compare --json`` (docs/how-to/compare-tests.md)."""
         return {
             "reference": self.reference.name,
             "tolerance": self.tolerance,

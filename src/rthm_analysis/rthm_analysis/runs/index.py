@@ -53,7 +53,7 @@ class Run:
         return max(self.error.values(), default=math.nan)
 
     def as_dict(self) -> dict[str, object]:
-        """Keys of the JSON (docs/compare.md)."""
+        """Keys of the JSON (docs/how-to/compare-tests.md)."""
         return {
             "name": self.name,
             "path": str(self.path),

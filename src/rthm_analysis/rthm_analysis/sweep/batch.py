@@ -64,6 +64,7 @@ def _run(order: Order, values: tuple[float, ...]) -> dict[str, Any]:
 
 @cache
 def _spec(text: str) -> Any:
-    from rthm_core.spec import read_spec
+    from rthm_core.spec import spec_with_own_effects
+    from rthm_core.spec.yaml_text import parameters_in
 
-    return read_spec(text)
+    return spec_with_own_effects(parameters_in(text))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from rthm_analysis.recording import Recording
     from rthm_core.spec import Spec
 
 Json = Annotated[
@@ -19,11 +20,19 @@ Amplitude = Annotated[
     float, typer.Option(metavar="A", help="Loads and initial motion times A, as 0.1 for a first try.")
 ]
 Wait = Annotated[float, typer.Option(metavar="S", help="How long to wait for a sample.", min=0.0, max=3600.0)]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--effects",
+        metavar="FILE",
+        help="Python file that declares kinds of effects; it is executed. Can be repeated.",
+    ),
+]
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
 
 
-def spec_named(name: str) -> Spec:
-    """Read the spec that an argument names: a file, else a shipped spec.
+def spec_named(name: str, effects: list[str] | None = None) -> Spec:
+    """Read the spec that an argument names: a file, else a shipped spec; `effects` as the option gives them.
 
     Raises
     ------
@@ -32,4 +41,13 @@ def spec_named(name: str) -> Spec:
     """
     from rthm_core.spec import spec_at
 
-    return spec_at(name)
+    return spec_at(name, effects or ())
+
+
+def recording_of(bag: Path, effects: list[str] | None) -> Recording:
+    """Read a recording, whose spec may have effects of one's own."""
+    from rthm_analysis.recording import read_recording
+    from rthm_core.effects import load_effects
+
+    load_effects(effects or ())
+    return read_recording(bag)

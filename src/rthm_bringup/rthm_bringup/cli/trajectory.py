@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
     from rthm_core.engine import Trajectory
 
 MOTION = (
@@ -47,7 +46,7 @@ class TrajectoryFile:
 
     def add(self, block: Trajectory) -> None:
         """Append the rows of a block."""
-        energies = all_energies(block)
+        energies = block.all_energies()
         for name, values in ({name: getattr(block, name) for name in MOTION} | energies).items():
             rows, *width = self._shapes.get(name, (0, *values.shape[1:]))
             self._shapes[name] = (rows + len(values), *width)
@@ -87,12 +86,3 @@ def trajectory_file(path: Path) -> Iterator[TrajectoryFile]:
         file = TrajectoryFile(Path(folder))
         yield file
         file.put_together(path)
-
-
-def all_energies(trajectory: Trajectory) -> dict[str, Floats]:
-    """Energies of a trajectory with ``E_err``, the sum of the three errors of the loop."""
-    energies = dict(trajectory.energies)
-    if energies and "E_err" not in energies:
-        with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
-            energies["E_err"] = energies["E_num"] + energies["E_ff"] + energies["E_fx"]
-    return energies

@@ -10,19 +10,23 @@ plant node compute with it, the diagnosis looks for it, the reference page print
         parameters = {"force": EffectParameter("N", "friction force", minimum=0.0)}
         equation = "F = -F_f sign(v)"
         words = "dry friction of {force} acts on {dof}"
+
+Kinds of a user's own are declared in the same way, in a file of his (`rthm_core.effects.own`) or in a package
+that announces its modules in the group of entry points ``rthm.effects``.
 """
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from string import Formatter
 from typing import ClassVar, TypeVar
 
+from rthm_core.effects.guess import Guess, Signals
 from rthm_core.effects.possible import Plainer, Possible, Values, identified
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
@@ -87,6 +91,8 @@ class Effect:
         Parameters without which it is still this kind, whether they are identified or not.
     plainer
         Kinds that it may stand for: the first that predicts unseen data as well takes its place.
+    flexible
+        Whether it has enough freedom to imitate others, so that simpler ones are preferred to it.
     """
 
     kind: ClassVar[str]
@@ -100,6 +106,12 @@ class Effect:
     possible: ClassVar[Mapping[str, Possible]] = {}
     secondary: ClassVar[tuple[str, ...]] = ()
     plainer: ClassVar[tuple[Plainer, ...]] = ()
+    flexible: ClassVar[bool] = False
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterable[Guess]:
+        """Where a fit may begin, given what a recording shows; none: the diagnosis does not look for it."""
+        return ()
 
     @classmethod
     def identified(cls, values: Values, stds: Values) -> bool:
@@ -152,6 +164,33 @@ def _load() -> None:
         importlib.import_module(f"{__package__}.{module.name}")
 
 
+def _load_installed() -> None:
+    """Import every module of this package, and what installed packages announce, once."""
+    _load()
+    from rthm_core.effects.own import load_installed  # checks laws, which are derived from this module's base
+
+    load_installed()
+
+
+def declared() -> tuple[type[Effect], ...]:
+    """Every kind that is known now, shipped or not."""
+    _load()
+    return tuple(dict.fromkeys(_EFFECTS.values()))
+
+
+def forget(some: Iterable[type[Effect]]) -> None:
+    """Take kinds out that were registered by what then failed."""
+    gone = set(some)
+    for key in [key for key, one in _EFFECTS.items() if one in gone]:
+        del _EFFECTS[key]
+
+
+def shipped(block: str) -> tuple[type[Effect], ...]:
+    """Kinds of a block that come with this package, in alphabetical order."""
+    own = (one for one in declared() if one.__module__.startswith(f"{__package__}."))
+    return tuple(sorted((one for one in own if block in one.blocks), key=lambda one: one.kind))
+
+
 def family(block: str) -> str:
     """Family of a block: ``link`` of ``link.tau1``."""
     return block.partition(".")[0]
@@ -167,7 +206,7 @@ def check_block(block: object) -> str:
 def kinds(block: str) -> tuple[str, ...]:
     """Kinds of effect that `block` can have, in alphabetical order."""
     check_block(block)
-    _load()
+    _load_installed()
     return tuple(sorted(kind for where, kind in _EFFECTS if where == family(block)))
 
 
@@ -181,12 +220,14 @@ def effect(kind: str, block: str) -> type[Effect]:
     """
     check_block(block)
     _load()
-    declared = _EFFECTS.get((family(block), kind))
-    if declared is None:
+    found = _EFFECTS.get((family(block), kind))
+    if found is None:
         known = kinds(block)
+        found = _EFFECTS.get((family(block), kind))
+    if found is None:
         allowed = f"a kind that {block} knows ({', '.join(known)})"
         raise RefusedError(kind, allowed, suggestion(str(kind), known), "kind")
-    return declared
+    return found
 
 
 def suggestion(given: str, known: tuple[str, ...] | list[str]) -> str:

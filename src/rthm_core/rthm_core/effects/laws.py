@@ -27,6 +27,9 @@ from rthm_core.effects.base import Effect
 
 Parameters = tuple[float, ...]
 
+MOST_PARAMETERS = 8
+"""Numbers that a law may have."""
+
 
 class PlantLaw(Effect):
     """Force on one dof of the plant, in N, + along +x."""

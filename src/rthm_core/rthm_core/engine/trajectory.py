@@ -46,6 +46,14 @@ class Trajectory:
             - sum(self.energies[term] for term in TERMS)
         )
 
+    def all_energies(self) -> dict[str, Floats]:
+        """Energies with ``E_err``, the sum of the three errors of the loop; empty when none were counted."""
+        found = dict(self.energies)
+        if found and "E_err" not in found:
+            with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
+                found["E_err"] = found["E_num"] + found["E_ff"] + found["E_fx"]
+        return found
+
 
 def of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory:
     """Trajectory of the rows of a loop, `step` ns apart."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numba.core.errors import NumbaError
 
+from rthm_core.addressed import FIRST_ADDRESS, Call, table_of
 from rthm_core.compiled import Floats, Integers, chosen
-from rthm_core.effects import effect, kinds
-from rthm_core.effects.laws import PlantLaw, WireLaw
+from rthm_core.effects import effect
+from rthm_core.effects.base import shipped
+from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
 from rthm_core.effects.wire import Slack
 from rthm_core.errors import InputError
 
@@ -16,25 +20,36 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import EffectSpec
 
-_ALL_PLANT_LAWS: list[Any] = [effect(kind, "plant") for kind in kinds("plant")]
-PLANT_LAWS: list[Any] = [law for law in _ALL_PLANT_LAWS if not law.linear]
-WIRE_LAWS: list[Any] = [effect(kind, "wire") for kind in kinds("wire")]
+_SHIPPED: tuple[Any, ...] = shipped("plant")
+PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not law.linear]
+WIRE_LAWS: list[Any] = list(shipped("wire"))
 SLACK = WIRE_LAWS.index(Slack)
 """Code of the law by which a wire goes slack."""
+
+PLANT_CALLS = {"force": Call("x, v, z, t, p, piece", True), "rate": Call("x, v, z, t, p, piece, dz", False)}
+WIRE_CALLS = {
+    "settle": Call("u, x, k, z, p", False),
+    "drive": Call("u, z, p", True),
+    "force": Call("u, x, v, k, f, z, p", True),
+    "rate": Call("u, x, v, k, z, p, dz", False),
+}
+"""Functions of a law that are compiled, and how they are called; in the order of the slots of a table."""
 
 SPLITS = ("none", "position", "velocity", "friction")
 NONE, POSITION, VELOCITY, FRICTION = range(4)
 """How the pieces of a law meet; indices into `SPLITS`."""
-MOST_PARAMETERS = 8
 
-plant_force = chosen(
-    [law.force for law in PLANT_LAWS], lambda x, v, z, t, p, piece: 0.0, "x, v, z, t, p, piece"
+
+def _choice(laws: list[Any], calls: dict[str, Call], name: str, otherwise: Any) -> Any:
+    functions = [getattr(law, name) for law in laws]
+    return chosen(functions, otherwise, calls[name], list(calls).index(name))
+
+
+plant_force = _choice(PLANT_LAWS, PLANT_CALLS, "force", lambda x, v, z, t, p, piece: 0.0)
+plant_rate = _choice(PLANT_LAWS, PLANT_CALLS, "rate", PlantLaw.rate)
+wire_settle, wire_drive, wire_law_force, wire_rate = (
+    _choice(WIRE_LAWS, WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
 )
-plant_rate = chosen([law.rate for law in PLANT_LAWS], PlantLaw.rate, "x, v, z, t, p, piece, dz")
-wire_settle = chosen([law.settle for law in WIRE_LAWS], WireLaw.settle, "u, x, k, z, p")
-wire_drive = chosen([law.drive for law in WIRE_LAWS], WireLaw.drive, "u, z, p")
-wire_law_force = chosen([law.force for law in WIRE_LAWS], WireLaw.force, "u, x, v, k, f, z, p")
-wire_rate = chosen([law.rate for law in WIRE_LAWS], WireLaw.rate, "u, x, v, k, z, p, dz")
 
 
 class LawTable(NamedTuple):
@@ -86,10 +101,48 @@ class WireTable(NamedTuple):
 
 
 CODE, PLACE, STATE, STATES, SPLIT = range(5)
-"""Columns of the tables of laws; the place is a dof or an actuator."""
+"""Columns of the tables of laws; the place is a dof or an actuator, the code as `code_of` gives it."""
 
 DOF, PULLEY, NONLINEAR = range(3)
 """Columns of ``WireTable.numbers``."""
+
+
+_ADDED: dict[int, Any] = {}
+"""Laws of a user's own that have a code."""
+
+
+@cache
+def code_of(law: Any) -> int:
+    """Number by which compiled code knows a law: its place in the list of those that it was compiled with;
+    of a law of a user's own the address of its functions, which are compiled here.
+
+    Raises
+    ------
+    InputError
+        If they cannot be compiled.
+    """
+    known, calls = (PLANT_LAWS, PLANT_CALLS) if issubclass(law, PlantLaw) else (WIRE_LAWS, WIRE_CALLS)
+    if law in known:
+        return known.index(law)
+    try:
+        code = table_of([(getattr(law, name), how) for name, how in calls.items()])
+    except NumbaError as error:
+        reason = " ".join(str(error).split())[:300]
+        raise InputError(
+            f"the law {law.kind} cannot be compiled ({reason}); write it with numbers and the module math."
+        ) from None
+    _ADDED[code] = law
+    return code
+
+
+def plant_law(code: int) -> Any:
+    """Law on the plant that has this code."""
+    return PLANT_LAWS[code] if code < FIRST_ADDRESS else _ADDED[int(code)]
+
+
+def wire_law(code: int) -> Any:
+    """Law of a wire that has this code."""
+    return WIRE_LAWS[code] if code < FIRST_ADDRESS else _ADDED[int(code)]
 
 
 def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
@@ -141,7 +194,7 @@ def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
             rows.append((law, p, a, at))
             at += law.states
     empty = np.empty((0, 0))
-    return WireTable(numbers, stiffness, empty, empty, *_rows(rows, WIRE_LAWS)), at
+    return WireTable(numbers, stiffness, empty, empty, *_rows(rows)), at
 
 
 def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float, ...], int, int]], int]:
@@ -160,25 +213,23 @@ def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float,
 def curved_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, int]]:
     """Law, parameters, actuator and first own state of every law on a wire that is not linear."""
     return [
-        (WIRE_LAWS[code], tuple(p[: len(WIRE_LAWS[code].parameters)]), int(actuator), int(state))
+        (wire_law(code), tuple(p[: len(wire_law(code).parameters)]), int(actuator), int(state))
         for (code, actuator, state, _), p in zip(table.laws, table.parameters, strict=True)
     ]
 
 
-def _rows(
-    entries: list[tuple[Any, tuple[float, ...], int, int]], known: list[Any]
-) -> tuple[Integers, Floats]:
+def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]]) -> tuple[Integers, Floats]:
     """Numbers (code, place, first state, states) and parameters of some laws, as arrays."""
     parameters = np.zeros((len(entries), MOST_PARAMETERS))
     for row, (_, p, _, _) in enumerate(entries):
         parameters[row, : len(p)] = p
-    numbers = [(known.index(law), place, at, law.states) for law, _, place, at in entries]
+    numbers = [(code_of(law), place, at, law.states) for law, _, place, at in entries]
     return np.array(numbers, dtype=np.int64).reshape(-1, 4), parameters
 
 
 def law_table(curved: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
     """Table of the nonlinear laws: (law, parameters, dof, first own state)."""
-    numbers, parameters = _rows(curved, PLANT_LAWS)
+    numbers, parameters = _rows(curved)
     splits = np.array([SPLITS.index(law.split) for law, _, _, _ in curved], dtype=np.int64).reshape(-1, 1)
     thresholds = np.full((len(curved), 2), np.inf)
     for row, (law, p, _, _) in enumerate(curved):

@@ -1,7 +1,8 @@
 """Parameters of a node: the spec's, and those of the node itself.
 
 A node takes the spec from whatever parameters it is given (a spec is a ROS 2 parameter file); without any
-it takes the paper's. Every entry is declared with its description, unit and range. Types are dynamic, as
+it takes the paper's. Files that ``effects_from`` names are executed. Every entry is declared with its
+description, unit and range. Types are dynamic, as
 ``mass: [1]`` has to be as good as ``mass: [1.0]``; the spec checks every value when the node is configured.
 """
 
@@ -16,7 +17,7 @@ from rclpy.node import Node
 
 from rthm_core.errors import InputError
 from rthm_core.ros.qos import DEPTH
-from rthm_core.spec import Parameter, Spec, parameters, shipped_spec, spec_from_parameters
+from rthm_core.spec import Parameter, Spec, parameters, shipped_spec, spec_with_own_effects
 
 
 class Own(NamedTuple):
@@ -71,7 +72,7 @@ def declare_spec(node: Node, besides: Collection[str]) -> None:
     """
     given = {name: p.value for name, p in node._parameter_overrides.items() if name not in besides}
     try:
-        spec = spec_from_parameters(given) if given else shipped_spec("paper")
+        spec = spec_with_own_effects(given) if given else shipped_spec("paper")
     except InputError:
         for name, value in given.items():
             node.declare_parameter(
@@ -90,7 +91,7 @@ def spec_of(node: Node, besides: Collection[str]) -> Spec:
     InputError
         If they describe none.
     """
-    return spec_from_parameters({name: p.value for name, p in node._parameters.items()}, besides)
+    return spec_with_own_effects({name: p.value for name, p in node._parameters.items()}, besides)
 
 
 def _descriptor(entry: Parameter) -> ParameterDescriptor:

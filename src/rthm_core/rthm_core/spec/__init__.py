@@ -2,10 +2,17 @@
 
 from rthm_core.spec.amplitude import scaled_motion
 from rthm_core.spec.building import spec_from_parameters
-from rthm_core.spec.changes import apply, number_at
+from rthm_core.spec.changes import apply, number_at, with_effects_from
 from rthm_core.spec.numbers import numbers
 from rthm_core.spec.parameters import Parameter, parameters
-from rthm_core.spec.reading import read_spec, shipped_names, shipped_spec, shipped_text, spec_at
+from rthm_core.spec.reading import (
+    read_spec,
+    shipped_names,
+    shipped_spec,
+    shipped_text,
+    spec_at,
+    spec_with_own_effects,
+)
 from rthm_core.spec.schema import (
     ActuatorSpec,
     ConstantLoad,
@@ -63,5 +70,7 @@ __all__ = [
     "shipped_text",
     "spec_at",
     "spec_from_parameters",
+    "spec_with_own_effects",
+    "with_effects_from",
     "write_spec",
 ]

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from rthm_core.effects.own import KEY, not_loaded
 from rthm_core.errors import MISSING, InputError, RefusedError, printable, refusal, unknown
 from rthm_core.spec.catalogue import ROOT
 from rthm_core.spec.defaults import completed
@@ -35,7 +36,19 @@ def spec_from_parameters(given: Mapping[str, Any], besides: Collection[str] = ()
     try:
         return Spec.model_validate(gathered)
     except ValidationError as error:
-        raise input_error(error, gathered) from None
+        raise _told(input_error(error, gathered), gathered) from None
+
+
+def _told(error: InputError, tree: Mapping[str, Any]) -> InputError:
+    """An error; where a kind is not known and files of effects were not loaded, with the way to them."""
+    named = tree.get(KEY)
+    missing = not_loaded(named) if isinstance(named, list | tuple) else ()
+    if not missing or ".kind is " not in str(error):
+        return error
+    return InputError(
+        f"{str(error).rpartition(';')[0]}; {KEY} names {missing[0]}, which is executed only where you name "
+        f"it yourself: give --effects {missing[0]}, or rthm.load(..., effects=...), if you trust it."
+    )
 
 
 def nested(flat: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 from rthm_core.errors import refusal
@@ -42,6 +43,17 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
         if isinstance(listed, list | tuple) and one.name not in listed:
             _remove(flat, one.name)
     return spec_from_parameters(flat)
+
+
+def with_effects_from(spec: Spec, loaded: Sequence[str]) -> Spec:
+    """Return the spec with further files or modules, loaded before, that declare kinds of effects.
+
+    A file takes the place of one of the same name in another folder: a recording names its files as they were
+    where it was made.
+    """
+    names = {Path(one).name for one in loaded}
+    kept = [one for one in spec.effects_from if Path(one).name not in names]
+    return apply(spec, {"effects_from": [*kept, *loaded]}) if loaded else spec
 
 
 def number_at(spec: Spec, name: str) -> float | None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Mapping
 from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from rthm_core.effects.own import KEY, load_effects, placed
 from rthm_core.errors import InputError, printable, shown
 from rthm_core.spec.building import spec_from_parameters
+from rthm_core.spec.changes import with_effects_from
 from rthm_core.spec.schema import Spec
 from rthm_core.spec.yaml_text import parameters_in
 
@@ -24,7 +27,8 @@ def read_spec(source: str | Path) -> Spec:
     ----------
     source
         Path of a file, or YAML text (what has a line break, or a ``: `` and names no file). In a file, the
-        path of a load counts from the file's folder.
+        paths of loads and of ``effects_from`` count from the file's folder, and what the latter names is
+        executed. Text executes nothing.
 
     Raises
     ------
@@ -36,9 +40,20 @@ def read_spec(source: str | Path) -> Spec:
         return spec_from_parameters(parameters_in(str(source)))
     try:
         given = parameters_in(_text_of(path))
-        return spec_from_parameters({name: _from_folder(name, value, path) for name, value in given.items()})
+        given = {name: _from_folder(name, value, path) for name, value in given.items()}
+        return spec_with_own_effects(given)
     except InputError as error:
         raise InputError(f"{printable(str(path))}: {error}") from None
+
+
+def spec_with_own_effects(given: Mapping[str, Any], besides: Collection[str] = ()) -> Spec:
+    """Spec that parameters describe, as `spec_from_parameters`, once the files are loaded (executed) in which
+    it says that its effects are declared.
+    """
+    named = given.get(KEY)
+    if isinstance(named, list | tuple) and all(isinstance(one, str) for one in named):
+        load_effects(named)
+    return spec_from_parameters(given, besides)
 
 
 def _as_path(source: str | Path) -> Path | None:
@@ -87,6 +102,8 @@ def _no_such_file(name: str) -> str:
 
 
 def _from_folder(name: str, value: Any, spec: Path) -> Any:
+    if name == KEY and isinstance(value, list | tuple):
+        return [placed(one, spec.parent) if isinstance(one, str) else one for one in value]
     if name in ("load.plant.path", "load.numerical.path") and isinstance(value, str) and value.isprintable():
         return str(spec.parent.absolute() / Path(value).expanduser()) if not value.startswith("~") else value
     return value
@@ -115,16 +132,25 @@ def shipped_spec(name: str = "paper") -> Spec:
     return spec_from_parameters(parameters_in(shipped_text(name)))
 
 
-def spec_at(place: Spec | Path | str) -> Spec:
+def spec_at(place: Spec | Path | str, effects: Iterable[str | Path] = ()) -> Spec:
     """Return the spec that a place names: a spec itself, a file, else a shipped spec.
+
+    Parameters
+    ----------
+    place
+        What names it.
+    effects
+        Python files, or modules, that declare further kinds of effects. They are executed, and become part of
+        ``effects_from``.
 
     Raises
     ------
     InputError
         If it is none of these.
     """
+    loaded = load_effects(effects)
     if isinstance(place, Spec):
-        return place
+        return with_effects_from(place, loaded)
     if str(place) in shipped_names() and not Path(place).is_file():
-        return shipped_spec(str(place))
-    return read_spec(Path(place))
+        return with_effects_from(shipped_spec(str(place)), loaded)
+    return with_effects_from(read_spec(Path(place)), loaded)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rthm_core.effects.base import BLOCKS, PLACES, Effect, effect, family, kinds
+from rthm_core.effects.base import BLOCKS, PLACES, Effect, family, shipped
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec.catalogue import sections
 from rthm_core.spec.defaults import FILLED_IN
@@ -34,6 +34,12 @@ the place where it sits and the parameters of its kind:
     band: {block: "motor", kind: "lag", actuator: "a1", time_constant: 0.003}
 
 The place may be left out where there is only one.
+
+Kinds of one's own are declared in Python files (or modules), which `effects_from` lists; their paths count
+from the folder of the spec (docs/how-to/add-an-effect.md). A file is executed by whoever reads the spec from
+its path, nodes included, and by nobody who finds the spec in a recording.
+
+    effects_from: ["cogging.py"]
 """
 
 FAMILIES = {family(block): [one for one in BLOCKS if family(one) == family(block)] for block in BLOCKS}
@@ -85,8 +91,8 @@ def _effects() -> Iterator[str]:
         yield f"### {', '.join(f'`{block}`' for block in blocks)}\n"
         if places:
             yield f"Place: {' or '.join(f'`{place}`' for place in reversed(places))}.\n"
-        declared = (effect(kind, blocks[0]) for kind in kinds(blocks[0]))
-        yield _table(["kind", "what", "equation", "parameters"], (_kind(one) for one in declared))
+        declared = map(_kind, shipped(family(blocks[0])))
+        yield _table(["kind", "what", "equation", "parameters"], declared)
 
 
 def _kind(declared: type[Effect]) -> list[str]:

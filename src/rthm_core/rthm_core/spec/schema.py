@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Self
+from typing import Annotated, NamedTuple, Self
 
 from pydantic import model_validator
 
 from rthm_core.errors import InputError
 from rthm_core.spec.checks import check
 from rthm_core.spec.effect import EffectSpec
+from rthm_core.spec.entries import Names
 from rthm_core.spec.load import (
     ConstantLoad,
     FileLoad,
@@ -78,6 +79,10 @@ class Spec(Section):
     uncertainty: UncertaintySpec = UncertaintySpec()
     limits: LimitsSpec | None = None
     zero: ZeroSpec | None = None
+    effects_from: Annotated[
+        tuple[str, ...],
+        Names("Python files, or modules, that declare kinds of effects; they are executed", longest=1000),
+    ] = ()
     effects: tuple[EffectSpec, ...] = ()
 
     @model_validator(mode="after")

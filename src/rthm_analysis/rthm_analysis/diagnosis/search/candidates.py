@@ -12,7 +12,7 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.model import Added
 from rthm_analysis.diagnosis.search.scene import dof_scene, rms, seen_in, wire_scene
-from rthm_analysis.diagnosis.search.starts import PLANT, WIRE, Start
+from rthm_analysis.diagnosis.search.starts import PLANT, WIRE, Start, declared
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -31,12 +31,14 @@ def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) ->
         for kind, find in PLANT.items():
             if ("plant", kind, dof) not in present and not (kind in FRICTION and dof in rubbed):
                 yield from _finite(find(scene))
+        yield from (start for start in _finite(declared("plant", scene)) if start.label not in present)
     if evidence.driven_by == "command" and spec.actuator is not None:
         for actuator in spec.actuator.names:
             scene = wire_scene(spec, evidence, motion, actuator)
             for kind, find in WIRE.items():
                 if ("wire", kind, actuator) not in present:
                     yield from _finite(find(scene))
+            yield from (start for start in _finite(declared("wire", scene)) if start.label not in present)
     for start in sensor_starts(evidence, sigma):
         if start.label not in present:
             yield start

@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.starts import Start
+from rthm_core.effects import effect
 
 ENOUGH = 16.0
 """Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
@@ -129,7 +130,7 @@ class Choice:
 
 def imitates(block: str, kind: str) -> bool:
     """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
-    return kind in FLEXIBLE or _is_sensor(block)
+    return kind in FLEXIBLE or _is_sensor(block) or effect(kind, block).flexible
 
 
 def _is_sensor(block: str) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.model import Added, Model
 from rthm_analysis.diagnosis.search.scene import Scene, rms
 from rthm_core.compiled import Floats
+from rthm_core.effects import effect, kinds
 
 PEAK = 2.0
 """Width over which a spectrum is averaged before its peaks are taken, rad/s."""
@@ -311,6 +312,16 @@ def wire_maxwell_branch(s: Scene) -> Iterator[Start]:
             stiffness=k,
             damping=k / (ratio * s.frequency),
         )
+
+
+def declared(block: str, scene: Scene) -> Iterator[Start]:
+    """Starts of all kinds of a block that say themselves where a fit may begin."""
+    for kind in kinds(block):
+        for guess in effect(kind, block).guesses(scene):
+            values = {key: float(value) for key, value in guess.values.items()}
+            added = Added(block, kind, scene.place, dict(values), scene.seen)
+            scales = {key: abs(value) for key, value in values.items() if value}
+            yield Start(added, tuple(values), guess.linear, scales, guess.signed)
 
 
 PLANT: dict[str, Finder] = {

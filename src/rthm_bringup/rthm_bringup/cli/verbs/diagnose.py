@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Bag, Json, spec_named
+from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
@@ -31,15 +31,16 @@ def verb(
         Path | None,
         typer.Option("--next", metavar="SPEC", help="Write a spec of the test that would tell most now."),
     ] = None,
+    effects: Effects = None,
     json: Json = None,
 ) -> int:
     """Say where a recording and its simulation differ, and which physics was left out."""
     from rthm_analysis.diagnosis import diagnose
-    from rthm_analysis.recording import read_recording
+    from rthm_analysis.recording import nominal_spec
     from rthm_bringup.cli.output import put, status
 
-    recording = read_recording(bag)
-    nominal = spec_named(spec) if spec else recording.known_spec()
+    recording = recording_of(bag, effects)
+    nominal = nominal_spec(recording, spec or None, effects or ())
     with status("reading") as say:
         found = diagnose(recording, nominal, say)
     lines = [*_lines(found), *_not_patched(found, patched), *_not_planned(found, next_test)]

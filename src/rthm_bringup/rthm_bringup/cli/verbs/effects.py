@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rthm_bringup.cli.options import Json
+from rthm_bringup.cli.options import Effects, Json
 
 if TYPE_CHECKING:
     from rthm_core.effects import Effect
@@ -17,6 +17,7 @@ def verb(
     kind: Annotated[
         str | None, typer.Argument(metavar="[KIND]", help="Show the equation and parameters of this kind.")
     ] = None,
+    effects: Effects = None,
     json: Json = None,
 ) -> int:
     """List the effects that a spec may have, or show one with its equation and parameters.
@@ -24,7 +25,9 @@ def verb(
     Example: ``rthm effects coulomb_friction``; how a spec takes it is in docs/reference/spec.md.
     """
     from rthm_bringup.cli.output import put
+    from rthm_core.effects import load_effects
 
+    load_effects(effects or ())
     found = list(_found(kind))
     if not found:
         _refuse(str(kind))

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from rthm_bringup.cli.options import Bag, Json
+from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
 
-def verb(bag: Bag, json: Json = None) -> int:
+def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     """Say where the energy of a recorded test came from."""
     from rthm_analysis.energy import energy_of
-    from rthm_analysis.recording import read_recording
     from rthm_bringup.cli.output import put, table
     from rthm_bringup.run.result import last_values
 
-    recording = read_recording(bag)
+    recording = recording_of(bag, effects)
     result = energy_of(recording, recording.spec).as_dict()
     rows = [(name, f"{value:+.6e} J") for name, value in last_values(result).items()]
     put(result, table(rows), json)

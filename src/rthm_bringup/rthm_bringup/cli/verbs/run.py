@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
-from rthm_bringup.cli.options import Amplitude, Json, SpecName
+from rthm_bringup.cli.options import Amplitude, Effects, Json, SpecName
 from rthm_bringup.topics import NAMESPACE
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ def verb(
         typer.Option("--unstable", help="Go on with a real machine though the loop is unstable."),
     ] = False,
     amplitude: Amplitude = 1.0,
+    effects: Effects = None,
     domain: Domain = None,
     network: OpenNetwork = False,
     peers: Peers = "",
@@ -97,7 +98,7 @@ def verb(
     parts = frozenset(part.strip() for part in external.split(",") if part.strip())
     if plant is Plant.external:
         parts |= {"plant"}
-    test = scaled_motion(spec_named(spec), amplitude)
+    test = scaled_motion(spec_named(spec, effects), amplitude)
     _warn(test, refused=plant is Plant.external and not (unstable or dry_run))
     with network_of(domain, network, peers, namespace, shared=bool(parts), leads=True) as reach:
         plan = Plan(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Amplitude, Json, SpecName
+from rthm_bringup.cli.options import Amplitude, Effects, Json, SpecName
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ def verb(
         ),
     ] = None,
     amplitude: Amplitude = 1.0,
+    effects: Effects = None,
     json: Json = None,
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
@@ -60,7 +61,7 @@ def verb(
     from rthm_bringup.unstable import told_margin
     from rthm_core.spec import scaled_motion
 
-    test = scaled_motion(spec_named(spec), amplitude)
+    test = scaled_motion(spec_named(spec, effects), amplitude)
     if out.suffix != ".npz":
         raise InputError(
             f"--out is {out}, but a trajectory is written as .npz; name it {out.with_suffix('.npz')}"

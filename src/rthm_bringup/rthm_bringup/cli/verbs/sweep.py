@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rthm_bringup.cli.options import Json, SpecName
-from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_analysis.sweep.sweep import Sweep
@@ -44,29 +43,16 @@ def verb(
     json: Json = None,
 ) -> int:
     """Run many loops; interrupted, the same command goes on where it stopped."""
-    from rthm_analysis.sweep.batch import Order
     from rthm_analysis.sweep.picture import draw as draw_picture
-    from rthm_analysis.sweep.points import check_ends, draws, grid
     from rthm_analysis.sweep.ranges import given_range
-    from rthm_analysis.sweep.sweep import sweep
-    from rthm_analysis.sweep.workers import cluster_workers, cores, local_workers
+    from rthm_analysis.sweep.run import sweep_over, values_of
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put
 
-    if not 0.0 <= duration < 1e6 or (workers is not None and workers < 1):
-        raise InputError(
-            f"duration {duration!r} s and workers {workers!r} are given, but a duration must be from 0 to "
-            f"1e6 s and there must be at least one worker; correct them."
-        )
     test, ranges = spec_named(spec), [given_range(text) for text in given]
-    check_ends(test, ranges)
-    values = grid(ranges) if draw is None else draws(ranges, draw, seed)
-    order = Order(test.expanded(), tuple(one.key for one in ranges), duration)
-    if out.exists() and not out.is_dir():
-        raise InputError(f"{out} is a file, but must be a folder or not be there yet; give another name.")
-    crew = local_workers(workers or cores()) if scheduler is None else cluster_workers(scheduler)
-    with crew as found, progress_bar("loops", values.shape[0]) as report:
-        done = sweep(order, values, out, found, report)
+    values = values_of(test, ranges, draw, seed)
+    with progress_bar("loops", values.shape[0]) as report:
+        done = sweep_over(test, ranges, values, out, duration, workers, scheduler, report)
     picture = out / "sweep.png"
     draw_picture(done.table, ranges, picture, drawn=draw is not None)
     put(_result(done, out, picture), _lines(done, out, picture), json)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from rthm_bringup.cli.options import Bag, Json
+from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
 
-def verb(bag: Bag, json: Json = None) -> int:
+def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     """Measure the delays and clocks of a recorded test."""
-    from rthm_analysis.recording import read_recording
     from rthm_analysis.timing import timing_of
     from rthm_bringup.cli.output import put
 
-    recording = read_recording(bag)
+    recording = recording_of(bag, effects)
     result = timing_of(recording, recording.spec).as_dict()
     put(result, _lines(result), json)
     return 0

@@ -20,12 +20,12 @@ from rthm_core.physical.laws import (
     CODE,
     FRICTION,
     PLACE,
-    PLANT_LAWS,
     SPLIT,
     STATE,
     STATES,
     LawTable,
     law_table,
+    plant_law,
 )
 from rthm_core.physical.side import build
 
@@ -155,9 +155,7 @@ def _curved(physical: Physical, laws: LawTable, before: int, joint: Floats) -> C
     sets = [rubbing[[bool(s >> i & 1) for i in range(rubbing.size)]] for s in range(1 << rubbing.size)]
     systems, holds = zip(*(_sticking(free, laws, model.n, rows) for rows in sets), strict=True)
     fastest = max(np.abs(np.linalg.eigvals(one[:, :size])).max(initial=0.0) for one in systems)
-    steady = all(
-        PLANT_LAWS[code].constant and PLANT_LAWS[code].split == "friction" for code in numbers[:, CODE]
-    )
+    steady = all(law.constant and law.split == "friction" for law in map(plant_law, numbers[:, CODE]))
     pieces = physical.state.pieces[:count].copy()
     return Curved(
         np.stack(systems),

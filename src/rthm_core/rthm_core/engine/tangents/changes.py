@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
 from rthm_core.errors import InputError
-from rthm_core.physical.laws import CODE, FRICTION, PLANT_LAWS, SPLIT
+from rthm_core.physical.laws import CODE, FRICTION, SPLIT, plant_law
 from rthm_core.spec import apply, number_at
 from rthm_core.wide import WIDTH, wide_copy, wide_empty
 
@@ -140,7 +140,7 @@ def _forces(numbers: Integers, parameters: Floats) -> Floats:
     """Force (L, 3) in the pieces -1, 0 and 1 of laws that are constant in each."""
     found = np.zeros((numbers.shape[0], 3))
     for row, (law, p) in enumerate(zip(numbers, parameters, strict=True)):
-        of_piece: Any = PLANT_LAWS[law[CODE]].force
+        of_piece: Any = plant_law(law[CODE]).force
         for piece in (-1, 1):
             found[row, piece + 1] = of_piece(0.0, 0.0, [], 0.0, p, piece)
         assert law[SPLIT] == FRICTION

@@ -1,0 +1,185 @@
+"""Recordings: read one, count its energy, measure its timing, find out what its model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from rthm.diagnoses import Diagnosis
+from rthm.results import Column, Result
+from rthm.specs import Named, load
+from rthm.timings import Timing
+from rthm_analysis import recording
+from rthm_analysis.energy import EnergyResult, energy_of
+from rthm_analysis.timing import timing_of
+from rthm_core.effects import load_effects
+
+Recorded = str | Path | recording.Recording
+"""What names a recording: the path of a bag, or a recording that was read before."""
+
+FIELDS = {"position": "m", "velocity": "m/s", "effort": "N"}
+
+
+class Recording(Result, recording.Recording):
+    """What a bag says about one test; its fields are those of `rthm_analysis.recording.Recording`.
+
+    ``tables["plant/state"].position`` (n, k) has the samples of a topic, ``links["tau1"]`` which sample was
+    used when, ``spec`` what the test was.
+    """
+
+    def columns(self) -> dict[str, Column]:
+        """Samples of ``plant/state``; those of other topics are in `tables`."""
+        table = self.plant
+        found = {"t": Column(self.seconds(table.stamp_ns), "s")}
+        for kind, unit in FIELDS.items():
+            for name, values in zip(table.names, getattr(table, kind).T, strict=True):
+                if np.isfinite(values).any():
+                    found[f"{name}.{kind}"] = Column(values, unit)
+        return found
+
+
+class Energy(Result, EnergyResult):
+    """Energies of a recorded test; works are + when introduced.
+
+    Attributes
+    ----------
+    t : (n,) array
+        s since the start of the test.
+    works : dict of (n,) arrays
+        ``E_num``, ``E_ff``, ``E_fx``, ``E_damping``, ``E_load``, ``E_effects``, J; NaN: cannot be told.
+    total, error, balance_error : (n,) arrays
+        E_total; what delays, holds and actuator brought in; and the check, J.
+    """
+
+    def columns(self) -> dict[str, Column]:
+        """Time, works, their sum over the errors of the loop, total, balance error."""
+        sums = {"E_err": self.error, "E_total": self.total, "balance_error": self.balance_error}
+        works = {name: Column(values, "J") for name, values in (self.works | sums).items()}
+        return {"t": Column(self.t, "s"), **works}
+
+
+def read(bag: Recorded, effects: Iterable[str | Path] = ()) -> Recording:
+    """Read the recording of a test.
+
+    Parameters
+    ----------
+    bag : str or Path
+        Folder or file of a rosbag2 recording, whoever recorded it.
+    effects : iterable of str or Path
+        Python files, or modules, that declare kinds of effects which the spec in the bag has. They are
+        executed; nothing that the bag itself names is.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    InputError
+        If there is no recording of a test.
+
+    Examples
+    --------
+    >>> import rthm
+    >>> rig = rthm.read("rig/bag")
+    >>> f"{rig.duration:.0f} s of {', '.join(rig.plant.names)}"
+    '10 s of x1, a1'
+    """
+    load_effects(effects)
+    found = bag if isinstance(bag, recording.Recording) else recording.read_recording(bag)
+    return Recording.of(found)
+
+
+def energy(bag: Recorded, spec: Named | None = None) -> Energy:
+    """Count where the energy of a recorded test came from.
+
+    Parameters
+    ----------
+    bag : str, Path or Recording
+        The recording.
+    spec : str, Path or Spec, optional
+        What the test was; the spec in the recording when absent.
+
+    Returns
+    -------
+    Energy
+
+    Raises
+    ------
+    InputError
+        If there is no spec, or the recording does not have the plant's dofs.
+
+    Examples
+    --------
+    >>> import rthm
+    >>> found = rthm.energy("rig/bag")
+    >>> list(found.works)
+    ['E_num', 'E_ff', 'E_fx', 'E_damping', 'E_load', 'E_effects']
+    """
+    return Energy.of(energy_of(read(bag), None if spec is None else load(spec)))
+
+
+def timing(bag: Recorded, spec: Named | None = None) -> Timing:
+    """Measure the delays and clocks of a recorded test.
+
+    Parameters
+    ----------
+    bag : str, Path or Recording
+        The recording.
+    spec : str, Path or Spec, optional
+        What the test was to be; the spec in the recording when absent.
+
+    Returns
+    -------
+    Timing
+
+    Raises
+    ------
+    InputError
+        If there is no recording of a test.
+
+    Examples
+    --------
+    >>> import rthm
+    >>> found = rthm.timing("rig/bag")
+    >>> found.missed, found.links["tau1"].lost
+    (0, 0)
+    """
+    recorded = read(bag)
+    return Timing.of(timing_of(recorded, recorded.spec if spec is None else load(spec)))
+
+
+def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | Path] = ()) -> Diagnosis:
+    """Find out where a recording and its simulation differ, and which physics was left out.
+
+    Parameters
+    ----------
+    bag : str, Path or Recording
+        The recording.
+    spec : str, Path or Spec, optional
+        The nominal model; the spec in the recording when absent.
+    effects : iterable of str or Path
+        Python files, or modules, that declare further kinds of effects to look for. They are executed.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    InputError
+        If names or sizes of spec and recording do not fit, or the recording is too short to say anything.
+
+    Examples
+    --------
+    >>> import rthm
+    >>> found = rthm.diagnose("rig/bag", "paper")
+    >>> found.verdict, [one.kind for one in found.physics]
+    ('explained', ['coulomb_friction'])
+    """
+    from rthm_analysis import diagnosis
+
+    recorded = read(bag, effects)
+    return Diagnosis.of(diagnosis.diagnose(recorded, recording.nominal_spec(recorded, spec, effects)))

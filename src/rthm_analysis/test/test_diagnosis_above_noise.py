@@ -16,9 +16,9 @@ from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.physical import above_noise
 from rthm_analysis.diagnosis.physical.above_noise import Laws, needed_only
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_core.spec import apply
 
 from .plain import NOISE, plant, recorded
@@ -30,7 +30,7 @@ NOTHING = np.zeros(1)
 class Side:
     """What of a physical side matters here."""
 
-    choice: Choice
+    selection: Selection
     fitting: Any
 
 
@@ -46,7 +46,7 @@ def curve(depends_on: str, share: float, held_out: float | None = None, **jump: 
 
 
 def told(gone: float, curves: list[CurveFit], **kinds: dict[str, float]) -> bool:
-    added = tuple(Added("plant", kind, "x1", dict(values)) for kind, values in kinds.items())
+    added = tuple(EffectInstance("plant", kind, "x1", dict(values)) for kind, values in kinds.items())
     model: Any = SimpleNamespace(added=added, effect_values=lambda i: added[i].parameters)
     return Laws(model, gone, curves).are_told
 
@@ -90,12 +90,12 @@ def test_what_is_hardly_needed_beside_others_is_left_out(monkeypatch: pytest.Mon
         return SimpleNamespace(left_out=np.array([error]))
 
     without = {(1,): fitted(5e3), (0,): fitted(120.0)}
-    monkeypatch.setattr(above_noise, "model_of", lambda choice, others: tuple(i for i, _ in others))
+    monkeypatch.setattr(above_noise, "model_of", lambda selection, others: tuple(i for i, _ in others))
     fitting = SimpleNamespace(expected=50.0, fit=lambda model, most: without[model])
     rounds: Any = [[SimpleNamespace(label=("plant", kind, "x1"), start=None)] for kind in ("a", "b")]
-    physical = Side(choice=Choice(fitted(1e4), fitted(100.0), rounds), fitting=fitting)
+    physical = Side(selection=Selection(fitted(1e4), fitted(100.0), rounds), fitting=fitting)
     kept, needless = needed_only(physical)  # type: ignore[arg-type]
-    assert needless == (("plant", "b", "x1"),) and kept.choice.best is without[0,]
+    assert needless == (("plant", "b", "x1"),) and kept.selection.best is without[0,]
 
 
 def test_curves_are_tried_with_forces_of_the_rigs_size_where_there_is_no_spring() -> None:

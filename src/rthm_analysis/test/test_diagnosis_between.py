@@ -57,8 +57,8 @@ def multisine() -> np.ndarray:
 def test_nothing_is_missing_however_the_load_went_between_its_samples(between: Between) -> None:
     found = diagnose_physical(recorded(between, multisine()), plant(), np.empty(0), lambda said: None)
     assert found.experiment.between is between
-    assert not found.choice.rounds
-    assert found.fitting.doubt < 1.05
+    assert not found.selection.rounds
+    assert found.fitting.reduced_chi2 < 1.05
 
 
 def test_a_force_that_nobody_listed_is_found_although_the_load_is_held() -> None:
@@ -66,7 +66,7 @@ def test_a_force_that_nobody_listed_is_found_although_the_load_is_held() -> None
     pushed = replace(evidence, measured=evidence.measured + np.array([3.0 / STIFFNESS, 0.0]))
     found = diagnose_physical(pushed, plant(), np.empty(0), lambda said: None)
     assert found.experiment.between is Between.HELD
-    assert [tried[0].start.added.kind for tried in found.choice.rounds] == ["constant_load"]
+    assert [tried[0].start.added.kind for tried in found.selection.rounds] == ["constant_load"]
 
 
 def test_a_load_that_is_not_sampled_has_nothing_between_samples() -> None:

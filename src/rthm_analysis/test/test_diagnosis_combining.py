@@ -7,22 +7,22 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.sums import Sums
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.combining import combined
-from rthm_analysis.diagnosis.search.doubted_tones import without_doubted_tones
-from rthm_analysis.diagnosis.search.judging import Choice, Tried
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
+from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_analysis.diagnosis.search.tone_evidence import without_unproven_tones
 from rthm_core.spec import Spec, apply
 
 from .fittings import fitting_of
 from .side import PAPER, having
 
-CUBIC = Start(
-    Added("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
+CUBIC = InitialGuess(
+    EffectInstance("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
 )
-STRIBECK = Start(
-    Added(
+STRIBECK = InitialGuess(
+    EffectInstance(
         "plant",
         "stribeck_friction",
         "x1",
@@ -31,8 +31,8 @@ STRIBECK = Start(
     ("coulomb_force", "static_force", "stribeck_velocity"),
     ("coulomb_force", "static_force"),
 )
-TONE = Start(
-    Added("plant", "harmonic_load", "x1", {"amplitude": 0.3, "frequency": 9.0, "phase": 0.5}),
+TONE = InitialGuess(
+    EffectInstance("plant", "harmonic_load", "x1", {"amplitude": 0.3, "frequency": 9.0, "phase": 0.5}),
     ("amplitude", "frequency", "phase"),
     ("amplitude",),
 )
@@ -50,13 +50,13 @@ def three(friction: float, drag: float, cubic: float) -> Spec:
     )
 
 
-def choice_of(fitting: Fitting, *starts: Start) -> Choice:
-    choice = Choice(base := fitting.fit(Model(PAPER)), base)
+def choice_of(fitting: Fitting, *starts: InitialGuess) -> Selection:
+    selection = Selection(base := fitting.fit(Model(PAPER)), base)
     for start in starts:
-        fitted = fitting.fit(start.added_to(choice.best.model), most=20)
-        choice.rounds.append([Tried(start, fitted, float(fitted.left_out.sum()))])
-        choice.best = fitted
-    return choice
+        fitted = fitting.fit(start.added_to(selection.best.model), most=20)
+        selection.rounds.append([FittedCandidate(start, fitted, float(fitted.left_out.sum()))])
+        selection.best = fitted
+    return selection
 
 
 def test_a_ridge_is_left_for_the_better_side() -> None:
@@ -80,8 +80,8 @@ def test_a_ridge_is_left_for_the_better_side() -> None:
 
 def test_a_combination_that_is_as_good_changes_nothing() -> None:
     fitting = fitting_of(having("plant", "cubic_stiffness", coefficient=20.0), 2)
-    choice = choice_of(fitting, CUBIC)
-    assert combined(fitting, choice) is choice
+    selection = choice_of(fitting, CUBIC)
+    assert combined(fitting, selection) is selection
 
 
 def test_a_search_whose_work_is_done_asks_no_more() -> None:
@@ -102,7 +102,7 @@ def test_the_same_fit_is_the_same_work() -> None:
     assert len(used) == 1
 
 
-def toned(fitting: Fitting, share: float) -> Tried:
+def toned(fitting: Fitting, share: float) -> FittedCandidate:
     """A tone that lasts for a part of the recording only, fitted as if it lasted."""
     model = TONE.added_to(Model(PAPER))
     count, rng = 4000, np.random.default_rng(1)
@@ -119,20 +119,20 @@ def toned(fitting: Fitting, share: float) -> Tried:
         np.zeros(3),
     )
     fitting.expected = float(count)
-    return Tried(TONE, Fitted(model, 0.0, sums, residual), 0.0)
+    return FittedCandidate(TONE, Fitted(model, 0.0, sums, residual), 0.0)
 
 
 @pytest.mark.parametrize(("share", "kept"), [(1.0, 1), (0.4, 0)])
 def test_a_tone_that_does_not_last_is_none(share: float, kept: int) -> None:
     fitting = fitting_of(PAPER, 5)
     base = fitting.fit(Model(PAPER))
-    assert len(without_doubted_tones(fitting, [toned(fitting, share)], base)) == kept
+    assert len(without_unproven_tones(fitting, [toned(fitting, share)], base)) == kept
 
 
 def test_a_kind_that_does_nearly_as_well_is_named_before_a_tone() -> None:
     fitting = fitting_of(PAPER, 6)
     base = fitting.fit(Model(PAPER))
     tone, before = toned(fitting, 1.0), float(base.left_out.sum())
-    near, far = (Tried(CUBIC, base, error) for error in (0.3 * before, 0.9 * before))
-    assert without_doubted_tones(fitting, [tone, near], base) == [near, tone]
-    assert without_doubted_tones(fitting, [tone, far], base) == [tone, far]
+    near, far = (FittedCandidate(CUBIC, base, error) for error in (0.3 * before, 0.9 * before))
+    assert without_unproven_tones(fitting, [tone, near], base) == [near, tone]
+    assert without_unproven_tones(fitting, [tone, far], base) == [tone, far]

@@ -10,14 +10,14 @@ import pytest
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import drafting
-from rthm_analysis.diagnosis.physical.beginning import Begun
+from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.physical.drafting import drafted
 from rthm_analysis.diagnosis.physical.explaining import is_behind
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_analysis.diagnosis.search.choosing import choose, never
-from rthm_analysis.diagnosis.search.judging import Choice, doubt
+from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
 from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply
 
@@ -35,10 +35,10 @@ NOISE = np.array([1e-4, 2e-3, 0.02, 1e-5])
 """Reference noise of position, velocity, force and motor."""
 
 
-def begun_with(fitting: Fitting) -> Begun:
+def begun_with(fitting: Fitting) -> Baseline:
     nominal = fitting.fit(Model(PAPER))
-    fitting.doubt = doubt(fitting, nominal)
-    return Begun(fitting.windows, white_noise(SIGMA), fitting, nominal, nominal)
+    fitting.reduced_chi2 = reduced_chi2(fitting, nominal)
+    return Baseline(fitting.windows, white_noise(SIGMA), fitting, nominal, nominal)
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def test_a_draft_finds_what_a_search_finds_for_less() -> None:
     draft = drafted(begun, never)
     assert draft is not None
     assert {t[0].label for t in draft.rounds} == {t[0].label for t in found.rounds}
-    assert doubt(fast, draft.best) < 1.2
+    assert reduced_chi2(fast, draft.best) < 1.2
     assert draft.best.residual.size == EVIDENCE.stamps_ns.size * 3
     assert all(one.fitted.residual.size == draft.best.residual.size for t in draft.rounds for one in t)
     assert fast.budget.used < slow.budget.used
@@ -98,7 +98,7 @@ def test_near_the_noise_nothing_is_drafted() -> None:
 
 def test_a_second_search_that_had_to_end_early_takes_nothing_back() -> None:
     begun = begun_with(fitting_of(TRUE, 9))
-    found, nothing = choose(begun.fitting, begun.retuned), Choice(begun.retuned, begun.retuned)
+    found, nothing = choose(begun.fitting, begun.retuned), Selection(begun.retuned, begun.retuned)
     assert not is_behind((begun, nothing), found)
     begun.fitting.budget.limit = 0.0
     assert is_behind((begun, nothing), found)

@@ -24,7 +24,7 @@ def side(force: np.ndarray, motor: np.ndarray, retuned: np.ndarray | None = None
         drives=[],
         spec=SimpleNamespace(actuator=SimpleNamespace(names=["a1"])),
         nominal=SimpleNamespace(model="nominal"),
-        choice=SimpleNamespace(base=SimpleNamespace(model="retuned")),
+        selection=SimpleNamespace(base=SimpleNamespace(model="retuned")),
         fitting=SimpleNamespace(wires_alone=alone, experiment=SimpleNamespace(evidence=evidence)),
         motor_left=motor[:, None] if motor.size else np.empty((COUNT, 0)),
     )

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.noise import white_noise
-from rthm_analysis.diagnosis.physical.beginning import Begun
+from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_analysis.diagnosis.search.judging import Choice, Tried
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -42,13 +42,13 @@ class Ahead:
 def test_what_cannot_be_told_in_one_run_is_judged_in_short_ones(slope: float, in_one_run: bool) -> None:
     fitting = fitting_of(having("plant", "coulomb_friction", force=FORCE), 7)
     base = fitting.fit(Model(PAPER))
-    begun = Begun(fitting.windows, white_noise(SIGMA), fitting, base, base)
-    friction = Added("plant", "coulomb_friction", "x1", {"force": FORCE})
-    start = Start(friction, ("force",), ("force",), {"force": FORCE})
+    begun = Baseline(fitting.windows, white_noise(SIGMA), fitting, base, base)
+    friction = EffectInstance("plant", "coulomb_friction", "x1", {"force": FORCE})
+    start = InitialGuess(friction, ("force",), ("force",), {"force": FORCE})
     best = fitting.fit(start.added_to(base.model))
-    choice = Choice(base, best, [[Tried(start, best, best.squares)]])
+    selection = Selection(base, best, [[FittedCandidate(start, best, best.squares)]])
     seen = fitting.experiment.evidence
     ahead = cast("Experiment", Ahead(seen.stamps_ns.size, slope))
-    then, found = foreseen(begun, choice, seen, base.model, ahead)
-    assert (then is begun) == (found is choice) == in_one_run == (then.runs.length is None)
+    then, found = foreseen(begun, selection, seen, base.model, ahead)
+    assert (then is begun) == (found is selection) == in_one_run == (then.runs.length is None)
     assert abs(found.best.model.effect_values(0)["force"] - FORCE) < 0.01

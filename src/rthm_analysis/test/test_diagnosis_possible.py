@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.sums import Sums
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_core.effects import BLOCKS, effect, kinds
 from rthm_core.effects.possible import Seen
 from rthm_core.quantity import Text
@@ -18,7 +18,7 @@ SEEN = Seen(step=0.001, duration=10.0, mass=1.2, lowest=-0.5, highest=0.5, speed
 
 def fitted_to(kind: str, start: dict[str, float], wanted: dict[str, float]) -> dict[str, float | str]:
     """Parameters that a fit ends at which begins at some values and wants others."""
-    model = Model(PAPER).plus(Added("plant", kind, "x1", dict(start), SEEN), tuple(start), {})
+    model = Model(PAPER).plus(EffectInstance("plant", kind, "x1", dict(start), SEEN), tuple(start), {})
     return model.at(np.array([wanted[key] for key in start])).effect_values(0)
 
 
@@ -63,7 +63,7 @@ def test_a_fit_gets_no_value_that_is_not_possible(
 
 
 def test_a_parameter_at_the_end_of_what_is_possible_is_at_a_bound() -> None:
-    added = Added("plant", "clearance", "x1", {"gap": 0.1, "stiffness": 1.0}, SEEN)
+    added = EffectInstance("plant", "clearance", "x1", {"gap": 0.1, "stiffness": 1.0}, SEEN)
     model = Model(PAPER).plus(added, ("gap", "stiffness"), {})
     assert [p.at_bound for p in model.parameters] == [False, False]
     assert [p.at_bound for p in model.at(np.array([0.1, -1.0])).parameters] == [False, True]

@@ -5,18 +5,20 @@ from __future__ import annotations
 import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.replay.model import Added, Model
-from rthm_analysis.diagnosis.search.judging import Choice, Tried, distinguishable
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable
 from rthm_analysis.diagnosis.search.replacing import compared, plainer
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.spec import Spec, apply
 
 from .fittings import fitting_of
 from .side import PAPER, having
 
-COULOMB = Start(Added("plant", "coulomb_friction", "x1", {"force": 0.2}), ("force",), ("force",))
-STRIBECK = Start(
-    Added(
+COULOMB = InitialGuess(
+    EffectInstance("plant", "coulomb_friction", "x1", {"force": 0.2}), ("force",), ("force",)
+)
+STRIBECK = InitialGuess(
+    EffectInstance(
         "plant",
         "stribeck_friction",
         "x1",
@@ -25,32 +27,34 @@ STRIBECK = Start(
     ("coulomb_force", "static_force", "stribeck_velocity"),
     ("coulomb_force", "static_force"),
 )
-CUBIC = Start(
-    Added("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
+CUBIC = InitialGuess(
+    EffectInstance("plant", "cubic_stiffness", "x1", {"coefficient": 5.0}), ("coefficient",), ("coefficient",)
 )
-DRAG = Start(Added("plant", "quadratic_drag", "x1", {"coefficient": 0.5}), ("coefficient",), ("coefficient",))
+DRAG = InitialGuess(
+    EffectInstance("plant", "quadratic_drag", "x1", {"coefficient": 0.5}), ("coefficient",), ("coefficient",)
+)
 
 RUBBED = having("plant", "coulomb_friction", force=0.3)
 FALLING = having("plant", "stribeck_friction", coulomb_force=0.2, static_force=0.4, stribeck_velocity=0.05)
 
 
-def tried(fitting: Fitting, start: Start, before: Fitted) -> Tried:
+def tried(fitting: Fitting, start: InitialGuess, before: Fitted) -> FittedCandidate:
     fitted = fitting.fit(start.added_to(before.model))
-    return Tried(start, fitted, float(fitted.left_out.sum()))
+    return FittedCandidate(start, fitted, float(fitted.left_out.sum()))
 
 
-def choice_of(fitting: Fitting, *rounds: tuple[Start, ...]) -> Choice:
+def choice_of(fitting: Fitting, *rounds: tuple[InitialGuess, ...]) -> Selection:
     """Rounds whose first kind was chosen, each fitted on what was chosen before it."""
-    choice = Choice(base := fitting.fit(Model(PAPER)), base)
+    selection = Selection(base := fitting.fit(Model(PAPER)), base)
     for starts in rounds:
-        choice.rounds.append([tried(fitting, start, choice.best) for start in starts])
-        choice.best = choice.rounds[-1][0].fitted
-    return choice
+        selection.rounds.append([tried(fitting, start, selection.best) for start in starts])
+        selection.best = selection.rounds[-1][0].fitted
+    return selection
 
 
-def kinds(choice: Choice) -> list[str]:
-    assert [one.kind for one in choice.best.model.added] == [one[0].label[1] for one in choice.rounds]
-    return [one.kind for one in choice.best.model.added]
+def kinds(selection: Selection) -> list[str]:
+    assert [one.kind for one in selection.best.model.added] == [one[0].label[1] for one in selection.rounds]
+    return [one.kind for one in selection.best.model.added]
 
 
 @pytest.mark.parametrize(("true", "kind"), [(RUBBED, "coulomb_friction"), (FALLING, "stribeck_friction")])
@@ -66,8 +70,8 @@ def with_cubic(true: Spec) -> Spec:
 
 def test_kinds_of_an_early_round_are_told_apart_once_the_rest_is_known() -> None:
     fitting = fitting_of(with_cubic(RUBBED), 2)
-    choice = choice_of(fitting, (COULOMB, DRAG), (CUBIC,))
-    found = compared(fitting, choice)
+    selection = choice_of(fitting, (COULOMB, DRAG), (CUBIC,))
+    found = compared(fitting, selection)
     assert kinds(found) == ["coulomb_friction", "cubic_stiffness"]
     assert distinguishable(found.best, found.rounds[0][1].fitted)
 

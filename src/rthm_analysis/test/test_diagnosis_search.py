@@ -9,14 +9,14 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
-from rthm_analysis.diagnosis.search.beside_wires import led_by_a_wire, one_by_one
-from rthm_analysis.diagnosis.search.judging import CLOSE, doubt, looked_for
+from rthm_analysis.diagnosis.search.beside_wire import one_by_one, selected_from_wire
+from rthm_analysis.diagnosis.search.judging import CLOSE, looked_for, reduced_chi2
 from rthm_analysis.diagnosis.search.refining import fit_further, refined, unfitted
-from rthm_analysis.diagnosis.search.screening import Screened
-from rthm_analysis.diagnosis.search.starts import Start
-from rthm_analysis.diagnosis.search.told_wires import released, told_wires
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate
+from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_analysis.diagnosis.search.wire_from_force import released, wires_from_force
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply
@@ -30,7 +30,7 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of(known
     slack = having("wire", "slack", pretension=known)
     stop = {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.3, "stiffness": 200.0}
     fitting = fitting_of(apply(slack, {"effects": ["one", "stop"], "stop": stop | {"damping": 1.0}}), 1)
-    ((start, model),) = told_wires(fitting, fitting.fit(Model(PAPER)))
+    ((start, model),) = wires_from_force(fitting, fitting.fit(Model(PAPER)))
     (pretension,) = model.parameters
     assert start.added.kind == "slack" and pretension.prior is not None
     assert abs(pretension.value - known) < 4.0 * pretension.prior[1] < near
@@ -39,10 +39,10 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of(known
 
 def test_beside_the_kind_that_explains_the_force_of_a_wire_no_other_is_looked_for_in_it() -> None:
     fitting = fitting_of(having("wire", "slack", pretension=0.5), 4)
-    fitting.told["a1"] = "slack"
-    added = [Added("wire", "slack", "a1", {}), Added("wire", "bouc_wen", "a1", {})]
-    added += [Added("wire", "bouc_wen", "a2", {}), Added("plant", "bouc_wen", "x1", {})]
-    starts = [Start(one, (), ()) for one in added]
+    fitting.identified["a1"] = "slack"
+    added = [EffectInstance("wire", "slack", "a1", {}), EffectInstance("wire", "bouc_wen", "a1", {})]
+    added += [EffectInstance("wire", "bouc_wen", "a2", {}), EffectInstance("plant", "bouc_wen", "x1", {})]
+    starts = [InitialGuess(one, (), ()) for one in added]
     assert list(looked_for(fitting, starts)) == [starts[0], *starts[2:]]
 
 
@@ -51,11 +51,11 @@ def test_what_the_force_of_a_wire_tells_leads_to_what_goes_with_it() -> None:
     stop = {"block": "plant", "kind": "end_stop", "dof": "x1", "position": 0.3, "stiffness": 200.0}
     fitting = fitting_of(apply(slack, {"effects": ["one", "stop"], "stop": stop | {"damping": 1.0}}), 1)
     base = fitting.fit(Model(PAPER))
-    fitting.doubt = doubt(fitting, base)
-    led = led_by_a_wire(fitting, base)
-    assert led is not None and fitting.told == {"a1": "slack"}
+    fitting.reduced_chi2 = reduced_chi2(fitting, base)
+    led = selected_from_wire(fitting, base)
+    assert led is not None and fitting.identified == {"a1": "slack"}
     assert [tried[0].label[1] for tried in led.rounds] == ["slack", "end_stop"]
-    assert doubt(fitting, led.best) < 0.1 * doubt(fitting, base)
+    assert reduced_chi2(fitting, led.best) < 0.1 * reduced_chi2(fitting, base)
 
 
 def test_plain_kinds_that_go_with_what_the_force_of_a_wire_tells_are_found_together() -> None:
@@ -65,11 +65,11 @@ def test_plain_kinds_that_go_with_what_the_force_of_a_wire_tells_are_found_toget
     both = {"effects": ["one", "drag", "spring"], "drag": drag, "spring": spring}
     fitting = fitting_of(apply(slack, both), 6)
     base = fitting.fit(Model(PAPER))
-    fitting.doubt = doubt(fitting, base)
-    led = led_by_a_wire(fitting, base)
+    fitting.reduced_chi2 = reduced_chi2(fitting, base)
+    led = selected_from_wire(fitting, base)
     assert led is not None
     assert {tried[0].label[1] for tried in led.rounds} == {"slack", "quadratic_drag", "cubic_stiffness"}
-    assert doubt(fitting, led.best) < CLOSE
+    assert reduced_chi2(fitting, led.best) < CLOSE
 
 
 def test_they_are_found_one_after_the_other_as_well() -> None:
@@ -77,8 +77,8 @@ def test_they_are_found_one_after_the_other_as_well() -> None:
     spring = {"block": "plant", "kind": "cubic_stiffness", "dof": "x1", "coefficient": 60.0}
     fitting = fitting_of(apply(slack, {"effects": ["one", "spring"], "spring": spring}), 6)
     base = fitting.fit(Model(PAPER))
-    fitting.doubt = doubt(fitting, base)
-    ((start, model),) = told_wires(fitting, base)
+    fitting.reduced_chi2 = reduced_chi2(fitting, base)
+    ((start, model),) = wires_from_force(fitting, base)
     alone = fit_further(fitting, unfitted(start, base, model), None, 1)
     with fitting.simple_only():
         found = one_by_one(fitting, alone)
@@ -88,12 +88,12 @@ def test_they_are_found_one_after_the_other_as_well() -> None:
 @pytest.mark.parametrize("true", [PAPER, having("plant", "coulomb_friction", force=0.3)])
 def test_a_wire_that_does_nothing_tells_nothing(true: Spec) -> None:
     fitting = fitting_of(true, 2)
-    assert told_wires(fitting, fitting.fit(Model(PAPER))) == []
+    assert wires_from_force(fitting, fitting.fit(Model(PAPER))) == []
 
 
 def test_a_wire_whose_force_was_not_measured_tells_nothing() -> None:
     fitting = fitting_of(having("wire", "slack", pretension=0.5), 3, "position", "velocity")
-    assert told_wires(fitting, fitting.fit(Model(PAPER))) == []
+    assert wires_from_force(fitting, fitting.fit(Model(PAPER))) == []
 
 
 def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
@@ -108,17 +108,17 @@ def test_a_wire_that_the_spec_does_not_allow_only_does_not_come_into_question(
         return replay(alone, model)
 
     monkeypatch.setattr(WiresAlone, "residual", refusing)
-    ((start, _),) = told_wires(fitting, fitting.fit(Model(PAPER)))
+    ((start, _),) = wires_from_force(fitting, fitting.fit(Model(PAPER)))
     assert start.added.kind == "slack"
 
 
 def test_an_effect_that_never_acts_explains_nothing() -> None:
     fitting = fitting_of(PAPER, 5)
     fitted = fitting.fit(Model(PAPER))
-    slack = Added("wire", "slack", "a1", {"pretension": 100.0})
-    never = Start(slack, ("pretension",), (), {"pretension": 1.0})
+    slack = EffectInstance("wire", "slack", "a1", {"pretension": 100.0})
+    never = InitialGuess(slack, ("pretension",), (), {"pretension": 1.0})
     acts = replace(never, added=replace(slack, parameters={"pretension": 1.0}))
-    promised = [Screened(one, 100.0, np.inf) for one in (never, acts)]
+    promised = [ScoredCandidate(one, 100.0, np.inf) for one in (never, acts)]
     known = fitting.known(fitted)
     assert refined(fitting, fitted, known, promised[:1]) == []
     assert [one.start for one in refined(fitting, fitted, known, promised)] == [acts]

@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.diagnose import diagnose
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.physical.drives import choose_drives
 from rthm_analysis.diagnosis.replay.evidence import gather
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.recording import Recording, hold, read_recording
 from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
@@ -146,16 +146,18 @@ def driven(tmp_path_factory):
     return replace(one, tables=one.tables | {"plant/state": replace(one.plant, position=position)})
 
 
-def drives(one: Recording, spec: Spec) -> list[Start]:
+def drives(one: Recording, spec: Spec) -> list[InitialGuess]:
     chosen = choose_drives(gather(one, spec).only("motor"), spec, first_command(spec))
     return [tried[0].start for tried in chosen.rounds]
 
 
-def is_early(starts: list[Start], by: float) -> bool:
-    """Whether a motor answers earlier, by a time that the samples leave open by the start's doubt."""
+def is_early(starts: list[InitialGuess], by: float) -> bool:
+    """Whether a motor answers earlier, up to the uncertainty of the start."""
     (start,) = starts
-    doubt = start.scales["delay"] + 1e-6
-    return start.added.kind == "extra_delay" and abs(start.added.parameters["delay"] + by) < doubt < 1e-3
+    uncertainty = start.scales["delay"] + 1e-6
+    return (
+        start.added.kind == "extra_delay" and abs(start.added.parameters["delay"] + by) < uncertainty < 1e-3
+    )
 
 
 LONGER = apply(PAPER, {"timing.tau4": PAPER.timing.tau4 + 0.002})

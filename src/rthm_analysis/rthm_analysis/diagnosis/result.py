@@ -189,7 +189,7 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Fit:
-    """How well a block's output is simulated on data that had no part in any choice or fit.
+    """How well a block's output is simulated on data that had no part in any selection or fit.
 
     Attributes
     ----------

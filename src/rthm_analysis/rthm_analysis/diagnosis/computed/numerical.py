@@ -104,7 +104,7 @@ def _derivatives(time: Integers, load: Floats) -> Floats:
     return np.stack([spline(time / NS, order) for order in range(ORDERS)], axis=1)
 
 
-def load_doubt(ticks: Ticks) -> float:
+def load_uncertainty(ticks: Ticks) -> float:
     """Rms of what is not known of the load between two ticks, N, from how well every other tick tells it."""
     from scipy.interpolate import CubicSpline
 

@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.computed.numerical import (
     Search,
     Ticks,
     errors,
-    load_doubt,
+    load_uncertainty,
     replay,
     scales,
     search,
@@ -98,7 +98,7 @@ def _numerical_notes(recording: Recording, told: bool) -> tuple[str, ...]:
 def _enough(seen: Ticks, nominal: Structure) -> float:
     """Error of a step that the unknown load between two ticks makes, over the size of the step."""
     dt, n = seen.period / NS, nominal.mass.shape[0]
-    kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_doubt(seen) * dt
+    kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_uncertainty(seen) * dt
     return ROUNDING + 3.0 * kick / float(scales(seen).change[n:].min())
 
 

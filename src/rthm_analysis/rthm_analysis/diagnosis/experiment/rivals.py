@@ -26,9 +26,9 @@ def rivals_of(physical: Physical, patched: Spec) -> list[Hypothesis]:
     patched : Spec
         The best one, with what was found in the software of the loop, which the rivals share.
     """
-    best = physical.choice.best
+    best = physical.selection.best
     found: dict[str, Spec] = {}
-    for tried in physical.choice.rounds:
+    for tried in physical.selection.rounds:
         for other in tried:
             block, kind, _ = other.label
             if block in MOVED and other.fitted is not best and not distinguishable(best, other.fitted):

@@ -38,7 +38,7 @@ DIVERGED = 1e6
 """Error, over the noise or the standard deviation of a signal, of a model that diverges, and at most."""
 
 WRONG = 3.0
-"""Doubt above which sensitivities are computed anew at every step of a fit."""
+"""Reduced chi-squared above which sensitivities are computed anew at every step of a fit."""
 
 Bases = list[tuple[slice, Floats]]
 """Orthonormal bases of what initial states can explain, in the training part of each free run."""
@@ -91,15 +91,15 @@ class Fitting:
         Where the sensitivities to the initial states are taken at first.
     colours : tuple of k Colour
         Of the noise of the channels; empty: all is white.
-    doubt : float
+    reduced_chi2 : float
         Squared error per sample, in units of the noise, of the best model so far, at least 1: as long as a
         model is wrong, data count less against what the spec states.
     asked : set
         Combinations of effects that were fitted.
     simple : bool
         Whether no effect is looked for that can imitate others.
-    told : dict
-        By wire: the kind that explains its own force, beside which no other is looked for in that wire.
+    identified : dict
+        By wire: the kind that explains its measured force, beside which no other is looked for in that wire.
 
     Attributes
     ----------
@@ -112,12 +112,12 @@ class Fitting:
     sigma: Floats
     base: Model
     progress: Callable[[str], None] = lambda said: None
-    doubt: float = 1.0
+    reduced_chi2: float = 1.0
     colours: tuple[Colour, ...] = ()
     cores: Cores = field(default_factory=Cores)
     asked: set[frozenset[tuple[str, str, str]]] = field(default_factory=set)
     simple: bool = False
-    told: dict[str, str] = field(default_factory=dict)
+    identified: dict[str, str] = field(default_factory=dict)
     _bases: Bases = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -183,14 +183,14 @@ class Fitting:
             self.simple = False
 
     @contextmanager
-    def told_by(self, kind: str, wire: str) -> Iterator[None]:
+    def identified_as(self, kind: str, wire: str) -> Iterator[None]:
         """Look for no other kind in a wire for a while."""
-        before = self.told
-        self.told = before | {wire: kind}
+        before = self.identified
+        self.identified = before | {wire: kind}
         try:
             yield
         finally:
-            self.told = before
+            self.identified = before
 
     def states(self, model: Model, here: Floats) -> Floats:
         """Change of the prediction with the initial states (2 n, s k), over the noise."""
@@ -255,8 +255,8 @@ class Fitting:
     def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
         """Normal equations of a model whose residual and columns are known and projected."""
         priors = [p.prior for p in model.parameters]
-        precision = self.doubt * np.array([0.0 if p is None else p[1] ** -2 for p in priors])
-        pull = self.doubt * np.array(
+        precision = self.reduced_chi2 * np.array([0.0 if p is None else p[1] ** -2 for p in priors])
+        pull = self.reduced_chi2 * np.array(
             [0.0 if p is None else (p[0] - v) / p[1] ** 2 for p, v in zip(priors, model.values, strict=True)]
         )
         hessian = np.stack([columns[:, b] @ columns[:, b].T for b in self.blocks])
@@ -287,7 +287,7 @@ class Fitting:
         started : bool
             Whether the free runs start exactly where they are said to.
         """
-        anew = known is None or self.doubt > WRONG
+        anew = known is None or self.reduced_chi2 > WRONG
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
         bases = self._bases_of(model, residual, started=started)
@@ -314,7 +314,7 @@ class Fitting:
                     settled = least
                     break
                 small = STEP * FINER  # where motions part quickly, a longer step tells little
-            if self.doubt > WRONG:
+            if self.reduced_chi2 > WRONG:
                 bases = self._bases_of(model, residual, started=started)
                 best = self._cost(model, residual, bases)
         sums = self.sums(model, self.projected(residual, bases), columns)
@@ -327,12 +327,12 @@ class Fitting:
         """
         if started:
             return []
-        return self.bases(self.states(model, residual)) if self.doubt > WRONG else self._bases
+        return self.bases(self.states(model, residual)) if self.reduced_chi2 > WRONG else self._bases
 
     def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
         priors = [(p.value - p.prior[0]) / p.prior[1] for p in model.parameters if p.prior]
         kept = self.projected(residual, bases)
-        cost = float(kept @ kept) + self.doubt * float(np.square(priors).sum())
+        cost = float(kept @ kept) + self.reduced_chi2 * float(np.square(priors).sum())
         return cost if np.isfinite(cost) else np.inf
 
 

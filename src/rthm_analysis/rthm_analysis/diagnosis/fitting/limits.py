@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_delay
 from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_core.errors import InputError
@@ -67,7 +67,7 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
         key, harmless, gross, others = MOTOR[kind]
 
         def power(value: float) -> float:
-            added = Added("motor", kind, place, {key: value, **others})
+            added = EffectInstance("motor", kind, place, {key: value, **others})
             try:
                 change = fitting.residual(model.plus(added, (), {})) - here.residual
             except InputError:

@@ -7,7 +7,7 @@ standing    what is left of this evidence when a machine stood still at times
 stalls      samples whose fate a standing machine decided
 models      distributions of the extra delay
 fitting     their parameters, by likelihood
-choice      which kinds are needed, judged on uses that took no part in the fit
+selection      which kinds are needed, judged on uses that took no part in the fit
 ages        how old the sample in use is, as recorded and as a model expects it
 limits      the smallest effects that would have been seen
 energy      what older samples cost in energy

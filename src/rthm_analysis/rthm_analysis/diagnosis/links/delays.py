@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rthm_analysis.diagnosis.links.choice import NEEDED
 from rthm_analysis.diagnosis.links.evidence import LinkEvidence, link_evidence
 from rthm_analysis.diagnosis.links.fitting import counted, fitted, grain
+from rthm_analysis.diagnosis.links.selection import NEEDED
 from rthm_analysis.recording import LINKS, Recording
 from rthm_core.clock import NS
 from rthm_core.errors import InputError

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.links.ages import ages, expected
-from rthm_analysis.diagnosis.links.choice import DISTINCT, Choice
 from rthm_analysis.diagnosis.links.energy import extra_energy
 from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.outages import faults_of
+from rthm_analysis.diagnosis.links.selection import DISTINCT, Selection
 from rthm_analysis.diagnosis.links.words import lateness, sentence
 from rthm_analysis.diagnosis.result import Alternative, Fault, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
@@ -40,7 +40,7 @@ class Finding:
 
     Attributes
     ----------
-    evidence, choice
+    evidence, selection
         Of the whole recording, and of its first two thirds.
     busy : float
         Lateness of the machine as the other links show it, s.
@@ -49,7 +49,7 @@ class Finding:
     """
 
     evidence: LinkEvidence
-    choice: Choice
+    selection: Selection
     busy: float
     train_end: int
     end: int
@@ -62,7 +62,7 @@ class Finding:
     @property
     def found(self) -> bool:
         """Whether anything but scheduling and outages was found."""
-        return bool(self.choice.kinds) or self.evidence.offset_ns != 0
+        return bool(self.selection.kinds) or self.evidence.offset_ns != 0
 
     @property
     def faults(self) -> tuple[Fault, ...]:
@@ -80,7 +80,7 @@ def link_part(recording: Recording, spec: Spec, finding: Finding) -> Part:
     limits = _limits(finding)
     faults = finding.faults
     blocks = (Mismatch(finding.block, mismatch(finding), finding.found or bool(faults)),)
-    machine = finding.choice.nothing.late
+    machine = finding.selection.nothing.late
     if not finding.found:
         notes = (lateness(finding.evidence.name, machine),) if machine > GRAIN else ()
         return Part(blocks=blocks, detection_limits=limits, notes=notes, faults=faults)
@@ -110,13 +110,13 @@ def link_part(recording: Recording, spec: Spec, finding: Finding) -> Part:
 
 def _values(finding: Finding) -> dict[tuple[str, str], Value]:
     """Parameters of what was found, by kind and name."""
-    values, model = {}, finding.choice.model
+    values, model = {}, finding.selection.model
     if finding.evidence.offset_ns:
         values["clock_offset", "offset"] = Value(
             finding.evidence.offset_ns / NS, finding.evidence.offset_std, "s"
         )
     data = counted(finding.evidence.between(0, finding.train_end))
-    for kind in finding.choice.kinds:
+    for kind in finding.selection.kinds:
         std = deviation(data, model, kind)
         values[KINDS[kind]] = Value(getattr(model, kind), std, "1" if kind == "loss" else "s")
     return values
@@ -148,7 +148,7 @@ def _fit(finding: Finding) -> Fit:
     evidence = finding.evidence
     seen = ages(evidence, finding.train_end, finding.end)
     nominal = expected(evidence, finding.nominal, seen.at)[0]
-    explained = expected(evidence, finding.choice.model, seen.at)[0]
+    explained = expected(evidence, finding.selection.model, seen.at)[0]
     spread = expected(evidence, _as_held_out(finding), seen.at)[1]
     scale = max(float(np.std(seen.age)), GRAIN)
     floor = np.sqrt(np.mean(spread**2) + GRAIN**2) / scale
@@ -164,7 +164,7 @@ def _fit(finding: Finding) -> Fit:
 
 def _as_held_out(finding: Finding) -> Model:
     """The named kinds as large as the last third itself has them: what nobody could predict better."""
-    kinds, model = finding.choice.kinds, finding.choice.model
+    kinds, model = finding.selection.kinds, finding.selection.model
     data = counted(finding.evidence.between(finding.train_end, finding.end))
     return fitted(data, kinds, model.share > 0.0, model) if kinds else model
 
@@ -177,12 +177,12 @@ def _alternatives(finding: Finding, fit: Fit) -> tuple[Alternative, ...]:
     """Other explanations that were tried, and those that this recording cannot tell from the named one."""
     reached = fit.nrmse["explained"]
     others = []
-    if finding.choice.kinds == ("delay",) and not finding.evidence.offset_ns:
+    if finding.selection.kinds == ("delay",) and not finding.evidence.offset_ns:
         others.append(Alternative(finding.block, "clock_offset", reached, False))
         if finding.evidence.name == "tau4":
             others.append(Alternative("motor", "extra_delay", reached, False))
-    for kinds, gain in finding.choice.gains.items():
-        if len(kinds) == 1 and kinds[0] not in finding.choice.kinds:
+    for kinds, gain in finding.selection.gains.items():
+        if len(kinds) == 1 and kinds[0] not in finding.selection.kinds:
             worse = fit.nrmse["nominal"] if gain < -DISTINCT else reached
             others.append(Alternative(finding.block, KINDS[kinds[0]][0], worse, gain < -DISTINCT))
     return tuple(others)
@@ -191,7 +191,7 @@ def _alternatives(finding: Finding, fit: Fit) -> tuple[Alternative, ...]:
 def _limits(finding: Finding) -> dict[str, Limit]:
     """Smallest effects that would have been seen."""
     allowance = BUSY * finding.busy + GRAIN
-    nothing, limits = finding.choice.nothing, {}
+    nothing, limits = finding.selection.nothing, {}
     for name, (kind, parameter) in KINDS.items():
         value = smallest(finding.evidence, nothing, name, allowance)
         limits[f"{finding.block}.{kind}.{parameter}"] = Limit(value, "1" if name == "loss" else "s")

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.choice import Choice, choose, is_exact
 from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence, link_evidence
 from rthm_analysis.diagnosis.links.finding import BUSY, Finding, link_part, mismatch
 from rthm_analysis.diagnosis.links.models import Model
+from rthm_analysis.diagnosis.links.selection import Selection, choose, is_exact
 from rthm_analysis.diagnosis.links.times import wrong_times
 from rthm_analysis.diagnosis.links.words import stood_still
 from rthm_analysis.diagnosis.result import Mismatch, Part
@@ -65,7 +65,7 @@ def _with_wrong_delay(
     if f"timing.{name}" not in changes or isinstance(evidence, str):
         return block
     end = to_ns(recording.duration) + 1
-    exact = Choice((), Model(), Model(), {})
+    exact = Selection((), Model(), Model(), {})
     return Mismatch(block.block, mismatch(Finding(evidence, exact, 0.0, 2 * end // 3, end)), True)
 
 
@@ -84,16 +84,16 @@ def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
     choices = _choices(recording, [one.between(0, train_end) for one in evidences])
     lates = [one.nothing.late for one in choices]
     parts = []
-    for i, (evidence, choice) in enumerate(zip(evidences, choices, strict=True)):
+    for i, (evidence, selection) in enumerate(zip(evidences, choices, strict=True)):
         others = lates[:i] + lates[i + 1 :]
         busy = float(np.median(others)) if others else 0.0
         busy += recording.clocks.uncertainty(evidence.name) * recording.clocks.applied
-        finding = Finding(evidence, _beyond_machine(choice, busy), busy, train_end, end)
+        finding = Finding(evidence, _beyond_machine(selection, busy), busy, train_end, end)
         parts.append(link_part(recording, spec, finding))
     return _joined(parts, notes)
 
 
-def _choices(recording: Recording, evidences: list[LinkEvidence]) -> list[Choice]:
+def _choices(recording: Recording, evidences: list[LinkEvidence]) -> list[Selection]:
     """Choose for each link.
 
     Whether a sample that was passed over at a tick was late or lost is not always told by the uses. When all
@@ -117,14 +117,14 @@ def _told_late(recording: Recording, evidence: LinkEvidence) -> bool:
     return bool(passed_over < RARE or any(count != "0" for count in counts))
 
 
-def _beyond_machine(choice: Choice, busy: float) -> Choice:
+def _beyond_machine(selection: Selection, busy: float) -> Selection:
     """Take kinds out that are no more than what the machine does to the other links."""
     least = {"delay": BUSY * busy + GRAIN, "jitter": BUSY * busy + GRAIN, "loss": 0.0}
-    kept = tuple(kind for kind in choice.kinds if abs(getattr(choice.model, kind)) > least[kind])
-    if kept == choice.kinds:
-        return choice
-    left = {kind: 0.0 for kind in choice.kinds if kind not in kept}
-    return Choice(kept, choice.model.but(**left) if kept else choice.nothing, choice.nothing, {})
+    kept = tuple(kind for kind in selection.kinds if abs(getattr(selection.model, kind)) > least[kind])
+    if kept == selection.kinds:
+        return selection
+    left = {kind: 0.0 for kind in selection.kinds if kind not in kept}
+    return Selection(kept, selection.model.but(**left) if kept else selection.nothing, selection.nothing, {})
 
 
 def _joined(parts: list[Part], notes: tuple[str, ...]) -> Part:

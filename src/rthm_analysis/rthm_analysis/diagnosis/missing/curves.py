@@ -99,8 +99,8 @@ class Regression:
         last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
         self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
         self.known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
-        doubt = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
-        self.precision = doubt * _precision(model)[: self.known.shape[0]]
+        reduced_chi2 = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
+        self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
         self.motion = self.experiment.motion(model.spec, windows)
         self.motion_forces = _motion_forces(model, self.motion)
 

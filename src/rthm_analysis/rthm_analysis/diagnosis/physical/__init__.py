@@ -8,7 +8,7 @@
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured
-``judged``       errors on data that had no part in any fit or choice
+``judged``       errors on data that had no part in any fit or selection
 ``remainder``    what is left beyond the noise, where and when
 ``contradicted``  errors of one channel that another denies
 ``unrelated``    errors that nothing in the rig foretells

@@ -13,8 +13,8 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.model import Added, Model
-from rthm_analysis.diagnosis.search.judging import Choice
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
+from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
 
 NEARLY = 0.98
@@ -42,51 +42,51 @@ REFITTED = 6
 
 def needed_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
     """The same without effects that the training part hardly misses, and their labels."""
-    choice, needless = physical.choice, []
-    while len(choice.rounds) > 1:
-        index, without = _least_needed(physical, choice)
+    selection, needless = physical.selection, []
+    while len(selection.rounds) > 1:
+        index, without = _least_needed(physical, selection)
         if without is None:
             break
-        needless.append(choice.rounds[index][0].label)
-        choice = _left_out(choice, index, without)
-    return replace(physical, choice=choice), tuple(needless)
+        needless.append(selection.rounds[index][0].label)
+        selection = _left_out(selection, index, without)
+    return replace(physical, selection=selection), tuple(needless)
 
 
 def certain_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
     """The same without effects whose values are not told beside the others, and their labels."""
-    choice, vague = physical.choice, []
-    while len(choice.rounds) > 1:
-        index = next((i for i in range(len(choice.rounds)) if not is_identified(choice.best, i)), None)
-        without = None if index is None else _without(physical, choice, index)
+    selection, vague = physical.selection, []
+    while len(selection.rounds) > 1:
+        index = next((i for i in range(len(selection.rounds)) if not is_identified(selection.best, i)), None)
+        without = None if index is None else _without(physical, selection, index)
         if index is None or without is None:
             break
-        vague.append(choice.rounds[index][0].label)
-        choice = _left_out(choice, index, without)
-    return replace(physical, choice=choice), tuple(vague)
+        vague.append(selection.rounds[index][0].label)
+        selection = _left_out(selection, index, without)
+    return replace(physical, selection=selection), tuple(vague)
 
 
-def _least_needed(physical: Physical, choice: Choice) -> tuple[int, Fitted | None]:
+def _least_needed(physical: Physical, selection: Selection) -> tuple[int, Fitted | None]:
     """Effect that is needed least, and the model without it; None where it is needed."""
-    found = [_without(physical, choice, index) for index in range(len(choice.rounds))]
+    found = [_without(physical, selection, index) for index in range(len(selection.rounds))]
     errors = [np.inf if one is None else float(one.left_out.sum()) for one in found]
     index = int(np.argmin(errors))
-    best = float(choice.best.left_out.sum())
-    mismatch = float(choice.base.left_out.sum()) - physical.fitting.expected
+    best = float(selection.best.left_out.sum())
+    mismatch = float(selection.base.left_out.sum()) - physical.fitting.expected
     least = min(NEEDED * mismatch, MARGIN * (best - physical.fitting.expected))
     return index, found[index] if errors[index] - best < least else None
 
 
-def _left_out(choice: Choice, index: int, without: Fitted) -> Choice:
-    """The choice without one of its effects, given the best model without it."""
-    rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
-    return replace(choice, best=without, rounds=rounds)
+def _left_out(selection: Selection, index: int, without: Fitted) -> Selection:
+    """The selection without one of its effects, given the best model without it."""
+    rounds = [tried for i, tried in enumerate(selection.rounds) if i != index]
+    return replace(selection, best=without, rounds=rounds)
 
 
-def _without(physical: Physical, choice: Choice, index: int) -> Fitted | None:
+def _without(physical: Physical, selection: Selection, index: int) -> Fitted | None:
     """Best model without one of its effects; None where it diverges."""
-    others = [(i, tried[0].start) for i, tried in enumerate(choice.rounds) if i != index]
+    others = [(i, tried[0].start) for i, tried in enumerate(selection.rounds) if i != index]
     try:
-        return physical.fitting.fit(model_of(choice, others), most=REFITTED)
+        return physical.fitting.fit(model_of(selection, others), most=REFITTED)
     except np.linalg.LinAlgError:
         return None
 
@@ -122,7 +122,7 @@ class Laws:
             return self.gone > NEARLY and all(self._is_whole(one) for one in smooth or constant)
         return self.gone > (RUBBED_ONE_WAY if constant else RUBBED)
 
-    def _jumps(self, friction: Added) -> bool:
+    def _jumps(self, friction: EffectInstance) -> bool:
         """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and
         none shows that it is not there all the time.
         """
@@ -136,7 +136,7 @@ class Laws:
                 return abs(change) < JUMP * force and force - change > CERTAIN * std
         return False
 
-    def _is_whole(self, one: Added) -> bool:
+    def _is_whole(self, one: EffectInstance) -> bool:
         """Whether curves over any of its variables, or all where it has none, find little in what is left.
 
         Friction without its jump may be any of the forces against the motion; so it is only by itself.
@@ -147,7 +147,7 @@ class Laws:
         shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
         return max(map(found, shared), default=0.0) < OF_IT
 
-    def _there(self, one: Added) -> list[CurveFit]:
+    def _there(self, one: EffectInstance) -> list[CurveFit]:
         """Curves of the dof of a law, or all for one of a wire."""
         return [curve for curve in self.curves if one.block != "plant" or curve.dof == one.place]
 

@@ -20,7 +20,7 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
-from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, Choice, doubt
+from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, Selection, reduced_chi2
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -28,7 +28,7 @@ NEAR = 10.0
 """Squared error per sample, in units of the noise, from which longer windows would only drift further."""
 
 FAR_OFF = 1.5
-"""Doubt of a model from which one that was fitted from it is fitted again."""
+"""Reduced chi-squared of a model from which one that was fitted from it is fitted again."""
 
 LOUDER = 0.7
 """Noise of a channel once more is known, over that before, below which motion had been taken for noise."""
@@ -37,7 +37,7 @@ AGAIN = 4
 """Steps of a fit that shows whether another way fits."""
 
 
-class Begun(NamedTuple):
+class Baseline(NamedTuple):
     """Free runs over the whole recording, the noise of the channels, and what the spec alone can explain.
 
     What is `retuned` may only be near its best, where another way of the loads is likelier.
@@ -52,7 +52,7 @@ class Begun(NamedTuple):
 
 def begin(
     seen: Evidence, settled: Model, first: Floats, train: int, progress: Callable[[str], None]
-) -> list[Begun]:
+) -> list[Baseline]:
     """Begin with the loads between their samples in every way that is possible.
 
     The first is the smooth curve, unless another leaves next to nothing.
@@ -75,7 +75,7 @@ def begin(
     for part in parts[1:]:
         part.begin_at(seen.stamps_ns[runs.first(train).start])
         noise = noise.smaller(noise_left(part, settled.spec, runs.first(train)))
-    begun: list[Begun] = []
+    begun: list[Baseline] = []
     for part in parts:
         fitting = fitting_of(part, runs.first(train), noise, settled, progress)
         nominal = fitting.fit(settled)
@@ -84,7 +84,7 @@ def begin(
             fitting = fitting_of(part, runs.first(train), noise, settled, progress)
             nominal = fitting.fit(settled)
         near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
-        begun.append(Begun(runs, noise, fitting, nominal, near))
+        begun.append(Baseline(runs, noise, fitting, nominal, near))
     best = min(begun, key=lambda one: one.retuned.squares)
     if _explains_most(best.fitting, best.retuned, begun[0].retuned):
         others = [one for one in begun if one is not best]
@@ -99,28 +99,28 @@ def fitting_of(
     return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours)
 
 
-def _whitened(begun: list[Begun]) -> list[Begun]:
+def _whitened(begun: list[Baseline]) -> list[Baseline]:
     """The same weighed by the colour of the noise, where no way of the loads leaves white noise."""
     noise = reduce(Noise.smaller, [coloured(one.fitting, one.retuned, one.noise) for one in begun])
     return begun if noise.is_white else [with_noise(one, noise) for one in begun]
 
 
-def with_noise(begun: Begun, noise: Noise) -> Begun:
+def with_noise(begun: Baseline, noise: Noise) -> Baseline:
     """The same, judged by another noise."""
     before = begun.fitting
     fitting = fitting_of(before.experiment, before.windows, noise, before.base, before.progress)
     nominal = fitting.fit(begun.nominal.model)
-    return Begun(begun.runs, noise, fitting, nominal, retuned_from(fitting, nominal))
+    return Baseline(begun.runs, noise, fitting, nominal, retuned_from(fitting, nominal))
 
 
-def in_short_runs(begun: Begun, seen: Evidence, settled: Model, train: int) -> Begun:
+def in_short_runs(begun: Baseline, seen: Evidence, settled: Model, train: int) -> Baseline:
     """The same in short runs, in which a model that is wrong does not get far from the recording."""
     longer = begun.fitting
     longer.progress("looking in short runs, where a wrong model stays near")
     runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
     fitting = fitting_of(longer.experiment, runs.first(train), begun.noise, settled, longer.progress)
     nominal = fitting.fit(settled)
-    return Begun(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
+    return Baseline(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
 
 
 def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
@@ -129,35 +129,35 @@ def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
     return old.squares - new.squares > max(0.5 * left, ENOUGH)
 
 
-def choose_again(begun: Begun, others: list[Begun], choice: Choice) -> tuple[Begun, Choice]:
+def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) -> tuple[Baseline, Selection]:
     """Take another way of the loads where it explains more with the effects that were chosen.
 
     What is missing may have made a wrong way look right. The right one then explains most of what is left.
     """
     fitting = begun.fitting
-    if fitting.doubt < UNFINISHED:
-        return begun, choice
+    if fitting.reduced_chi2 < UNFINISHED:
+        return begun, selection
     for other in others:
-        there = _best_there(other, choice)
+        there = _best_there(other, selection)
         if there is None:
             continue
         alike = other.runs.length == begun.runs.length
-        at_noise = doubt(other.fitting, there) < CLOSE
-        if at_noise or (alike and _explains_most(fitting, there, choice.best)):
+        at_noise = reduced_chi2(other.fitting, there) < CLOSE
+        if at_noise or (alike and _explains_most(fitting, there, selection.best)):
             again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
-            if not alike or again.best.squares < choice.best.squares:
+            if not alike or again.best.squares < selection.best.squares:
                 return other, again
-    return begun, choice
+    return begun, selection
 
 
-def _best_there(other: Begun, choice: Choice) -> Fitted | None:
+def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
     """Fit of what was chosen, all of it or one effect beside the nominal model; None where all diverge.
 
     Everything else may have made up for the wrong way.
     """
-    best, found = choice.best.model, []
+    best, found = selection.best.model, []
     alone = []
-    for i, tried in enumerate(choice.rounds):
+    for i, tried in enumerate(selection.rounds):
         start = tried[0].start
         added = replace(start.added, parameters=best.effect_values(i))
         alone.append(replace(start, added=added).added_to(other.nominal.model))
@@ -170,7 +170,7 @@ def _best_there(other: Begun, choice: Choice) -> Fitted | None:
 def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
     """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
     fitting.progress("retuning what is uncertain")
-    fitting.doubt = doubt(fitting, nominal)
+    fitting.reduced_chi2 = reduced_chi2(fitting, nominal)
     model = nominal.model
     retuned = best_of_starts(
         fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal)))
@@ -184,9 +184,9 @@ def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:
     The initial states then change the prediction as they do in the model that was found: over many periods
     those of one that is off are out of step.
     """
-    if fitting.doubt <= FAR_OFF:
+    if fitting.reduced_chi2 <= FAR_OFF:
         return found
-    fitting.doubt = doubt(fitting, found)
+    fitting.reduced_chi2 = reduced_chi2(fitting, found)
     with fitting.based_on(found.model):
         return fitting.fit(found.model)
 
@@ -209,7 +209,7 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
             return runs, noise
         fitting = Fitting(part, runs.first(train), noise.sigma, settled)
-        if doubt(fitting, fitting.fit(settled)) > NEAR:
+        if reduced_chi2(fitting, fitting.fit(settled)) > NEAR:
             return runs, noise
         longer *= 2.0
 

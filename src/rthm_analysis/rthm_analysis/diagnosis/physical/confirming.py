@@ -10,7 +10,7 @@ from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_a
 from rthm_analysis.diagnosis.physical.remainder import BLURRED
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.judging import Choice, imitates
+from rthm_analysis.diagnosis.search.judging import Selection, imitates
 
 CONFIRMED = 4.0
 """Squared error on unseen data, in units of the noise, that an effect must remove: two standard deviations of
@@ -40,20 +40,20 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
 
     Each must help beside those before it, and all together.
     """
-    choice, refused = physical.choice, []
+    selection, refused = physical.selection, []
     least = CONFIRMED if physical.noise.is_white else BLURRED**2 * CONFIRMED
-    if not choice.rounds:
+    if not selection.rounds:
         return physical, ()
-    nothing, error = _left_by(physical, choice.base), _left_by(physical, choice.best)
-    while choice.rounds:
-        before = _without_last(choice)
+    nothing, error = _left_by(physical, selection.base), _left_by(physical, selection.best)
+    while selection.rounds:
+        before = _without_last(selection)
         less = _left_by(physical, before.best) if before.rounds else nothing
-        patches = less - error < SMALL_PART * less and _patches(choice)
+        patches = less - error < SMALL_PART * less and _patches(selection)
         if min(less, nothing) - error > least and not patches:
             break
-        refused.append(_last_refused(choice, PATCHING if patches else UNCONFIRMED))
-        choice, error = before, less
-    return replace(physical, choice=choice), tuple(refused)
+        refused.append(_last_refused(selection, PATCHING if patches else UNCONFIRMED))
+        selection, error = before, less
+    return replace(physical, selection=selection), tuple(refused)
 
 
 def _left_by(physical: Physical, fitted: Fitted) -> float:
@@ -63,12 +63,12 @@ def _left_by(physical: Physical, fitted: Fitted) -> float:
 
 def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without the effects found last that can imitate others: above the noise they say nothing."""
-    choice = physical.choice
-    refused = [_refused(label, IMITATES) for label in choice.imitating]
-    while choice.rounds and imitates(*choice.rounds[-1][0].label[:2]):
-        refused.append(_last_refused(choice, IMITATES))
-        choice = _without_last(choice)
-    return replace(physical, choice=choice), tuple(refused)
+    selection = physical.selection
+    refused = [_refused(label, IMITATES) for label in selection.imitating]
+    while selection.rounds and imitates(*selection.rounds[-1][0].label[:2]):
+        refused.append(_last_refused(selection, IMITATES))
+        selection = _without_last(selection)
+    return replace(physical, selection=selection), tuple(refused)
 
 
 def without_needless(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
@@ -83,8 +83,8 @@ def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     return physical, tuple(_refused(label, VAGUE) for label in vague)
 
 
-def _last_refused(choice: Choice, why: str) -> Refused:
-    return _refused(choice.rounds[-1][0].label, why)
+def _last_refused(selection: Selection, why: str) -> Refused:
+    return _refused(selection.rounds[-1][0].label, why)
 
 
 def _refused(label: tuple[str, str, str], why: str) -> Refused:
@@ -92,15 +92,19 @@ def _refused(label: tuple[str, str, str], why: str) -> Refused:
     return Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}.")
 
 
-def _patches(choice: Choice) -> bool:
+def _patches(selection: Selection) -> bool:
     """Whether the last effect is a contact beside a curved spring on the same dof: it may patch its curve."""
-    *others, (block, kind, place) = (tried[0].label for tried in choice.rounds)
+    *others, (block, kind, place) = (tried[0].label for tried in selection.rounds)
     springs = [(block, spring, place) for spring in CURVED]
     return block == "plant" and kind in CONTACTS and any(one in springs for one in others)
 
 
-def _without_last(choice: Choice) -> Choice:
-    rounds = choice.rounds[:-1]
-    return Choice(
-        choice.base, rounds[-1][0].fitted if rounds else choice.base, rounds, choice.limits, choice.imitating
+def _without_last(selection: Selection) -> Selection:
+    rounds = selection.rounds[:-1]
+    return Selection(
+        selection.base,
+        rounds[-1][0].fitted if rounds else selection.base,
+        rounds,
+        selection.limits,
+        selection.imitating,
     )

@@ -46,7 +46,7 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
 
 def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:
     """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
-    model = physical.choice.best.model
+    model = physical.selection.best.model
     names = {model.name(i) for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof}
     effects = [one for one in model.spec.effects if one.name in names]
     if not effects:

@@ -12,7 +12,7 @@ from rthm_core.effects import effect
 
 def detection_limits(physical: Physical) -> dict[str, Limit]:
     """Smallest sizes by ``block.kind.parameter``, with the place where there are several."""
-    found = physical.choice.limits | physical.drive_limits | _slack_limits(physical)
+    found = physical.selection.limits | physical.drive_limits | _slack_limits(physical)
     for key, step in rounding_limits(physical.fitting, MATTERS):
         found = {**found, key: {"step": step}}
     limits = {}
@@ -25,7 +25,7 @@ def detection_limits(physical: Physical) -> dict[str, Limit]:
 
 
 def _slack_limits(physical: Physical) -> Limits:
-    model, actuator = physical.choice.best.model, physical.spec.actuator
+    model, actuator = physical.selection.best.model, physical.spec.actuator
     if actuator is None or physical.evidence.driven_by != "command":
         return {}
     motion = physical.experiment.motion(model.spec, physical.windows)

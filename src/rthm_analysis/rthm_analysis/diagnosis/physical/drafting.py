@@ -12,9 +12,9 @@ from functools import partial
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitting
-from rthm_analysis.diagnosis.physical.beginning import Begun
+from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.search.choosing import choose
-from rthm_analysis.diagnosis.search.judging import Choice, Tried, doubt
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, reduced_chi2
 from rthm_analysis.diagnosis.search.refining import FINISHING, fit_further, unfitted
 
 SAMPLES, EXCESS = 3_000, 5_000.0
@@ -29,13 +29,13 @@ IN_WINDOW = 30
 """Samples of a draft in each window at least."""
 
 
-def drafted(begun: Begun, stop: Callable[[float], bool]) -> Choice | None:
+def drafted(begun: Baseline, stop: Callable[[float], bool]) -> Selection | None:
     """What a search finds in a draft, fitted to everything; None where a draft is not called for, or misled.
 
     Parameters
     ----------
-    begun : Begun
-        Its fitting has the doubt of the retuned model.
+    begun : Baseline
+        Its fitting has the reduced chi-squared of the retuned model.
     stop : callable
         As in `choose`.
     """
@@ -46,38 +46,38 @@ def drafted(begun: Begun, stop: Callable[[float], bool]) -> Choice | None:
     kept, windows = fitting.windows.every(every, fitting.experiment.evidence.stamps_ns.size)
     draft = Fitting(
         fitting.experiment.draft(kept), windows, begun.noise.level, fitting.base, fitting.progress,
-        doubt=fitting.doubt, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
+        reduced_chi2=fitting.reduced_chi2, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
     )  # fmt: skip
     base = draft.fit(begun.retuned.model)
-    draft.doubt = doubt(draft, base)
+    draft.reduced_chi2 = reduced_chi2(draft, base)
     found = choose(draft, base, stop)
     return _copied(begun, draft, found, every)
 
 
-def _every(begun: Begun) -> int:
+def _every(begun: Baseline) -> int:
     """Of how many samples a draft takes one; 1 where it would save nothing, or not be the same test."""
     fitting = begun.fitting
     samples = fitting.experiment.evidence.stamps_ns.size
     shortest = int(np.diff(np.append(fitting.windows.start, samples)).min())
-    excess = (fitting.doubt - 1.0) * fitting.expected
+    excess = (fitting.reduced_chi2 - 1.0) * fitting.expected
     return int(min(samples // SAMPLES, shortest // IN_WINDOW, excess // EXCESS))
 
 
-def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice | None:
-    """The choice of a draft, with the fits of all samples; None where these say something else."""
+def _copied(begun: Baseline, draft: Fitting, found: Selection, every: int) -> Selection | None:
+    """The selection of a draft, with the fits of all samples; None where these say something else."""
     fitting = begun.fitting
     limits = {
         label: {name: float(size / np.sqrt(every)) for name, size in sizes.items()}
         for label, sizes in found.limits.items()
     }
     if not found.rounds:
-        return Choice(begun.retuned, begun.retuned, [], limits)
+        return Selection(begun.retuned, begun.retuned, [], limits)
     fitting.progress("fitting what was found to all samples")
-    before, fitting.doubt = fitting.doubt, draft.doubt
+    before, fitting.reduced_chi2 = fitting.reduced_chi2, draft.reduced_chi2
     try:
         fitting.rebase(found.best.model)
         whole = fitting.fit(found.best.model, most=FINISHING, least=FINE)
-        near = doubt(fitting, whole) < WRONG
+        near = reduced_chi2(fitting, whole) < WRONG
         if near and fitting.experiment.sharpen(whole.model.spec):
             whole = fitting.fit(whole.model, most=FINISHING, least=FINE)
         copied, copy = COPIED if near else 1, partial(_copy, fitting)
@@ -86,14 +86,14 @@ def _copied(begun: Begun, draft: Fitting, found: Choice, every: int) -> Choice |
             for tried in found.rounds
         ]
     except np.linalg.LinAlgError:
-        fitting.doubt = before
+        fitting.reduced_chi2 = before
         return None
-    fitting.doubt = doubt(fitting, whole)
+    fitting.reduced_chi2 = reduced_chi2(fitting, whole)
     if not all(rounds):
         return None
-    return Choice(begun.retuned, whole, rounds, limits)
+    return Selection(begun.retuned, whole, rounds, limits)
 
 
-def _copy(fitting: Fitting, tried: Tried) -> Tried:
+def _copy(fitting: Fitting, tried: FittedCandidate) -> FittedCandidate:
     """A candidate fitted to all samples from where the draft left it; its error is inf where it diverges."""
     return fit_further(fitting, unfitted(tried.start, tried.fitted, tried.fitted.model), None, 1)

@@ -43,7 +43,7 @@ def wires_are_off(physical: Physical) -> bool:
     missing in the plant may have drawn away.
     """
     alone = physical.fitting.wires_alone
-    models = (physical.nominal.model, physical.choice.base.model)
+    models = (physical.nominal.model, physical.selection.base.model)
     return bool(alone.forces) and all(_are_off(alone, model) for model in models)
 
 

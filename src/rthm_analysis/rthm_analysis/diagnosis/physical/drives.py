@@ -21,12 +21,12 @@ from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
     ENOUGH,
     PER_PARAMETER,
-    Tried,
+    FittedCandidate,
     best_of_labels,
     clear_gain,
-    doubt,
+    reduced_chi2,
 )
-from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
@@ -35,7 +35,7 @@ MOST_EFFECTS = 2
 PREFIX = "drive"
 
 SURE = 1e-6
-"""Doubt about a delay, s, that makes no difference."""
+"""Uncertainty of a delay, s, that makes no difference."""
 
 LOUD, SMALL = 2.0, 0.01
 """Size of an error over that of white noise from which it may be noise with a colour; over that of the
@@ -49,7 +49,7 @@ class Drives:
 
     Attributes
     ----------
-    rounds : list of list of Tried
+    rounds : list of list of FittedCandidate
         Effects, best first in each round.
     settled : Spec
         With those that were chosen.
@@ -59,7 +59,7 @@ class Drives:
         What the settled spec leaves of the motors' positions, over their noise.
     """
 
-    rounds: list[list[Tried]]
+    rounds: list[list[FittedCandidate]]
     settled: Spec
     limits: Limits
     left: Floats
@@ -73,7 +73,7 @@ class Drives:
         return Model(self.settled, (*_open_values(self.rounds), *_open_delays(self.rounds)))
 
 
-def _open_values(rounds: list[list[Tried]]) -> Iterator[Parameter]:
+def _open_values(rounds: list[list[FittedCandidate]]) -> Iterator[Parameter]:
     """Values that were fitted, with their standard deviations."""
     if rounds:
         fitted = rounds[-1][0].fitted
@@ -83,14 +83,21 @@ def _open_values(rounds: list[list[Tried]]) -> Iterator[Parameter]:
                 yield replace(p, scale=std, prior=(p.value, std))
 
 
-def _open_delays(rounds: list[list[Tried]]) -> Iterator[Parameter]:
+def _open_delays(rounds: list[list[FittedCandidate]]) -> Iterator[Parameter]:
     """Delays of the effects that were added, which the steps of the motors leave open between bounds."""
     for i, tried in enumerate(rounds):
-        one, doubt = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
-        if one.kind == "extra_delay" and doubt > SURE:
+        one, uncertainty = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
+        if one.kind == "extra_delay" and uncertainty > SURE:
             value = float(one.parameters["delay"])
-            prior = (value, doubt / np.sqrt(3.0))
-            yield Parameter(f"{PREFIX}{i + 1}.delay", value, doubt, value - doubt, value + doubt, prior)
+            prior = (value, uncertainty / np.sqrt(3.0))
+            yield Parameter(
+                f"{PREFIX}{i + 1}.delay",
+                value,
+                uncertainty,
+                value - uncertainty,
+                value + uncertainty,
+                prior,
+            )
 
 
 def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
@@ -108,7 +115,7 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
     experiment = Experiment(evidence, first)
     n = len(spec.plant.dofs)
     runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
-    rounds: list[list[Tried]] = []
+    rounds: list[list[FittedCandidate]] = []
     model, limits = Model(spec, prefix=PREFIX), {}
     for _ in range(MOST_EFFECTS):
         fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
@@ -118,7 +125,7 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         if not tried or not _better(tried[0], here):
             break
         left = evidence.measured - experiment.predicted(model.spec, runs)
-        told = doubt(fitting, tried[0].fitted) < CLOSE
+        told = reduced_chi2(fitting, tried[0].fitted) < CLOSE
         if not rounds and not told and _wanders(evidence, left, fitting.sigma):
             break
         rounds.append(tried)
@@ -145,23 +152,23 @@ def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> F
     return np.where((stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * measured.std(0)), found)
 
 
-def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[Tried]:
+def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate]:
     present = {(one.kind, one.place) for one in model.added}
     starts = [s for s in drive_starts(model.spec, fitting) if (s.added.kind, s.added.place) not in present]
     nothing = np.empty((0, here.residual.size))
     promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
 
-    def refined(one: Screened) -> Tried | None:
+    def refined(one: ScoredCandidate) -> FittedCandidate | None:
         try:
             fitted = fitting.fit(one.start.added_to(model), None, 12)
         except (InputError, np.linalg.LinAlgError):
             return None
-        return Tried(one.start, fitted, float(fitted.left_out.sum()))
+        return FittedCandidate(one.start, fitted, float(fitted.left_out.sum()))
 
     tried = fitting.cores.each_in_parts(refined, best_of_each(promising, 2))
     return best_of_labels([one for one in tried if one is not None])
 
 
-def _better(new: Tried, old: Fitted) -> bool:
+def _better(new: FittedCandidate, old: Fitted) -> bool:
     more = max(len(new.start.added.parameters), 1)
     return clear_gain(old, new.fitted, ENOUGH + PER_PARAMETER * more)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.physical.beginning import Begun, in_short_runs
+from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.physical.drafting import drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
@@ -21,10 +21,10 @@ from rthm_analysis.diagnosis.search.judging import (
     CLEAR,
     CLOSE,
     FLOOR,
-    Choice,
-    doubt,
+    Selection,
     imitates,
     merit,
+    reduced_chi2,
 )
 from rthm_analysis.diagnosis.search.refining import FINISHING
 
@@ -33,7 +33,7 @@ LOST = 5.0
 which effects are looked for in short runs."""
 
 
-def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Begun, Choice]:
+def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple[Baseline, Selection]:
     """Explain what the retuned model leaves by other values, or by effects, whichever predicts better.
 
     Other values of what the spec calls exact are tried before effects where the model is off, and after
@@ -42,23 +42,25 @@ def chosen(begun: Begun, seen: Evidence, settled: Model, train: int) -> tuple[Be
     fitting = begun.fitting
     plain = near = None
     if not at_noise(fitting, begun.retuned):
-        near = in_short_runs(begun, seen, settled, train) if fitting.doubt > _lost(begun) else None
+        near = in_short_runs(begun, seen, settled, train) if fitting.reduced_chi2 > _lost(begun) else None
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
         plain = plain_fit(fitting, begun, _freed_near(near))
-        if doubt(fitting, plain) < CLOSE:
+        if reduced_chi2(fitting, plain) < CLOSE:
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    explained, choice = _by_effects(begun, near)
-    if explained.fitting is fitting and (choice.rounds or plain):
-        choice = _plainer(fitting, begun, choice, plain)
-    if choice.imitates and doubt(explained.fitting, choice.best) > FLOOR**2:
-        return _simple(begun, near, (explained, choice))
-    return explained, choice
+    explained, selection = _by_effects(begun, near)
+    if explained.fitting is fitting and (selection.rounds or plain):
+        selection = _plainer(fitting, begun, selection, plain)
+    if selection.imitates and reduced_chi2(explained.fitting, selection.best) > FLOOR**2:
+        return _simple(begun, near, (explained, selection))
+    return explained, selection
 
 
-def _simple(begun: Begun, near: Begun | None, found: tuple[Begun, Choice]) -> tuple[Begun, Choice]:
+def _simple(
+    begun: Baseline, near: Baseline | None, found: tuple[Baseline, Selection]
+) -> tuple[Baseline, Selection]:
     """Effects that can imitate no others, where those that can do not reach the noise: they say nothing then.
 
     What was found before stays where there are none.
@@ -69,35 +71,37 @@ def _simple(begun: Begun, near: Begun | None, found: tuple[Begun, Choice]) -> tu
         for one in (begun, near):
             if one is not None:
                 stack.enter_context(one.fitting.simple_only())
-        explained, choice = _by_effects(begun, near)
-    if not choice.rounds:
+        explained, selection = _by_effects(begun, near)
+    if not selection.rounds:
         return found
     left = tuple(tried[0].label for tried in found[1].rounds if imitates(*tried[0].label[:2]))
-    return explained, replace(choice, imitating=left)
+    return explained, replace(selection, imitating=left)
 
 
-def going_on(begun: Begun, choice: Choice) -> tuple[Begun, Choice] | None:
+def going_on(begun: Baseline, selection: Selection) -> tuple[Baseline, Selection] | None:
     """The same effects judged by a smaller noise, and what that shows beside them; None without any that are
     still at the noise.
     """
-    whole = _over_the_whole(begun.fitting, choice.best.model) if choice.rounds else None
-    if whole is None or doubt(begun.fitting, whole) > FLOOR**2:
+    whole = _over_the_whole(begun.fitting, selection.best.model) if selection.rounds else None
+    if whole is None or reduced_chi2(begun.fitting, whole) > FLOOR**2:
         return None
-    begun.fitting.doubt = doubt(begun.fitting, whole)
-    led = Choice(begun.retuned, whole, choice.rounds, choice.limits)
-    return begun, replace(choose(begun.fitting, begun.retuned, begun=led), imitating=choice.imitating)
+    begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, whole)
+    led = Selection(begun.retuned, whole, selection.rounds, selection.limits)
+    return begun, replace(choose(begun.fitting, begun.retuned, begun=led), imitating=selection.imitating)
 
 
-def is_behind(again: tuple[Begun, Choice], before: Choice) -> bool:
+def is_behind(again: tuple[Baseline, Selection], before: Selection) -> bool:
     """Whether a second search, which may have had to end early, found less than the one before it."""
-    begun, choice = again
+    begun, selection = again
     whole = _over_the_whole(begun.fitting, before.best.model) if begun.fitting.budget.spent else None
-    return whole is not None and doubt(begun.fitting, whole) < doubt(begun.fitting, choice.best)
+    return whole is not None and reduced_chi2(begun.fitting, whole) < reduced_chi2(
+        begun.fitting, selection.best
+    )
 
 
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
-    if doubt(fitting, fitted) > CLOSE:
+    if reduced_chi2(fitting, fitted) > CLOSE:
         return False
     errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
     return all(
@@ -106,53 +110,53 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     )
 
 
-def _plainer(fitting: Fitting, begun: Begun, choice: Choice, plain: Fitted | None) -> Choice:
-    """The choice, or the plainer hypothesis, with effects beside it where it alone is not enough."""
-    reached = at_noise(fitting, choice.best)
+def _plainer(fitting: Fitting, begun: Baseline, selection: Selection, plain: Fitted | None) -> Selection:
+    """The selection, or the plainer hypothesis, with effects beside it where it alone is not enough."""
+    reached = at_noise(fitting, selection.best)
     if plain is None:
         plain = plain_fit(fitting, begun)
-    ahead = merit(choice.best) < merit(plain) - CLEAR
-    if fitting.budget.spent or (ahead and (reached or is_lost(fitting, choice))):
-        fitting.doubt = doubt(fitting, choice.best)
-        return choice
+    ahead = merit(selection.best) < merit(plain) - CLEAR
+    if fitting.budget.spent or (ahead and (reached or is_lost(fitting, selection))):
+        fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)
+        return selection
     found = _beyond_plain(fitting, plain)
-    says_less = found.imitates and not choice.imitates and doubt(fitting, found.best) > FLOOR**2
-    if merit(found.best) < merit(choice.best) + CLEAR and not says_less:
+    says_less = found.imitates and not selection.imitates and reduced_chi2(fitting, found.best) > FLOOR**2
+    if merit(found.best) < merit(selection.best) + CLEAR and not says_less:
         return found
-    fitting.doubt = doubt(fitting, choice.best)
-    return choice
+    fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)
+    return selection
 
 
-def _beyond_plain(fitting: Fitting, plain: Fitted) -> Choice:
+def _beyond_plain(fitting: Fitting, plain: Fitted) -> Selection:
     """Effects beside other values of mass, damping, stiffness and wire, as few of both as it takes."""
-    fitting.doubt = doubt(fitting, plain)
+    fitting.reduced_chi2 = reduced_chi2(fitting, plain)
     return needed_only(fitting, choose(fitting, plain))
 
 
-def _lost(begun: Begun) -> float:
+def _lost(begun: Baseline) -> float:
     return LOST if begun.runs.length is None else np.inf
 
 
-def _by_effects(begun: Begun, short: Begun | None) -> tuple[Begun, Choice]:
+def _by_effects(begun: Baseline, short: Baseline | None) -> tuple[Baseline, Selection]:
     """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
     fitting, lost = begun.fitting, _lost(begun)
-    fitting.doubt = doubt(fitting, begun.retuned)
-    choice = _choice(begun, lambda left: left > lost)
-    if short is None or fitting.doubt <= lost:
-        return begun, choice
-    return _led_by(short, begun, choice)
+    fitting.reduced_chi2 = reduced_chi2(fitting, begun.retuned)
+    selection = _choice(begun, lambda left: left > lost)
+    if short is None or fitting.reduced_chi2 <= lost:
+        return begun, selection
+    return _led_by(short, begun, selection)
 
 
-def _choice(begun: Begun, stop: Callable[[float], bool]) -> Choice:
+def _choice(begun: Baseline, stop: Callable[[float], bool]) -> Selection:
     """Effects that were found in a draft, and more where they are near the noise; else in the first place."""
     fitting = begun.fitting
     draft = drafted(begun, stop)
-    if draft is not None and (fitting.doubt > CLOSE or not draft.rounds):
+    if draft is not None and (fitting.reduced_chi2 > CLOSE or not draft.rounds):
         return draft
     return choose(fitting, begun.retuned, stop, begun=draft)
 
 
-def _freed_near(short: Begun | None) -> Fitted | None:
+def _freed_near(short: Baseline | None) -> Fitted | None:
     """Fit of all entries in short runs."""
     if short is None:
         return None
@@ -170,8 +174,8 @@ def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
     again = _over_the_whole(fitting, near.model)
     if again is None:
         return retuned
-    best = min(retuned, again, key=lambda fitted: doubt(fitting, fitted))
-    fitting.doubt = doubt(fitting, best)
+    best = min(retuned, again, key=lambda fitted: reduced_chi2(fitting, fitted))
+    fitting.reduced_chi2 = reduced_chi2(fitting, best)
     return best
 
 
@@ -183,22 +187,22 @@ def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
         return None
 
 
-def _led_by(short: Begun, begun: Begun, choice: Choice) -> tuple[Begun, Choice]:
-    """Go on with a choice that was lost, led by what short runs show; in them, where only they can tell.
+def _led_by(short: Baseline, begun: Baseline, selection: Selection) -> tuple[Baseline, Selection]:
+    """Go on with a selection that was lost, led by what short runs show; in them, where only they can tell.
 
-    Where they show nothing that is better over the whole, the choice stays as it is.
+    Where they show nothing that is better over the whole, the selection stays as it is.
     """
     fitting, closer, near = begun.fitting, short.fitting, short.retuned
-    closer.doubt = doubt(closer, near)
+    closer.reduced_chi2 = reduced_chi2(closer, near)
     again = _choice(short, lambda left: left < WRONG)
     whole = _over_the_whole(fitting, again.best.model)
-    if closer.doubt >= WRONG:
-        if whole is None or doubt(fitting, whole) > doubt(fitting, choice.best):
-            return begun, choice
-        fitting.doubt = doubt(fitting, whole)
-        return begun, Choice(begun.retuned, whole, again.rounds, choice.limits)
-    if whole is not None and doubt(fitting, whole) < WRONG:
-        fitting.doubt = doubt(fitting, whole)
-        led = Choice(begun.retuned, whole, again.rounds, choice.limits)
+    if closer.reduced_chi2 >= WRONG:
+        if whole is None or reduced_chi2(fitting, whole) > reduced_chi2(fitting, selection.best):
+            return begun, selection
+        fitting.reduced_chi2 = reduced_chi2(fitting, whole)
+        return begun, Selection(begun.retuned, whole, again.rounds, selection.limits)
+    if whole is not None and reduced_chi2(fitting, whole) < WRONG:
+        fitting.reduced_chi2 = reduced_chi2(fitting, whole)
+        led = Selection(begun.retuned, whole, again.rounds, selection.limits)
         return begun, choose(fitting, begun.retuned, begun=led)
     return short, choose(closer, near, begun=again)

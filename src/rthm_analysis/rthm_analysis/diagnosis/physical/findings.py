@@ -35,7 +35,7 @@ from rthm_analysis.diagnosis.result import (
     Trace,
     Value,
 )
-from rthm_analysis.diagnosis.search.judging import Choice, Tried, distinguishable
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.compiled import Floats
 from rthm_core.spec import apply
@@ -99,7 +99,7 @@ def physical_part(physical: Physical) -> Part:
 def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
     """The same, or with fewer effects that are earned where all together are not; why the others went."""
     refused: tuple[Refused, ...] = ()
-    if judged.names and not judged.at_noise and not physical.choice.imitates:
+    if judged.names and not judged.at_noise and not physical.selection.imitates:
         physical, refused = without_needless(physical)
         judged = _judged(physical) if refused else judged
     if judged.names and not judged.earned:
@@ -115,8 +115,8 @@ def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgem
 
 def _judged(physical: Physical) -> Judgement:
     """The models simulated over the whole recording, ready to be judged."""
-    choice = physical.choice
-    fitted = {"nominal": physical.nominal, "retuned": choice.base, "explained": choice.best}
+    selection = physical.selection
+    fitted = {"nominal": physical.nominal, "retuned": selection.base, "explained": selection.best}
     simulated = physical.fitting.cores.each_in_parts(partial(simulate_all, physical), fitted.values())
     return Judgement(physical, dict(zip(fitted, simulated, strict=True)))
 
@@ -168,28 +168,28 @@ def _on_the_load(physical: Physical) -> tuple[str, ...]:
 
 def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace]]:
     """Effects that were earned, and those of them that do not matter; above the noise these say nothing."""
-    choice, found, traces = physical.choice, [], []
+    selection, found, traces = physical.selection, [], []
     if not judged.earned:
         return [], []
     whole = max(judged.gone * judged.mismatch, 1e-300)
     for i, share in enumerate(judged.shares):
-        one = choice.best.model.added[i]
-        values = values_of(choice.best, i)
-        energy = _energy(physical, choice.best.model, i)
+        one = selection.best.model.added[i]
+        values = values_of(selection.best, i)
+        energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(choice.rounds) > 1 and 0.0 <= share < TRACE * whole:
+        if len(selection.rounds) > 1 and 0.0 <= share < TRACE * whole:
             traces.append(Trace(one.block, one.kind, share, words))
         else:
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
-    return found, traces if judged.at_noise and not _has_rivals(choice) else []
+    return found, traces if judged.at_noise and not _has_rivals(selection) else []
 
 
-def _has_rivals(choice: Choice) -> bool:
+def _has_rivals(selection: Selection) -> bool:
     """Whether beside one of the effects that were added later another one would have done nearly as well."""
-    before = [float(choice.base.left_out.sum())] + [tried[0].error for tried in choice.rounds]
+    before = [float(selection.base.left_out.sum())] + [tried[0].error for tried in selection.rounds]
     return any(
         before[i] - other.error > RIVAL * (before[i] - tried[0].error)
-        for i, tried in enumerate(choice.rounds)
+        for i, tried in enumerate(selection.rounds)
         for other in tried[1:]
         if i
     )
@@ -277,13 +277,15 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
         for other in tried[1:4]:
             apart = distinguishable(tried[0].fitted, other.fitted)
             found.append(Alternative("motor", other.label[1], float("nan"), apart))
-    choice = physical.choice
-    others = [other for tried in choice.rounds for other in tried[1:5]]
+    selection = physical.selection
+    others = [other for tried in selection.rounds for other in tried[1:5]]
 
-    def alternative(other: Tried) -> Alternative:
+    def alternative(other: FittedCandidate) -> Alternative:
         k = channel_of(physical, other.label[0]) or 0
         error = nrmse(physical, simulate_all(physical, other.fitted).predicted, k)
-        return Alternative(other.label[0], other.label[1], error, distinguishable(choice.best, other.fitted))
+        return Alternative(
+            other.label[0], other.label[1], error, distinguishable(selection.best, other.fitted)
+        )
 
     return (*found, *physical.fitting.cores.each_in_parts(alternative, others))
 
@@ -299,6 +301,6 @@ def _effects(physical: Physical, judged: Judgement) -> tuple[dict[str, object], 
             sections.append(one.section(model.effect_values(i) | known))
     if not judged.earned:
         return tuple(sections)
-    model = physical.choice.best.model
+    model = physical.selection.best.model
     sections += [one.section(model.effect_values(i)) for i, one in enumerate(model.added)]
     return tuple(sections)

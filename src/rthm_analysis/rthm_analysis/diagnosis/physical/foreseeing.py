@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, Fitted, bounded
-from rthm_analysis.diagnosis.physical.beginning import Begun, in_short_runs
+from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, doubt
+from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, reduced_chi2
 from rthm_analysis.diagnosis.search.refining import FINISHING
 from rthm_analysis.diagnosis.search.replacing import rounds_refitted
 
@@ -20,37 +20,39 @@ free run tells nothing there: after so many contacts the right model, too, is so
 
 
 def foreseen(
-    begun: Begun, choice: Choice, seen: Evidence, settled: Model, whole: Experiment
-) -> tuple[Begun, Choice]:
+    begun: Baseline, selection: Selection, seen: Evidence, settled: Model, whole: Experiment
+) -> tuple[Baseline, Selection]:
     """The same, or in short runs where a model that is at the noise cannot tell the unseen part in one run.
 
     Parameters
     ----------
-    begun : Begun
-    choice : Choice
+    begun : Baseline
+    selection : Selection
         Found in `begun`.
     seen : Evidence
     settled : Model
     whole : Experiment
         Over the whole recording. Nothing that was measured in its unseen part is looked at.
     """
-    fitting, best = begun.fitting, choice.best
-    if not choice.rounds or begun.runs.length is not None or doubt(fitting, best) > CLOSE:
-        return begun, choice
+    fitting, best = begun.fitting, selection.best
+    if not selection.rounds or begun.runs.length is not None or reduced_chi2(fitting, best) > CLOSE:
+        return begun, selection
     train = fitting.measured.shape[0]
     if _spread(begun, best, whole, train) < UNSURE:
-        return begun, choice
+        return begun, selection
     short = in_short_runs(begun, seen, settled, train)
     try:
         fitted = short.fitting.fit(best.model, most=FINISHING, least=FINE)
-        short.fitting.doubt = doubt(short.fitting, fitted)
-        again = rounds_refitted(short.fitting, Choice(short.retuned, fitted, choice.rounds, choice.limits))
+        short.fitting.reduced_chi2 = reduced_chi2(short.fitting, fitted)
+        again = rounds_refitted(
+            short.fitting, Selection(short.retuned, fitted, selection.rounds, selection.limits)
+        )
     except np.linalg.LinAlgError:
-        return begun, choice
-    return (short, again) if short.fitting.doubt < CLOSE else (begun, choice)
+        return begun, selection
+    return (short, again) if short.fitting.reduced_chi2 < CLOSE else (begun, selection)
 
 
-def _spread(begun: Begun, best: Fitted, whole: Experiment, train: int) -> float:
+def _spread(begun: Baseline, best: Fitted, whole: Experiment, train: int) -> float:
     """Standard deviation of what a fitted model predicts of unseen data, root mean square over the noise."""
     runs, model = begun.runs, best.model
     for column, by in enumerate(begun.fitting.state_correction(best)):

@@ -1,4 +1,4 @@
-"""How well models predict data that had no part in any fit or choice."""
+"""How well models predict data that had no part in any fit or selection."""
 
 from __future__ import annotations
 

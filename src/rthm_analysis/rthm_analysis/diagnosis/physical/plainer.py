@@ -10,11 +10,18 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.physical.beginning import Begun, best_of_starts, fitted_near
+from rthm_analysis.diagnosis.physical.beginning import Baseline, best_of_starts, fitted_near
 from rthm_analysis.diagnosis.replay.entries import entry_of, free_entries
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import period
-from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, PER_PARAMETER, Choice, clear_gain, doubt
+from rthm_analysis.diagnosis.search.judging import (
+    CLOSE,
+    ENOUGH,
+    PER_PARAMETER,
+    Selection,
+    clear_gain,
+    reduced_chi2,
+)
 from rthm_analysis.diagnosis.search.refining import FINISHED, FINISHING
 from rthm_analysis.diagnosis.search.replacing import rounds_refitted
 
@@ -32,28 +39,28 @@ def freed(fitting: Fitting, model: Model) -> Model:
     return replace(model, parameters=(*others, *entries))
 
 
-def plain_fit(fitting: Fitting, begun: Begun, near: Fitted | None = None) -> Fitted:
+def plain_fit(fitting: Fitting, begun: Baseline, near: Fitted | None = None) -> Fitted:
     """Fit of all entries, begun from `near` where short runs have shown about where they are."""
     fitting.progress("trying other values of mass, damping and stiffness")
-    before = fitting.doubt
-    fitting.doubt = doubt(fitting, begun.retuned)
+    before = fitting.reduced_chi2
+    fitting.reduced_chi2 = reduced_chi2(fitting, begun.retuned)
     start = near.model if near is not None else freed(fitting, begun.nominal.model)
     try:
         found = fitted_near(fitting, best_of_starts(fitting, start))
-        if doubt(fitting, found) < CLOSE:
-            fitting.doubt = doubt(fitting, found)
+        if reduced_chi2(fitting, found) < CLOSE:
+            fitting.reduced_chi2 = reduced_chi2(fitting, found)
             fitting.rebase(found.model)
             found = fitting.fit(found.model, most=FINISHING, least=FINISHED)
     except np.linalg.LinAlgError:
-        fitting.doubt = before
+        fitting.reduced_chi2 = before
         return begun.retuned
-    fitting.doubt = doubt(fitting, found)
+    fitting.reduced_chi2 = reduced_chi2(fitting, found)
     return found
 
 
-def needed_only(fitting: Fitting, choice: Choice) -> Choice:
+def needed_only(fitting: Fitting, selection: Selection) -> Selection:
     """Return values to those of the spec where unseen data are predicted as well with them."""
-    best, base = choice.best, choice.base
+    best, base = selection.best, selection.base
     for key in [p.key for p in best.model.parameters if entry_of(p.key) is not None]:
         try:
             without = fitting.fit(_without(best.model, key), most=PRUNING)
@@ -62,12 +69,12 @@ def needed_only(fitting: Fitting, choice: Choice) -> Choice:
         if not clear_gain(without, best, ENOUGH + PER_PARAMETER):
             best = without
             base = replace(base, model=_without(base.model, key))
-    if best is choice.best:
-        return choice
+    if best is selection.best:
+        return selection
     best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
-    base = best if not choice.rounds else fitting.fit(base.model, most=PRUNING)
-    fitting.doubt = doubt(fitting, best)
-    return rounds_refitted(fitting, Choice(base, best, choice.rounds, choice.limits))
+    base = best if not selection.rounds else fitting.fit(base.model, most=PRUNING)
+    fitting.reduced_chi2 = reduced_chi2(fitting, best)
+    return rounds_refitted(fitting, Selection(base, best, selection.rounds, selection.limits))
 
 
 def _without(model: Model, key: str) -> Model:

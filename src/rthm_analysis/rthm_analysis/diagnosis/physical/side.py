@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.beginning import (
     LOUDER,
-    Begun,
+    Baseline,
     begin,
     choose_again,
     noise_of,
@@ -29,7 +29,7 @@ from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_analysis.diagnosis.search.judging import Choice, Tried
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -52,13 +52,13 @@ class Physical:
     windows : Windows
     noise : Noise
         Of the channels.
-    drives : list of Tried
+    drives : list of FittedCandidate
         Effects found in the motors, with the other kinds that were tried behind each.
     settled : Spec
         With the motors' effects.
     nominal : Fitted
         The settled spec as it stands.
-    choice : Choice
+    selection : Selection
         Retuned model, and what was added to it.
     drive_limits : dict
         Sizes at which other effects of the motors would have been seen.
@@ -72,11 +72,11 @@ class Physical:
     experiment: Experiment
     windows: Windows
     noise: Noise
-    drives: list[list[Tried]]
+    drives: list[list[FittedCandidate]]
     settled: Spec
     fitting: Fitting
     nominal: Fitted
-    choice: Choice
+    selection: Selection
     drive_limits: Limits
     motor_left: Floats
 
@@ -110,26 +110,26 @@ def diagnose_physical(
     seen = evidence.only("position", "velocity", "force")
     settled = drives.model
     begun, *others = begin(seen, settled, first, train, progress)
-    begun, choice = chosen(begun, seen, settled, train)
-    begun, choice = choose_again(begun, others, choice)
-    noise = _noise_left(begun, choice)
+    begun, selection = chosen(begun, seen, settled, train)
+    begun, selection = choose_again(begun, others, selection)
+    noise = _noise_left(begun, selection)
     spent = begun.fitting.budget.spent
     if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
         quieter = with_noise(begun, noise)
-        again = going_on(quieter, choice) or chosen(quieter, seen, settled, train)
-        if not is_behind(again, choice):
-            begun, choice = again
-            noise = _noise_left(begun, choice)
+        again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)
+        if not is_behind(again, selection):
+            begun, selection = again
+            noise = _noise_left(begun, selection)
     experiment = _over_everything(begun, seen, first)
-    begun, choice = foreseen(begun, choice, seen, settled, experiment)
+    begun, selection = foreseen(begun, selection, seen, settled, experiment)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
-        begun.nominal, choice, drives.limits, drives.left,
+        begun.nominal, selection, drives.limits, drives.left,
     )  # fmt: skip
 
 
-def _over_everything(begun: Begun, seen: Evidence, first: Floats) -> Experiment:
+def _over_everything(begun: Baseline, seen: Evidence, first: Floats) -> Experiment:
     """Simulations of the whole recording, as exact as those of its first part."""
     part = begun.fitting.experiment
     experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
@@ -137,8 +137,8 @@ def _over_everything(begun: Begun, seen: Evidence, first: Floats) -> Experiment:
     return experiment
 
 
-def _noise_left(begun: Begun, choice: Choice) -> Noise:
+def _noise_left(begun: Baseline, selection: Selection) -> Noise:
     """Noise that shows once physics is known: never more than what was weighed by."""
-    fitting, best = begun.fitting, choice.best
-    left = coloured(fitting, best, noise_of(fitting, best), named=bool(choice.rounds))
+    fitting, best = begun.fitting, selection.best
+    left = coloured(fitting, best, noise_of(fitting, best), named=bool(selection.rounds))
     return begun.noise.smaller(left)

@@ -7,7 +7,7 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
-from rthm_analysis.diagnosis.replay.model import PROPERTIES, Added, nominal_values
+from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, nominal_values
 from rthm_analysis.diagnosis.result import Retuned, Value
 from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
 from rthm_core.effects import effect
@@ -37,9 +37,9 @@ def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
     return values
 
 
-def settled_by_plant(physical: Physical, name: str, one: Added) -> dict[str, Value | str]:
+def settled_by_plant(physical: Physical, name: str, one: EffectInstance) -> dict[str, Value | str]:
     """What the motion of the plant tells of an effect of a motor."""
-    best = physical.choice.best
+    best = physical.selection.best
     stds, declared = stds_of(best), effect(one.kind, one.block)
     found = (p for p in best.model.parameters if p.key.startswith(f"{name}."))
     keys = ((p.key.partition(".")[2], p) for p in found)
@@ -48,11 +48,11 @@ def settled_by_plant(physical: Physical, name: str, one: Added) -> dict[str, Val
 
 def retuned_values(physical: Physical) -> dict[str, Retuned]:
     """New values of properties that the recording asks for, in the unit of the spec."""
-    best, found = physical.choice.best, {}
+    best, found = physical.selection.best, {}
     stds = stds_of(best)
     scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
-    gain = physical.nominal.squares - physical.choice.base.squares
-    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.doubt:
+    gain = physical.nominal.squares - physical.selection.base.squares
+    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
         scaled = []
     for p in scaled:
         values = nominal_values(physical.spec, p.key)

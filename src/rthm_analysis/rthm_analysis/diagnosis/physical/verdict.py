@@ -88,12 +88,12 @@ class Judgement:
     @property
     def names(self) -> bool:
         """Whether effects were added."""
-        return bool(self.physical.choice.rounds)
+        return bool(self.physical.selection.rounds)
 
     @property
     def tuned(self) -> bool:
         """Whether values were changed."""
-        return self.physical.choice.base.model.parameters != self.physical.nominal.model.parameters
+        return self.physical.selection.base.model.parameters != self.physical.nominal.model.parameters
 
     @cached_property
     def at_noise(self) -> bool:
@@ -128,8 +128,8 @@ class Judgement:
     @property
     def _is_vague(self) -> bool:
         """Whether one of the effects has values that the recording does not tell."""
-        choice = self.physical.choice
-        return not all(is_identified(choice.best, index) for index in range(len(choice.rounds)))
+        selection = self.physical.selection
+        return not all(is_identified(selection.best, index) for index in range(len(selection.rounds)))
 
     @property
     def _worse(self) -> bool:
@@ -151,11 +151,11 @@ class Judgement:
     @cached_property
     def shares(self) -> list[float]:
         """Part of the retuned model's squared error on unseen data that each effect removes, in order."""
-        choice, found = self.physical.choice, []
+        selection, found = self.physical.selection, []
         before = whole = max(self.squares["retuned"], 1e-300)
-        for i, tried in enumerate(choice.rounds):
-            last = i + 1 == len(choice.rounds)
-            after_fit = choice.best if last else tried[0].fitted
+        for i, tried in enumerate(selection.rounds):
+            last = i + 1 == len(selection.rounds)
+            after_fit = selection.best if last else tried[0].fitted
             after = (
                 self.squares["explained"]
                 if last
@@ -174,12 +174,12 @@ class Judgement:
     @cached_property
     def curves(self) -> list[CurveFit]:
         """Free curves of what the best of the named models leaves, or of what is left without names."""
-        return self._curves(self.physical.choice.best.model)
+        return self._curves(self.physical.selection.best.model)
 
     @cached_property
     def curves_without(self) -> list[CurveFit]:
         """Free curves of what is left without any name."""
-        return self._curves(self.physical.choice.base.model) if self.names else self.curves
+        return self._curves(self.physical.selection.base.model) if self.names else self.curves
 
     def _curves(self, model: Model) -> list[CurveFit]:
         physical = self.physical
@@ -193,10 +193,10 @@ class Judgement:
         Never a curve put together from pieces, several sensors that are wrong at once, what makes a signal
         worse, or anything but the plant's where the motors are not understood.
         """
-        choice = self.physical.choice
-        if not self.names or choice.in_pieces or choice.blames_several or self._worse:
+        selection = self.physical.selection
+        if not self.names or selection.in_pieces or selection.blames_several or self._worse:
             return False
-        if self.is_driven_wrong and not (self.at_noise and choice.in_plant):
+        if self.is_driven_wrong and not (self.at_noise and selection.in_plant):
             return False
         return self._is_enough_at_noise if self.at_noise else self._is_enough_above_noise
 
@@ -207,11 +207,11 @@ class Judgement:
         Several, and what can imitate others, have certain values; several that can imitate others, or are
         terms of one curve, leave nothing.
         """
-        choice = self.physical.choice
+        selection = self.physical.selection
         if self.mismatch > LITTLE and (self.gone < MOST or self._leaves_a_curve):
             return False
-        if len(choice.rounds) == 1:
-            return not (choice.imitates and self._is_vague)
+        if len(selection.rounds) == 1:
+            return not (selection.imitates and self._is_vague)
         return not (self._is_vague or self._leaves_some)
 
     @property
@@ -224,10 +224,10 @@ class Judgement:
         """Whether plain kinds are the law that is missing; of kinds that can imitate others, whether next to
         nothing is left, and their values are certain.
         """
-        choice = self.physical.choice
-        if choice.imitates:
-            return self.gone > ALL and choice.of_the_rig and not self._is_vague
-        return Laws(choice.best.model, self.gone, self.curves).are_told
+        selection = self.physical.selection
+        if selection.imitates:
+            return self.gone > ALL and selection.of_the_rig and not self._is_vague
+        return Laws(selection.best.model, self.gone, self.curves).are_told
 
     @cached_property
     def is_driven_wrong(self) -> bool:
@@ -242,8 +242,8 @@ class Judgement:
     @property
     def _leaves_some(self) -> bool:
         """Whether effects that can imitate others, or are terms of one curve, still leave something."""
-        choice = self.physical.choice
-        return (choice.imitates or choice.in_terms) and any(
+        selection = self.physical.selection
+        return (selection.imitates or selection.in_terms) and any(
             (after.in_train or after.in_held_out) and after.slow - 1.0 > TINY * (before.slow - 1.0)
             for before, after in zip(self.left["retuned"], self.left["explained"], strict=True)
         )
@@ -254,7 +254,7 @@ class Judgement:
         if not self.names or self.earned:
             return ()
         worst = max(one.rms / one.loudness for one in self.left["explained"])
-        labels = [tried[0].label for tried in self.physical.choice.rounds]
+        labels = [tried[0].label for tried in self.physical.selection.rounds]
         names = " and ".join(kind.replace("_", " ") for _, kind, _ in labels)
         gone = percent(max(self.gone, 0.0))
         words = (

@@ -18,7 +18,7 @@ def wire_curve(physical: Physical, physics: Sequence[Physics]) -> Iterator[Curve
     The motor position u is the model's, x and the force are measured. What was named is the force of the
     best model beyond that of its own linear spring.
     """
-    spec, evidence = physical.choice.best.model.spec, physical.evidence
+    spec, evidence = physical.selection.best.model.spec, physical.evidence
     if spec.actuator is None or spec.interface is None or spec.plant is None:
         return
     motion = physical.experiment.motion(spec, physical.windows)

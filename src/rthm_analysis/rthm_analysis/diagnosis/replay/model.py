@@ -82,7 +82,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Added:
+class EffectInstance:
     """An effect that the nominal spec does not have, and what the recording shows of its place."""
 
     block: str
@@ -129,7 +129,7 @@ class Model:
 
     nominal: Spec
     parameters: tuple[Parameter, ...] = ()
-    added: tuple[Added, ...] = ()
+    added: tuple[EffectInstance, ...] = ()
     prefix: str = "found"
     checked: list[Spec] = field(default_factory=list, compare=False, repr=False)
 
@@ -167,7 +167,7 @@ class Model:
         """Name of a parameter of an added effect."""
         return f"{self.name(index)}.{key}"
 
-    def plus(self, one: Added, free: tuple[str, ...], scales: dict[str, float]) -> Model:
+    def plus(self, one: EffectInstance, free: tuple[str, ...], scales: dict[str, float]) -> Model:
         """The model with one more effect, of whose parameters those in `free` may move."""
         new = []
         for key in free:

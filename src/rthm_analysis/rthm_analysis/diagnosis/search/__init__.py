@@ -1,24 +1,24 @@
 """The search for what a model lacks: starting values, a cheap score for each kind, fits of the best.
 
-================  =============================================================================
-``scene``         how large things are in a recording
-``starts``        starting-value finders of plant, wires and sensors
-``drive_starts``  those of motors
-``tones``         those of harmonic loads
-``doubted_tones`` what these have to show beyond their gain
-``candidates``    every effect that there could be, with its starting values
-``screening``     the score of every candidate from one replay each
-``promising``     those that are worth a fit
-``judging``       which fitted candidate is better, and whether one earns its place
-``refining``      fits of the promising ones: the better they do, the longer
-``told_wires``    wires whose own force tells what they do
-``pairing``       effects that are found together only
-``simplifying``   whether every effect is needed, and whether a plainer one would do
-``replacing``     other kinds in the place of one, beside all others that were found
-``pieces``        effects of which combinations are made
-``subsets``       what every combination would leave
-``combining``     combinations that do better than what was found one by one
-``beside_wires``  what goes beside an effect that the force of a wire tells
-``choosing``      effects added one at a time, as long as unseen data are predicted better
-================  =============================================================================
+===================  ========================================================================
+``scene``            how large things are in a recording
+``starts``           starting-value finders of plant, wires and sensors
+``drive_starts``     those of motors
+``tones``            those of harmonic loads
+``tone_evidence``    what these have to show beyond their gain
+``candidates``       every effect that there could be, with its starting values
+``screening``        the score of every candidate from one replay each
+``promising``        those that are worth a fit
+``judging``          which fitted candidate is better, and whether one earns its place
+``refining``         fits of the promising ones: the better they do, the longer
+``wire_from_force``  wires identified from their measured force
+``pairing``          effects that are found together only
+``simplifying``      whether every effect is needed, and whether a plainer one would do
+``replacing``        other kinds in the place of one, beside all others that were found
+``pieces``           effects of which combinations are made
+``subsets``          what every combination would leave
+``combining``        combinations that do better than what was found one by one
+``beside_wire``      what goes beside an effect of such a wire
+``choosing``         effects added one at a time, as long as unseen data are predicted better
+===================  ========================================================================
 """

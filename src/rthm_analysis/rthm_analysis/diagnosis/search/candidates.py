@@ -10,9 +10,9 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
-from rthm_analysis.diagnosis.replay.model import Added
+from rthm_analysis.diagnosis.replay.model import EffectInstance
 from rthm_analysis.diagnosis.search.scene import dof_scene, rms, seen_in, wire_scene
-from rthm_analysis.diagnosis.search.starts import PLANT, WIRE, Start, declared
+from rthm_analysis.diagnosis.search.starts import PLANT, WIRE, InitialGuess, declared
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FRICTION = ("coulomb_friction", "stribeck_friction")
 
 
-def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) -> Iterator[Start]:
+def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) -> Iterator[InitialGuess]:
     """Starts of all kinds in plant, wires and sensors that `spec` does not have already."""
     assert spec.plant is not None
     present = {(e.block, e.kind, e.place) for e in spec.effects}
@@ -44,7 +44,7 @@ def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) ->
             yield start
 
 
-def _finite(starts: Iterator[Start]) -> Iterator[Start]:
+def _finite(starts: Iterator[InitialGuess]) -> Iterator[InitialGuess]:
     """Starts whose numbers exist: a dof that does not move has none."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"), suppress(ZeroDivisionError):
         for start in starts:
@@ -52,7 +52,7 @@ def _finite(starts: Iterator[Start]) -> Iterator[Start]:
                 yield start
 
 
-def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[Start]:
+def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[InitialGuess]:
     """Bias, scale, drift and lag of every sensor whose signal another channel can check.
 
     In a recording with one channel alone a sensor cannot be told from what it measures.
@@ -73,5 +73,5 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[Start]:
             ("drift", "rate", small / duration, 0.0, True),
             ("lag", "time_constant", min(small / max(rate, 1e-300), 1e-3), 0.0, False),
         ):
-            added = Added(block, kind, channel.place, {key: value}, seen)
-            yield Start(added, (key,), (key,), {key: abs(value - neutral)}, signed, neutral)
+            added = EffectInstance(block, kind, channel.place, {key: value}, seen)
+            yield InitialGuess(added, (key,), (key,), {key: abs(value - neutral)}, signed, neutral)

@@ -6,23 +6,23 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.search.beside_wires import led_by_a_wire
+from rthm_analysis.diagnosis.search.beside_wire import selected_from_wire
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
     FLEXIBLE,
     UNFINISHED,
-    Choice,
-    Tried,
+    FittedCandidate,
+    Selection,
     better,
-    doubt,
+    reduced_chi2,
     relevant,
 )
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.replacing import compared
-from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_core.compiled import Floats
 
@@ -32,17 +32,17 @@ LOST = 0.3
 """Part of a mismatch above the noise, left by what was found, from which the search is given up."""
 
 FAR = 30.0
-"""Doubt from which kinds that can imitate others, and do not, are given up."""
+"""Reduced chi-squared from which kinds that can imitate others, and do not, are given up."""
 
 
-def never(doubt: float) -> bool:
+def never(reduced_chi2: float) -> bool:
     """Look for more as long as there is something to be found."""
     return False
 
 
 def choose(
-    fitting: Fitting, base: Fitted, stop: Callable[[float], bool] = never, begun: Choice | None = None
-) -> Choice:
+    fitting: Fitting, base: Fitted, stop: Callable[[float], bool] = never, begun: Selection | None = None
+) -> Selection:
     """Explain what is left of the residual by effects.
 
     Parameters
@@ -51,100 +51,106 @@ def choose(
     base : Fitted
         Retuned model.
     stop : callable
-        Whether to leave it at what was found, given the doubt that is left.
-    begun : Choice, optional
+        Whether to leave it at what was found, given the reduced chi-squared that is left.
+    begun : Selection, optional
         What was found before, to go on with.
     """
     if begun and begun.rounds:
         return _going_on(fitting, _together(fitting, begun), stop)
-    return _going_on(fitting, led_by_a_wire(fitting, base) or Choice(base, base), stop)
+    return _going_on(fitting, selected_from_wire(fitting, base) or Selection(base, base), stop)
 
 
-def _going_on(fitting: Fitting, choice: Choice, stop: Callable[[float], bool]) -> Choice:
-    """Explain what a choice leaves by more effects, then ask whether others do better, or fewer."""
-    scores: list[Screened] = []
-    while len(choice.rounds) < MOST_EFFECTS and not fitting.budget.spent:
-        known = fitting.known(choice.best)
-        scores = _scores(fitting, choice, known, scores)
-        tried = _tried(fitting, choice, known, promising(scores))
-        if not tried or not better(tried[0], choice.best) or not relevant(fitting, tried[0], choice):
+def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bool]) -> Selection:
+    """Explain what a selection leaves by more effects, then ask whether others do better, or fewer."""
+    scores: list[ScoredCandidate] = []
+    while len(selection.rounds) < MOST_EFFECTS and not fitting.budget.spent:
+        known = fitting.known(selection.best)
+        scores = _scores(fitting, selection, known, scores)
+        tried = _tried(fitting, selection, known, promising(scores))
+        if not tried or not better(tried[0], selection.best) or not relevant(fitting, tried[0], selection):
             break
-        tried[0] = _settled(fitting, choice, tried[0], known)
-        choice.rounds.append(tried)
-        choice.best = tried[0].fitted
-        if stop(fitting.doubt):
-            return choice
-        choice = _together(fitting, choice)
-    if is_lost(fitting, choice):
-        return choice
-    return compared(fitting, simplified(fitting, combined(fitting, choice)))
+        tried[0] = _settled(fitting, selection, tried[0], known)
+        selection.rounds.append(tried)
+        selection.best = tried[0].fitted
+        if stop(fitting.reduced_chi2):
+            return selection
+        selection = _together(fitting, selection)
+    if is_lost(fitting, selection):
+        return selection
+    return compared(fitting, simplified(fitting, combined(fitting, selection)))
 
 
-def is_lost(fitting: Fitting, choice: Choice) -> bool:
+def is_lost(fitting: Fitting, selection: Selection) -> bool:
     """Whether what was found is so far from the noise that nothing of it will be named.
 
     It leaves a good part of the mismatch, or is no plain kind, or no more work may be done: nothing is then
     gained by making it simpler.
     """
-    left, before = doubt(fitting, choice.best), doubt(fitting, choice.base)
+    left, before = reduced_chi2(fitting, selection.best), reduced_chi2(fitting, selection.base)
     if left < WRONG:
         return fitting.budget.spent and left > CLOSE
-    if choice.imitates and left > FAR:
+    if selection.imitates and left > FAR:
         return True
     return left - 1.0 > LOST * (before - 1.0)
 
 
-def _together(fitting: Fitting, choice: Choice) -> Choice:
+def _together(fitting: Fitting, selection: Selection) -> Selection:
     """The same, or several effects at once where those that were found do not come near the noise."""
-    if fitting.doubt > CLOSE:
-        choice = combined(fitting, choice)
-    if len(choice.rounds) != 1 or fitting.doubt < WRONG:
-        return choice
-    rounds = paired(fitting, choice.base, choice.rounds[0])
-    return replace(choice, best=rounds[-1][0].fitted, rounds=rounds) if rounds else choice
+    if fitting.reduced_chi2 > CLOSE:
+        selection = combined(fitting, selection)
+    if len(selection.rounds) != 1 or fitting.reduced_chi2 < WRONG:
+        return selection
+    rounds = paired(fitting, selection.base, selection.rounds[0])
+    return replace(selection, best=rounds[-1][0].fitted, rounds=rounds) if rounds else selection
 
 
-def _scores(fitting: Fitting, choice: Choice, known: Floats, before: list[Screened]) -> list[Screened]:
+def _scores(
+    fitting: Fitting, selection: Selection, known: Floats, before: list[ScoredCandidate]
+) -> list[ScoredCandidate]:
     """Score of every candidate; near the noise, from the best starts of the round before."""
-    fitting.progress("looking for more" if choice.rounds else "looking for physics that was left out")
-    if before and fitting.doubt <= CLOSE:
-        present = {tried[0].label for tried in choice.rounds}
+    fitting.progress("looking for more" if selection.rounds else "looking for physics that was left out")
+    if before and fitting.reduced_chi2 <= CLOSE:
+        present = {tried[0].label for tried in selection.rounds}
         others = [s.start for s in best_of_each(before, 1) if s.start.label not in present]
-        return screen(fitting, choice.best, known, others)
-    scores = screened(fitting, choice.best, known)
-    if not choice.limits:
-        choice.limits = smallest_seen(scores)
+        return screen(fitting, selection.best, known, others)
+    scores = screened(fitting, selection.best, known)
+    if not selection.limits:
+        selection.limits = smallest_seen(scores)
     return scores
 
 
-def _tried(fitting: Fitting, choice: Choice, known: Floats, worth: list[Screened]) -> list[Tried]:
+def _tried(
+    fitting: Fitting, selection: Selection, known: Floats, worth: list[ScoredCandidate]
+) -> list[FittedCandidate]:
     """Refined candidates, best first."""
     if not worth:
         return []
     fitting.progress(f"refining {', '.join(dict.fromkeys(s.start.added.kind for s in worth))}")
-    return _plain_first(fitting, choice, refined(fitting, choice.best, known, worth))
+    return _plain_first(fitting, selection, refined(fitting, selection.best, known, worth))
 
 
-def _plain_first(fitting: Fitting, choice: Choice, tried: list[Tried]) -> list[Tried]:
+def _plain_first(
+    fitting: Fitting, selection: Selection, tried: list[FittedCandidate]
+) -> list[FittedCandidate]:
     """The same, the best plain kind first where no kind comes near the noise.
 
     A kind with the freedom to imitate others says something only where it explains everything.
     """
-    if not tried or tried[0].label[1] not in FLEXIBLE or doubt(fitting, tried[0].fitted) < CLOSE:
+    if not tried or tried[0].label[1] not in FLEXIBLE or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
         return tried
-    plain = [one for one in tried if one.label[1] not in FLEXIBLE and better(one, choice.best)]
-    plain = [one for one in plain if relevant(fitting, one, choice)]
+    plain = [one for one in tried if one.label[1] not in FLEXIBLE and better(one, selection.best)]
+    plain = [one for one in plain if relevant(fitting, one, selection)]
     return [*plain[:1], *(one for one in tried if not plain or one is not plain[0])]
 
 
-def _settled(fitting: Fitting, choice: Choice, best: Tried, known: Floats) -> Tried:
+def _settled(fitting: Fitting, selection: Selection, best: FittedCandidate, known: Floats) -> FittedCandidate:
     """The effect that was chosen, fitted to its end where there may be more behind it."""
-    lost, fitting.doubt = fitting.doubt > WRONG, doubt(fitting, best.fitted)
+    lost, fitting.reduced_chi2 = fitting.reduced_chi2 > WRONG, reduced_chi2(fitting, best.fitted)
     if lost:
         fitting.rebase(best.fitted.model)
-    if fitting.told and fitting.doubt < WRONG:
-        best = finished(fitting, let_go(best, choice.base))
-    elif lost or fitting.doubt > UNFINISHED:
+    if fitting.identified and fitting.reduced_chi2 < WRONG:
+        best = finished(fitting, let_go(best, selection.base))
+    elif lost or fitting.reduced_chi2 > UNFINISHED:
         best = finished(fitting, best, None if lost else known)
     if fitting.experiment.sharpen(best.fitted.model.spec):
         best = finished(fitting, best)

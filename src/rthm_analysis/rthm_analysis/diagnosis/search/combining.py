@@ -14,13 +14,21 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.doubted_tones import TONE, lasts
-from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, UNFINISHED, Choice, Tried, doubt, price
+from rthm_analysis.diagnosis.search.judging import (
+    CLEAR,
+    CLOSE,
+    UNFINISHED,
+    FittedCandidate,
+    Selection,
+    price,
+    reduced_chi2,
+)
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
 from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.subsets import promised
+from rthm_analysis.diagnosis.search.tone_evidence import TONE, lasts
 
 AGAIN = 2
 """How often a combination that did better is left for another."""
@@ -31,57 +39,57 @@ that is to be beaten.
 """
 
 
-def combined(fitting: Fitting, choice: Choice) -> Choice:
+def combined(fitting: Fitting, selection: Selection) -> Selection:
     """Leave what was found for another combination that predicts unseen data clearly better."""
     for again in range(AGAIN):
-        spent = fitting.budget.spent and (again > 0 or fitting.doubt > CLOSE)
-        asks = _questionable(fitting, choice) and not spent
-        other = _other(fitting, choice) if asks else None
+        spent = fitting.budget.spent and (again > 0 or fitting.reduced_chi2 > CLOSE)
+        asks = _questionable(fitting, selection) and not spent
+        other = _other(fitting, selection) if asks else None
         if other is None:
             break
-        choice = other
-    return choice
+        selection = other
+    return selection
 
 
-def _questionable(fitting: Fitting, choice: Choice) -> bool:
+def _questionable(fitting: Fitting, selection: Selection) -> bool:
     """Whether another combination may do better: not where one plain effect leaves noise and no more."""
-    starts = [tried[0].start for tried in choice.rounds]
+    starts = [tried[0].start for tried in selection.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
-    return bool(starts) and not (alone and doubt(fitting, choice.best) < UNFINISHED)
+    return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < UNFINISHED)
 
 
-def _cost(fitting: Fitting, choice: Choice, fitted: Fitted) -> float:
+def _cost(fitting: Fitting, selection: Selection, fitted: Fitted) -> float:
     """Squared error on data left out, with what effects and their parameters have to bring."""
-    parameters = len(fitted.model.parameters) - len(choice.base.model.parameters)
-    return float(fitted.left_out.sum()) + fitting.doubt * price(len(fitted.model.added), parameters)
+    parameters = len(fitted.model.parameters) - len(selection.base.model.parameters)
+    return float(fitted.left_out.sum()) + fitting.reduced_chi2 * price(len(fitted.model.added), parameters)
 
 
-def _other(fitting: Fitting, choice: Choice) -> Choice | None:
+def _other(fitting: Fitting, selection: Selection) -> Selection | None:
     """The best other combination; None where the present one is as good."""
     fitting.progress("looking for a combination that does better")
-    found, least = None, _cost(fitting, choice, choice.best) - CLEAR * fitting.doubt
+    found, least = None, _cost(fitting, selection, selection.best) - CLEAR * fitting.reduced_chi2
     try:
-        asked = promised(fitting, choice)
+        asked = promised(fitting, selection)
     except np.linalg.LinAlgError:
         return None
     for labels, pieces in asked.items():
         if fitting.budget.spent:
             break
         fitting.asked.add(labels)
-        fitted = _fitted(fitting, choice, pieces, least)
-        if fitted is not None and _cost(fitting, choice, fitted) < least:
-            found, least = (pieces, fitted), _cost(fitting, choice, fitted)
-            if doubt(fitting, fitted) < CLOSE:
+        fitted = _fitted(fitting, selection, pieces, least)
+        if fitted is not None and _cost(fitting, selection, fitted) < least:
+            found, least = (pieces, fitted), _cost(fitting, selection, fitted)
+            if reduced_chi2(fitting, fitted) < CLOSE:
                 break
     try:
-        return _chosen(fitting, choice, *found) if found else None
+        return _chosen(fitting, selection, *found) if found else None
     except np.linalg.LinAlgError:  # it only stands as a whole
         return None
 
 
-def _model(choice: Choice, pieces: list[Piece]) -> Model:
+def _model(selection: Selection, pieces: list[Piece]) -> Model:
     """A combination beside what is uncertain; what is there now has the values it has now."""
-    best, base = choice.best.model, choice.base.model
+    best, base = selection.best.model, selection.base.model
     model = base.at(best.values[: len(base.parameters)])
     for one in pieces:
         added = one.start.added
@@ -91,42 +99,45 @@ def _model(choice: Choice, pieces: list[Piece]) -> Model:
     return model
 
 
-def _fitted(fitting: Fitting, choice: Choice, pieces: list[Piece], least: float) -> Fitted | None:
+def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: float) -> Fitted | None:
     """A combination, fitted to its end.
 
     None where it diverges, stays far behind what is to be beaten (`least`), has a plain kind that may as well
     be absent, or a tone that does not last.
     """
-    begun = unfitted(pieces[-1].start, choice.best, _model(choice, pieces))
+    begun = unfitted(pieces[-1].start, selection.best, _model(selection, pieces))
     begun = fit_further(fitting, begun, None, FEW)
     ahead = least - fitting.expected
-    if not np.isfinite(begun.error) or _cost(fitting, choice, begun.fitted) > least + (BEHIND - 1.0) * ahead:
+    if (
+        not np.isfinite(begun.error)
+        or _cost(fitting, selection, begun.fitted) > least + (BEHIND - 1.0) * ahead
+    ):
         return None
     done = finished_by_itself(fitting, begun)
     tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
     if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
         return None
     plain = [i for i, one in enumerate(pieces) if is_plain(one.start)]
-    far = doubt(fitting, done.fitted) > CLOSE  # the standard deviations are then those of what is left
+    far = reduced_chi2(fitting, done.fitted) > CLOSE  # the standard deviations are then those of what is left
     return done.fitted if far or all(is_identified(done.fitted, i) for i in plain) else None
 
 
-def _rebased(fitting: Fitting, fitted: Fitted, last: Start) -> Fitted:
+def _rebased(fitting: Fitting, fitted: Fitted, last: InitialGuess) -> Fitted:
     """The same fitted again, with the sensitivities to the initial states of a model that is nearer."""
-    fitting.doubt = doubt(fitting, fitted)
+    fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
     fitting.experiment.sharpen(fitted.model.spec)
     fitting.rebase(fitted.model)
     again = finished(fitting, unfitted(last, fitted, fitted.model))
     return again.fitted if np.isfinite(again.error) else fitted
 
 
-def _chosen(fitting: Fitting, choice: Choice, pieces: list[Piece], fitted: Fitted) -> Choice:
-    """The choice of a combination: its effects one by one, beside the kinds that were compared with them."""
+def _chosen(fitting: Fitting, selection: Selection, pieces: list[Piece], fitted: Fitted) -> Selection:
+    """A combination as a selection: its effects one by one, beside the kinds that were compared with them."""
     fitted = _rebased(fitting, fitted, pieces[-1].start)
-    others = {tried[0].label: tried[1:] for tried in choice.rounds}
-    last = choice.rounds[-1][0]
+    others = {tried[0].label: tried[1:] for tried in selection.rounds}
+    last = selection.rounds[-1][0]
     error = float(fitted.left_out.sum())
-    rounds = [[Tried(one.start, fitted, error), *others.get(one.start.label, [])] for one in pieces]
+    rounds = [[FittedCandidate(one.start, fitted, error), *others.get(one.start.label, [])] for one in pieces]
     if last.label not in {one.start.label for one in pieces}:
-        rounds[-1].append(Tried(last.start, choice.best, last.error))
-    return rounds_refitted(fitting, Choice(choice.base, fitted, rounds, choice.limits))
+        rounds[-1].append(FittedCandidate(last.start, selection.best, last.error))
+    return rounds_refitted(fitting, Selection(selection.base, fitted, rounds, selection.limits))

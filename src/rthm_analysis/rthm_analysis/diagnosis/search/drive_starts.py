@@ -9,8 +9,8 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.replay.model import Added, Model
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
 from rthm_core.schedule import Schedule
@@ -28,7 +28,7 @@ FLAT = 2e-3
 BINS = 1 << 17
 
 
-def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[Start]:
+def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[InitialGuess]:
     """Starts of every kind in every motor.
 
     Parameters
@@ -43,9 +43,11 @@ def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[Start]:
         name, u = channel.place, np.nan_to_num(evidence.measured[:, column])
         left = np.nan_to_num(residual[:, column])
 
-        def start(kind: str, free: tuple[str, ...], amplitude: tuple[str, ...] = (), **p: float) -> Start:
+        def start(
+            kind: str, free: tuple[str, ...], amplitude: tuple[str, ...] = (), **p: float
+        ) -> InitialGuess:
             scales = {key: abs(value) for key, value in p.items()}
-            return Start(Added("motor", kind, name, dict(p)), free, amplitude, scales)  # noqa: B023
+            return InitialGuess(EffectInstance("motor", kind, name, dict(p)), free, amplitude, scales)  # noqa: B023
 
         for lag in (2e-4, 1e-3, 5e-3):
             yield start("lag", ("time_constant",), ("time_constant",), time_constant=lag)
@@ -53,9 +55,9 @@ def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[Start]:
             yield start(
                 "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
             )
-        delay, doubt = _best_delay(spec, fitting, name)
+        delay, reduced_chi2 = _best_delay(spec, fitting, name)
         if delay != 0.0:
-            yield replace(start("extra_delay", (), delay=delay), scales={"delay": doubt})
+            yield replace(start("extra_delay", (), delay=delay), scales={"delay": reduced_chi2})
         rate = np.abs(np.diff(u)) / np.diff(evidence.time)
         for share in (0.999, 0.99, 0.9):
             yield start("rate_limit", ("rate",), rate=max(float(np.quantile(rate, share)), 1e-6))
@@ -83,7 +85,7 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
         if delay < earliest:
             return np.inf
         model = Model(spec, prefix="trial").plus(
-            Added("motor", "extra_delay", name, {"delay": delay}), (), {}
+            EffectInstance("motor", "extra_delay", name, {"delay": delay}), (), {}
         )
         left = experiment.evidence.measured - experiment.predicted(model.spec, fitting.windows)
         return float(np.nansum(np.square(left)))

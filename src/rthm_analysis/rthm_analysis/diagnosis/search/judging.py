@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects import effect
 
 ENOUGH = 16.0
@@ -22,10 +22,12 @@ CLEAR = 6.0
 """Difference of cross-validated squared errors by which the recording tells two kinds apart."""
 
 CLOSE = 1.2
-"""Doubt below which a model is near the noise, so that what is still missing is small."""
+"""Reduced chi-squared below which a model is near the noise, so that what is still missing is small."""
 
 UNFINISHED = 1.02
-"""Doubt above which something may be left: the fit of an effect goes on before more is looked for."""
+"""Reduced chi-squared above which something may be left: the fit of an effect goes on before more is looked
+for.
+"""
 
 FLOOR = 1.3
 """Error on unseen data over the noise, up to which a model is at the noise (contract)."""
@@ -52,10 +54,10 @@ NUMERICS = 1e-6
 
 
 @dataclass(frozen=True)
-class Tried:
+class FittedCandidate:
     """A candidate that was refined."""
 
-    start: Start
+    start: InitialGuess
     fitted: Fitted
     error: float
 
@@ -73,14 +75,14 @@ REPEATED = ("harmonic_load", "hidden_mode")
 
 
 @dataclass
-class Choice:
+class Selection:
     """What was chosen, and what it was chosen from.
 
     Attributes
     ----------
     base, best : Fitted
         Retuned model, and the one with all effects that were added.
-    rounds : list of list of Tried
+    rounds : list of list of FittedCandidate
         Refined candidates of each round, best first; the first of a round was added if there is a next.
     limits : dict
         By block, kind and parameter: smallest amplitude that would have been seen.
@@ -91,7 +93,7 @@ class Choice:
 
     base: Fitted
     best: Fitted
-    rounds: list[list[Tried]] = field(default_factory=list)
+    rounds: list[list[FittedCandidate]] = field(default_factory=list)
     limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
     imitating: tuple[tuple[str, str, str], ...] = ()
 
@@ -137,18 +139,18 @@ def _is_sensor(block: str) -> bool:
     return block.startswith("sensor.")
 
 
-def looked_for(fitting: Fitting, starts: Iterable[Start]) -> Iterator[Start]:
-    """Those starts that are looked for: all, or only what imitates no others; in a wire whose own force is
-    explained by one kind, only that.
+def looked_for(fitting: Fitting, starts: Iterable[InitialGuess]) -> Iterator[InitialGuess]:
+    """Those starts that are looked for: all, or only what imitates no others; in a wire in which one kind was
+    identified, only that.
     """
     for start in starts:
         block, kind, place = start.label
-        told = fitting.told.get(place, kind) if block == "wire" else kind
-        if kind == told and not (fitting.simple and imitates(block, kind)):
+        identified = fitting.identified.get(place, kind) if block == "wire" else kind
+        if kind == identified and not (fitting.simple and imitates(block, kind)):
             yield start
 
 
-def doubt(fitting: Fitting, fitted: Fitted) -> float:
+def reduced_chi2(fitting: Fitting, fitted: Fitted) -> float:
     """Squared error per sample of a model, in units of the noise; at least 1."""
     return max(1.0, float(fitted.sums.squares.sum()) / max(fitting.expected, 1.0))
 
@@ -159,18 +161,18 @@ def clear_gain(old: Fitted, new: Fitted, enough: float) -> bool:
     return float(gains.sum()) > max(enough, float(np.sqrt(gains.size) * gains.std()))
 
 
-def better(new: Tried, old: Fitted) -> bool:
+def better(new: FittedCandidate, old: Fitted) -> bool:
     """Whether an effect predicts unseen data clearly better, the more so the more parameters it has."""
     more = len(new.fitted.model.parameters) - len(old.model.parameters)
-    return clear_gain(old, new.fitted, ENOUGH + new.start.luck + PER_PARAMETER * (more - 1))
+    return clear_gain(old, new.fitted, ENOUGH + new.start.look_elsewhere + PER_PARAMETER * (more - 1))
 
 
-def relevant(fitting: Fitting, new: Tried, choice: Choice) -> bool:
+def relevant(fitting: Fitting, new: FittedCandidate, selection: Selection) -> bool:
     """Whether an effect matters; where no model reaches the noise, small terms only imitate what is left."""
     noise = fitting.expected
-    before, after = float(choice.best.left_out.sum()), new.error
+    before, after = float(selection.best.left_out.sum()), new.error
     gain = before - after
-    start = float(choice.base.left_out.sum()) - noise
+    start = float(selection.base.left_out.sum()) - noise
     if gain < max(_numerics(fitting), PART * (before - noise)):
         return False
     return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
@@ -192,15 +194,15 @@ def merit(fitted: Fitted) -> float:
     return float(fitted.left_out.sum()) + PER_PARAMETER * len(fitted.model.parameters)
 
 
-def best_of_labels(tried: list[Tried]) -> list[Tried]:
+def best_of_labels(tried: list[FittedCandidate]) -> list[FittedCandidate]:
     """Best of each kind and place, in order."""
-    best: dict[tuple[str, str, str], Tried] = {}
+    best: dict[tuple[str, str, str], FittedCandidate] = {}
     for one in in_order(tried):
         best.setdefault(one.label, one)
     return list(best.values())
 
 
-def in_order(tried: list[Tried]) -> list[Tried]:
+def in_order(tried: list[FittedCandidate]) -> list[FittedCandidate]:
     """Smallest error first, where every parameter has to earn its place."""
     return sorted(tried, key=lambda one: merit(one.fitted))
 

@@ -10,8 +10,8 @@ import numpy as np
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
-from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, looked_for
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, looked_for
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -23,7 +23,7 @@ class Piece:
 
     Attributes
     ----------
-    start : Start
+    start : InitialGuess
         Of what is not there, with the trial's size.
     index : int or None
         Place among the effects that are there; None of what is not.
@@ -34,7 +34,7 @@ class Piece:
         What it does now.
     """
 
-    start: Start
+    start: InitialGuess
     index: int | None
     columns: Floats
     whole: Floats
@@ -68,92 +68,92 @@ class Piece:
         return Piece(start, None, self.columns, sizes @ self.columns)
 
 
-def pieces_of(fitting: Fitting, choice: Choice, columns: Floats) -> list[Piece]:
+def pieces_of(fitting: Fitting, selection: Selection, columns: Floats) -> list[Piece]:
     """What combinations are made of.
 
     Parameters
     ----------
     fitting : Fitting
-    choice : Choice
+    selection : Selection
     columns : (p, s k) array
         Projected, of all parameters of the best model.
     """
-    tones = [] if fitting.simple else _tones(fitting, choice)
-    return [*_present(choice, columns), *_others(fitting, choice), *tones]
+    tones = [] if fitting.simple else _tones(fitting, selection)
+    return [*_present(selection, columns), *_others(fitting, selection), *tones]
 
 
-def is_plain(start: Start) -> bool:
+def is_plain(start: InitialGuess) -> bool:
     """Whether a kind is linear in its only parameter."""
     return start.amplitude == start.free and len(start.free) == 1
 
 
-def _present(choice: Choice, columns: Floats) -> Iterator[Piece]:
+def _present(selection: Selection, columns: Floats) -> Iterator[Piece]:
     """The effects that are there; what one does now follows from the parameters in which it is linear."""
-    model = choice.best.model
-    for index, tried in enumerate(choice.rounds):
+    model = selection.best.model
+    for index, tried in enumerate(selection.rounds):
         start, places = tried[0].start, model.places(index)
         sizes = [places[key] for key in start.amplitude]
         scale = np.array([model.parameters[i].value - start.neutral for i in sizes])
         yield Piece(start, index, columns[[places[key] for key in start.free]], scale @ columns[sizes])
 
 
-def _others(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
+def _others(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
     """What could be beside the effects that are there, each linear in its size.
 
     Near the noise these are the plain kinds: what others are like depends on more than their size, and no
     start has it right.
     """
-    experiment, there = fitting.experiment, {tried[0].label for tried in choice.rounds}
-    motion = experiment.motion(choice.best.model.spec, fitting.windows)
-    starts: dict[object, Start] = {}
-    every = candidates(choice.base.model.spec, experiment.evidence, motion, fitting.sigma)
+    experiment, there = fitting.experiment, {tried[0].label for tried in selection.rounds}
+    motion = experiment.motion(selection.best.model.spec, fitting.windows)
+    starts: dict[object, InitialGuess] = {}
+    every = candidates(selection.base.model.spec, experiment.evidence, motion, fitting.sigma)
     for start in looked_for(fitting, every):
         plain = is_plain(start)
-        if start.label not in there and start.amplitude and (plain or fitting.doubt > CLOSE):
+        if start.label not in there and start.amplitude and (plain or fitting.reduced_chi2 > CLOSE):
             starts.setdefault(start.label if plain else len(starts), start)
-    changes = fitting.cores.each(lambda start: _change(fitting, choice, start), starts.values())
+    changes = fitting.cores.each(lambda start: _change(fitting, selection, start), starts.values())
     for start, change in zip(starts.values(), changes, strict=True):
         if change is not None:
             yield Piece(start, None, change[None], np.zeros_like(change))
 
 
-def _tones(fitting: Fitting, choice: Choice) -> Iterator[Piece]:
+def _tones(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
     """Tones in what is left now, and in what was left before any effect was there."""
-    starts: list[Start] = []
-    for fitted in (choice.best, choice.base) if choice.rounds else (choice.base,):
+    starts: list[InitialGuess] = []
+    for fitted in (selection.best, selection.base) if selection.rounds else (selection.base,):
         left = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
         for start in harmonic_starts(fitted.model.spec, fitting.experiment, left, fitting.sigma):
             if all(abs(_frequency(start) - _frequency(one)) > start.scales["frequency"] for one in starts):
                 starts.append(start)
-    there = {tried[0].label for tried in choice.rounds}
+    there = {tried[0].label for tried in selection.rounds}
     both = [s for start in starts if start.label not in there for s in (start, _ahead(start, 0.5 * np.pi))]
-    changes = fitting.cores.each(lambda start: _change(fitting, choice, start), both)
+    changes = fitting.cores.each(lambda start: _change(fitting, selection, start), both)
     for start, change, ahead in zip(both[::2], changes[::2], changes[1::2], strict=True):
         if change is not None and ahead is not None:
             yield Piece(start, None, np.stack([change, ahead]), np.zeros_like(change))
 
 
-def _frequency(start: Start) -> float:
+def _frequency(start: InitialGuess) -> float:
     return float(start.added.parameters["frequency"])
 
 
-def _ahead(start: Start, phase: float) -> Start:
+def _ahead(start: InitialGuess, phase: float) -> InitialGuess:
     """The same tone, ahead by some phase in rad."""
     values = start.added.parameters | {"phase": float(start.added.parameters["phase"]) + phase}
     return replace(start, added=replace(start.added, parameters=values))
 
 
-def _change(fitting: Fitting, choice: Choice, start: Start) -> Floats | None:
+def _change(fitting: Fitting, selection: Selection, start: InitialGuess) -> Floats | None:
     """Change of the prediction with an effect; None where it makes none, or cannot be beside the others."""
-    model = _grown(choice.best.model, start) or start.added_to(choice.best.model)
+    model = _grown(selection.best.model, start) or start.added_to(selection.best.model)
     try:
-        change = fitting.projected(choice.best.residual - fitting.residual(model))
+        change = fitting.projected(selection.best.residual - fitting.residual(model))
     except InputError:
         return None
     return change if np.isfinite(change).all() and change.any() else None
 
 
-def _grown(model: Model, start: Start) -> Model | None:
+def _grown(model: Model, start: InitialGuess) -> Model | None:
     """Model in which an effect that has the plain kind in it grows by that; None where there is none."""
     values = model.values
     for index, one in enumerate(model.added):

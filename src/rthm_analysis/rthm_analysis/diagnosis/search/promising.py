@@ -8,7 +8,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.resolution import COSTLY
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
-from rthm_analysis.diagnosis.search.screening import Screened, best_of_each, screen
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -26,7 +26,7 @@ AGAIN = 12
 """Most kinds that are screened once more, with the size that was found."""
 
 
-def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]:
+def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCandidate]:
     """Score of everything that could be added to a model, best first.
 
     Parameters
@@ -53,7 +53,7 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[Screened]:
     return [s for s, no in zip(both, denied, strict=True) if not no]
 
 
-def _denied(fitting: Fitting, fitted: Fitted, one: Screened, worth: float) -> bool:
+def _denied(fitting: Fitting, fitted: Fitted, one: ScoredCandidate, worth: float) -> bool:
     """Whether a candidate that would be fitted is a wire's and denied by the force of the wire."""
     if one.start.added.block != "wire" or one.gain <= worth:
         return False
@@ -63,7 +63,7 @@ def _denied(fitting: Fitting, fitted: Fitted, one: Screened, worth: float) -> bo
         return False
 
 
-def promising(screened: list[Screened]) -> list[Screened]:
+def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """Candidates worth a fit: those near the best in gain, the best kinds from two starts."""
     best = screened[0].gain if screened else 0.0
     if best < 0.7 * ENOUGH:
@@ -85,12 +85,12 @@ def _worth_a_fit(best: float) -> float:
     return max(0.6 * ENOUGH, NEAR * best)
 
 
-def smallest_seen(screened: list[Screened]) -> dict[tuple[str, str, str], dict[str, float]]:
+def smallest_seen(screened: list[ScoredCandidate]) -> dict[tuple[str, str, str], dict[str, float]]:
     """Smallest amplitudes that would have been seen, from the standard deviations of the amplitudes."""
     limits: dict[tuple[str, str, str], dict[str, float]] = {}
     for one in screened:
         if one.start.amplitude and np.isfinite(one.std):
             name = one.start.amplitude[0]
-            seen = float(np.sqrt(ENOUGH + one.start.luck) * one.std)
+            seen = float(np.sqrt(ENOUGH + one.start.look_elsewhere) * one.std)
             limits.setdefault(one.start.label, {name: seen})
     return limits

@@ -10,17 +10,17 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.doubted_tones import without_doubted_tones
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
     RELEVANT,
-    Tried,
+    FittedCandidate,
     best_of_labels,
     distinguishable,
-    doubt,
+    reduced_chi2,
 )
-from rthm_analysis.diagnosis.search.screening import Screened
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate
+from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_analysis.diagnosis.search.tone_evidence import without_unproven_tones
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
@@ -44,13 +44,15 @@ falls than where it was looked for at first.
 """
 
 
-def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Screened]) -> list[Tried]:
+def refined(
+    fitting: Fitting, fitted: Fitted, known: Floats, promising: list[ScoredCandidate]
+) -> list[FittedCandidate]:
     """Fit the promising candidates, the better the longer; best first by what data left out say."""
 
-    def first(start: Start, model: Model) -> Tried:
+    def first(start: InitialGuess, model: Model) -> FittedCandidate:
         return fit_further(fitting, unfitted(start, fitted, model), known, HEATS[0][0])
 
-    def begun(one: Screened) -> Tried:
+    def begun(one: ScoredCandidate) -> FittedCandidate:
         return first(one.start, _begun(fitting, fitted.model, one))
 
     tried = fitting.cores.each_in_parts(begun, promising)
@@ -64,15 +66,15 @@ def refined(fitting: Fitting, fitted: Fitted, known: Floats, promising: list[Scr
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
     meaningful = [one for one in tried if _meaningful(one)]
     ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
-    return without_doubted_tones(fitting, ordered, fitted)
+    return without_unproven_tones(fitting, ordered, fitted)
 
 
-def unfitted(start: Start, fitted: Fitted, model: Model) -> Tried:
+def unfitted(start: InitialGuess, fitted: Fitted, model: Model) -> FittedCandidate:
     """A candidate that is added to a fitted model, with its values in `model`, before any fit."""
-    return Tried(start, replace(fitted, model=model, settled=np.inf), np.inf)
+    return FittedCandidate(start, replace(fitted, model=model, settled=np.inf), np.inf)
 
 
-def _grown(tried: list[Tried], promising: list[Screened]) -> Iterator[Start]:
+def _grown(tried: list[FittedCandidate], promising: list[ScoredCandidate]) -> Iterator[InitialGuess]:
     """Starts of Stribeck's friction from the dry friction that fits best, which is most of it."""
     fitted = [one for one in tried if one.label[1] == "coulomb_friction" and np.isfinite(one.error)]
     looked_for = [one.start for one in promising if one.start.added.kind == STRIBECK]
@@ -92,13 +94,13 @@ def _grown(tried: list[Tried], promising: list[Screened]) -> Iterator[Start]:
         )
 
 
-def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
+def _begun(fitting: Fitting, model: Model, one: ScoredCandidate) -> Model:
     """Where the fit of a candidate begins: where it is large, what the model has already moves with it.
 
     The size was found as if everything were linear, so parts of it are tried as well.
     """
     whole = one.start.added_to(model)
-    if fitting.doubt < WRONG or not one.shift.size:
+    if fitting.reduced_chi2 < WRONG or not one.shift.size:
         return whole
     begun = []
     for part in PARTS:
@@ -108,7 +110,7 @@ def _begun(fitting: Fitting, model: Model, one: Screened) -> Model:
     return min([whole, *begun], key=fitting.squares)
 
 
-def _meaningful(tried: Tried) -> bool:
+def _meaningful(tried: FittedCandidate) -> bool:
     """Whether the recording depends on the parameters.
 
     An effect that never acts may still move the last digits of a simulation.
@@ -117,7 +119,7 @@ def _meaningful(tried: Tried) -> bool:
     return bool(np.any(own))
 
 
-def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
+def _simplest_first(fitting: Fitting, tried: list[FittedCandidate], without: Fitted) -> list[FittedCandidate]:
     """Put a simpler candidate before the best where neither reaches the noise and hardly anything is lost.
 
     What is then left is no noise, against which a further parameter could be weighed.
@@ -134,7 +136,7 @@ def _simplest_first(fitting: Fitting, tried: list[Tried], without: Fitted) -> li
     return [first, *(t for t in tried if t is not first)]
 
 
-def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
+def _within_reach(fitting: Fitting, tried: list[FittedCandidate]) -> int:
     """Of candidates in the order of their errors, how many may still become the best."""
     noise = fitting.expected
     best = tried[0].fitted.squares if tried else 0.0
@@ -142,34 +144,34 @@ def _within_reach(fitting: Fitting, tried: list[Tried]) -> int:
 
 
 def fit_further(
-    fitting: Fitting, tried: Tried, known: Floats | None, steps: int, least: float = 3e-4
-) -> Tried:
+    fitting: Fitting, tried: FittedCandidate, known: Floats | None, steps: int, least: float = 3e-4
+) -> FittedCandidate:
     """Go on fitting for some steps, as long as each brings at least this part."""
     if tried.fitted.settled <= least:
         return tried
     try:
         fitted = fitting.fit(tried.fitted.model, known, steps, least)
-        return Tried(tried.start, fitted, float(fitted.left_out.sum()))
+        return FittedCandidate(tried.start, fitted, float(fitted.left_out.sum()))
     except (InputError, np.linalg.LinAlgError):
         return tried
 
 
-def finished_by_itself(fitting: Fitting, tried: Tried) -> Tried:
+def finished_by_itself(fitting: Fitting, tried: FittedCandidate) -> FittedCandidate:
     """Fit to the end what may be far from the model before: with its own sensitivities to the initial states.
 
-    The doubt stays that of the model before.
+    The reduced chi-squared stays that of the model before.
     """
-    before = fitting.doubt
+    before = fitting.reduced_chi2
     done = finished(fitting, tried)
-    if np.isfinite(done.error) and fitting.doubt < WRONG:
+    if np.isfinite(done.error) and fitting.reduced_chi2 < WRONG:
         with fitting.based_on(done.fitted.model):
             done = finished(fitting, unfitted(done.start, done.fitted, done.fitted.model))
-    fitting.doubt = before
+    fitting.reduced_chi2 = before
     return done
 
 
-def finished(fitting: Fitting, tried: Tried, known: Floats | None = None) -> Tried:
+def finished(fitting: Fitting, tried: FittedCandidate, known: Floats | None = None) -> FittedCandidate:
     """Fit an effect that was chosen to its end, from columns that are still known."""
     done = fit_further(fitting, tried, known, FINISHING, FINISHED)
-    fitting.doubt = doubt(fitting, done.fitted)
+    fitting.reduced_chi2 = reduced_chi2(fitting, done.fitted)
     return done

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
@@ -21,12 +21,12 @@ LARGEST_FACTOR = 50.0
 
 
 @dataclass(frozen=True)
-class Screened:
+class ScoredCandidate:
     """A start with its estimated size.
 
     Attributes
     ----------
-    start : Start
+    start : InitialGuess
         With the estimated amplitude.
     gain : float
         Part of the squared error that it would remove, in units of the noise.
@@ -36,13 +36,15 @@ class Screened:
         How far the parameters that the model has already should move with it.
     """
 
-    start: Start
+    start: InitialGuess
     gain: float
     std: float
     shift: Floats = field(default_factory=lambda: np.empty(0), compare=False)
 
 
-def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Start]) -> list[Screened]:
+def screen(
+    fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[InitialGuess]
+) -> list[ScoredCandidate]:
     """Screen candidates that would be added to a fitted model, best first.
 
     Parameters
@@ -52,7 +54,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         The model without them.
     known : (p, t k) array
         Its projected columns.
-    starts : iterable of Start
+    starts : iterable of InitialGuess
     """
     precision = fitted.sums.precision
     inverse = (
@@ -67,7 +69,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
 
     cleared = cleaned(here)
 
-    def one(start: Start) -> Screened | None:
+    def one(start: InitialGuess) -> ScoredCandidate | None:
         try:
             model = start.added_to(fitted.model)
             there = fitting.projected(fitting.residual(model))
@@ -78,7 +80,7 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
             return None
         if not start.amplitude:
             left = cleaned(there)
-            return Screened(start, float(cleared @ cleared - left @ left), np.inf)
+            return ScoredCandidate(start, float(cleared @ cleared - left @ left), np.inf)
         rest = cleaned(change)
         size = float(rest @ rest)
         if size <= 1e-12 * float(change @ change) or size <= 0.0:
@@ -87,12 +89,12 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
             return two(start, change, rest, cleared)
         factor = float(rest @ cleared) / size
         if factor < 0.0 and not start.signed:
-            return Screened(start, 0.0, start.trial * size**-0.5)
+            return ScoredCandidate(start, 0.0, start.trial * size**-0.5)
         limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR) or 1e-3
         shift = -limited * (inverse @ (known @ change)) if known.size else np.empty(0)
-        return Screened(start.sized(limited), factor * factor * size, start.trial * size**-0.5, shift)
+        return ScoredCandidate(start.sized(limited), factor * factor * size, start.trial * size**-0.5, shift)
 
-    def two(start: Start, change: Floats, rest: Floats, cleared: Floats) -> Screened | None:
+    def two(start: InitialGuess, change: Floats, rest: Floats, cleared: Floats) -> ScoredCandidate | None:
         """Sizes of two parameters at once; None where the simulation diverges."""
         model = start.doubled.added_to(fitted.model)
         more = cleaned(here - fitting.projected(fitting.residual(model)) - change)
@@ -103,16 +105,16 @@ def screen(fitting: Fitting, fitted: Fitted, known: Floats, starts: Iterable[Sta
         first, second = np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
         std = start.trial * float(np.sqrt(max(np.linalg.pinv(matrix)[0, 0], 0.0)))
         if first <= 0.0:
-            return Screened(start, 0.0, std)
+            return ScoredCandidate(start, 0.0, std)
         limited = min(max(float(first), 1e-3), LARGEST_FACTOR)
         gain = float(first * right[0] + second * right[1])
-        return Screened(start.sized(limited).with_also(1.0 + float(second / first)), gain, std)
+        return ScoredCandidate(start.sized(limited).with_also(1.0 + float(second / first)), gain, std)
 
     found = [one for one in fitting.cores.each(one, starts) if one is not None]
     return sorted(found, key=lambda s: -s.gain)
 
 
-def best_of_each(screened: list[Screened], most: int, apart: str = "") -> list[Screened]:
+def best_of_each(screened: list[ScoredCandidate], most: int, apart: str = "") -> list[ScoredCandidate]:
     """Best `most` starts of each kind at each place, in order; and of each value of the parameter `apart`."""
     count: dict[tuple[object, ...], int] = {}
     kept = []

@@ -6,7 +6,16 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import CLEAR, CLOSE, FLEXIBLE, Choice, Tried, better, doubt, merit
+from rthm_analysis.diagnosis.search.judging import (
+    CLEAR,
+    CLOSE,
+    FLEXIBLE,
+    FittedCandidate,
+    Selection,
+    better,
+    merit,
+    reduced_chi2,
+)
 from rthm_analysis.diagnosis.search.pairing import companions
 from rthm_analysis.diagnosis.search.pieces import is_plain
 from rthm_analysis.diagnosis.search.refining import FINISHING
@@ -17,72 +26,76 @@ PRUNING = 8
 """Steps of a fit without an effect that may be needless."""
 
 
-def simplified(fitting: Fitting, choice: Choice) -> Choice:
+def simplified(fitting: Fitting, selection: Selection) -> Selection:
     """The same, or fewer or plainer effects that predict unseen data as well."""
-    needed = _without_the_needless(fitting, choice)
+    needed = _without_the_needless(fitting, selection)
     simpler = _reconsidered(fitting, needed)
     return plainer(fitting, needed if simpler is needed else _without_the_needless(fitting, simpler))
 
 
-def _without_the_needless(fitting: Fitting, choice: Choice) -> Choice:
+def _without_the_needless(fitting: Fitting, selection: Selection) -> Selection:
     """Leave out effects that only helped the others, or what is uncertain, to find their values."""
-    for index in reversed(range(len(choice.rounds))):
-        if len(choice.rounds) == 1 and not choice.base.model.parameters:
+    for index in reversed(range(len(selection.rounds))):
+        if len(selection.rounds) == 1 and not selection.base.model.parameters:
             break  # nothing else could stand for it
         try:
-            others = [(i, tried[0].start) for i, tried in enumerate(choice.rounds) if i != index]
-            alone = _by_itself(fitting, model_of(choice, others), FINISHING if index == 0 else PRUNING)
+            others = [(i, tried[0].start) for i, tried in enumerate(selection.rounds) if i != index]
+            alone = _by_itself(fitting, model_of(selection, others), FINISHING if index == 0 else PRUNING)
         except np.linalg.LinAlgError:  # without the effect the model diverges
             continue
-        last = choice.rounds[index][0]
-        absent = doubt(fitting, alone) < CLOSE and is_plain(last.start)
-        absent = absent and not is_identified(choice.best, index)
-        if not absent and better(Tried(last.start, choice.best, last.error), alone):
+        last = selection.rounds[index][0]
+        absent = reduced_chi2(fitting, alone) < CLOSE and is_plain(last.start)
+        absent = absent and not is_identified(selection.best, index)
+        if not absent and better(FittedCandidate(last.start, selection.best, last.error), alone):
             continue
-        rounds = [tried for i, tried in enumerate(choice.rounds) if i != index]
-        fitting.doubt = doubt(fitting, alone)
-        fewer = Choice(choice.base if rounds else alone, alone, rounds, choice.limits)
+        rounds = [tried for i, tried in enumerate(selection.rounds) if i != index]
+        fitting.reduced_chi2 = reduced_chi2(fitting, alone)
+        fewer = Selection(selection.base if rounds else alone, alone, rounds, selection.limits)
         return _without_the_needless(fitting, fewer)
-    return choice
+    return selection
 
 
 def _by_itself(fitting: Fitting, model: Model, most: int) -> Fitted:
     """Fit of a model, with its own sensitivities to the initial states where it is near the noise."""
     fitted = fitting.fit(model, most=most)
-    if doubt(fitting, fitted) > CLOSE:
+    if reduced_chi2(fitting, fitted) > CLOSE:
         return fitted
     with fitting.based_on(fitted.model):
         return fitting.fit(fitted.model, most=PRUNING)
 
 
-def _reconsidered(fitting: Fitting, choice: Choice) -> Choice:
+def _reconsidered(fitting: Fitting, selection: Selection) -> Selection:
     """Look for one companion of each effect that would make the others needless.
 
     A flexible kind that came first may have imitated what two plain ones do together.
     """
-    others = [tried[0] for tried in choice.rounds]
-    if len(others) < 2 or others[0].label[1] not in FLEXIBLE or fitting.doubt < _luck(fitting):
-        return choice
+    others = [tried[0] for tried in selection.rounds]
+    if (
+        len(others) < 2
+        or others[0].label[1] not in FLEXIBLE
+        or fitting.reduced_chi2 < _look_elsewhere(fitting)
+    ):
+        return selection
     if len(others) == 2:  # the second was the best companion of the first
         others = others[1:]
-    best = choice
+    best = selection
     for kept in reversed(others):
         if fitting.budget.spent:
             break
         fitting.progress("looking for a simpler explanation")
-        model = kept.start.added_to(choice.base.model)
+        model = kept.start.added_to(selection.base.model)
         try:
             alone = fitting.fit(model)
             tried = companions(fitting, alone)
         except (InputError, np.linalg.LinAlgError):
             continue
         if tried and merit(tried[0].fitted) < merit(best.best) - CLEAR:
-            first = Tried(kept.start, alone, float(alone.left_out.sum()))
-            best = Choice(choice.base, tried[0].fitted, [[first], tried], choice.limits)
-            fitting.doubt = doubt(fitting, best.best)
+            first = FittedCandidate(kept.start, alone, float(alone.left_out.sum()))
+            best = Selection(selection.base, tried[0].fitted, [[first], tried], selection.limits)
+            fitting.reduced_chi2 = reduced_chi2(fitting, best.best)
     return best
 
 
-def _luck(fitting: Fitting) -> float:
-    """Doubt that noise alone leaves in 39 of 40 recordings."""
+def _look_elsewhere(fitting: Fitting) -> float:
+    """Reduced chi-squared that noise alone leaves in 39 of 40 recordings."""
     return float(1.0 + 2.0 * np.sqrt(2.0 / max(fitting.expected, 1.0)))

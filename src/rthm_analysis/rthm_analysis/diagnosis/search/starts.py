@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.model import Added, Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.scene import Scene, rms
 from rthm_core.compiled import Floats
 from rthm_core.effects import effect, kinds
@@ -28,21 +28,21 @@ SMALL = 0.02
 
 
 @dataclass(frozen=True)
-class Start:
-    """A first guess of an effect.
+class InitialGuess:
+    """An initial guess of an effect.
 
-    `also` is a second parameter in which it is linear by itself; `luck` is the gain that the best of all
-    places where it was looked for has by chance, beyond what every kind has to bring.
+    `also` is a second parameter in which it is linear by itself; `look_elsewhere` is the gain that the best
+    of all places where it was looked for has by chance, beyond what every kind has to bring.
     """
 
-    added: Added
+    added: EffectInstance
     free: tuple[str, ...]
     amplitude: tuple[str, ...]
     scales: dict[str, float] = field(default_factory=dict)
     signed: bool = False
     neutral: float = 0.0
     also: str | None = None
-    luck: float = 0.0
+    look_elsewhere: float = 0.0
 
     @property
     def label(self) -> tuple[str, str, str]:
@@ -54,14 +54,14 @@ class Start:
         return model.plus(self.added, self.free, self.scales)
 
     @property
-    def doubled(self) -> Start:
+    def doubled(self) -> InitialGuess:
         """The same start with twice the parameter `also`."""
         assert self.also is not None
         values = dict(self.added.parameters)
         values[self.also] = 2.0 * float(values[self.also])
         return replace(self, added=replace(self.added, parameters=values))
 
-    def with_also(self, factor: float) -> Start:
+    def with_also(self, factor: float) -> InitialGuess:
         """The same start with the parameter `also` times a factor, which is kept positive."""
         assert self.also is not None
         values = dict(self.added.parameters)
@@ -74,7 +74,7 @@ class Start:
         """Size of the first amplitude in the trial replay."""
         return abs(float(self.added.parameters[self.amplitude[0]]) - self.neutral)
 
-    def sized(self, factor: float) -> Start:
+    def sized(self, factor: float) -> InitialGuess:
         """The same start with its amplitude times a factor."""
         values = dict(self.added.parameters)
         for key in self.amplitude:
@@ -86,24 +86,26 @@ class Start:
 PAIRED = ("pulley_inertia", "end_stop", "stribeck_friction")
 """Kinds with two parameters in each of which they are linear."""
 
-Finder = Callable[[Scene], Iterator[Start]]
+Finder = Callable[[Scene], Iterator[InitialGuess]]
 
 
 def _start(
     s: Scene, block: str, kind: str, amplitude: tuple[str, ...], signed: bool = False, **p: float
-) -> Start:
+) -> InitialGuess:
     scales = {key: abs(value) for key, value in p.items() if value}
     free = tuple(key for key in p if key != "A")
     also = amplitude[1] if kind in PAIRED else None
-    return Start(Added(block, kind, s.place, dict(p), s.seen), free, amplitude, scales, signed, also=also)
+    return InitialGuess(
+        EffectInstance(block, kind, s.place, dict(p), s.seen), free, amplitude, scales, signed, also=also
+    )
 
 
-def coulomb_friction(s: Scene) -> Iterator[Start]:
+def coulomb_friction(s: Scene) -> Iterator[InitialGuess]:
     """Seen at once in its amplitude."""
     yield _start(s, "plant", "coulomb_friction", ("force",), force=SMALL * s.size)
 
 
-def stribeck_friction(s: Scene) -> Iterator[Start]:
+def stribeck_friction(s: Scene) -> Iterator[InitialGuess]:
     """Two widths of the fall from static to sliding friction."""
     f = SMALL * s.size
     for velocity in (0.05, 0.2):
@@ -118,25 +120,25 @@ def stribeck_friction(s: Scene) -> Iterator[Start]:
         )
 
 
-def quadratic_drag(s: Scene) -> Iterator[Start]:
+def quadratic_drag(s: Scene) -> Iterator[InitialGuess]:
     """Linear in its coefficient."""
     yield _start(s, "plant", "quadratic_drag", ("coefficient",), coefficient=SMALL * s.size / rms(s.v**2))
 
 
-def cubic_stiffness(s: Scene) -> Iterator[Start]:
+def cubic_stiffness(s: Scene) -> Iterator[InitialGuess]:
     """Linear in its coefficient, of either sign."""
     yield _start(
         s, "plant", "cubic_stiffness", ("coefficient",), True, coefficient=SMALL * s.size / rms(s.x**3)
     )
 
 
-def quadratic_stiffness(s: Scene) -> Iterator[Start]:
+def quadratic_stiffness(s: Scene) -> Iterator[InitialGuess]:
     """Linear in its coefficient, of either sign."""
     c = SMALL * s.size / rms(s.x**2)
     yield _start(s, "plant", "quadratic_stiffness", ("coefficient",), True, coefficient=c)
 
 
-def end_stop(s: Scene) -> Iterator[Start]:
+def end_stop(s: Scene) -> Iterator[InitialGuess]:
     """A stop on either side, reached for 2 to 30 % of the time."""
     for side in (1.0, -1.0):
         for share in (0.02, 0.06, 0.15, 0.3):
@@ -158,7 +160,7 @@ def end_stop(s: Scene) -> Iterator[Start]:
             )
 
 
-def clearance(s: Scene) -> Iterator[Start]:
+def clearance(s: Scene) -> Iterator[InitialGuess]:
     """A gap left for 10 to 70 % of the time."""
     for share in (0.1, 0.25, 0.45, 0.7):
         gap = s.level(s.x, share)
@@ -167,7 +169,7 @@ def clearance(s: Scene) -> Iterator[Start]:
             yield _start(s, "plant", "clearance", ("stiffness",), gap=gap, stiffness=SMALL * s.size / depth)
 
 
-def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[Start]:
+def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[InitialGuess]:
     """Loops that yield early or late, that bulge (gamma > 0) or pinch and stiffen (gamma < 0)."""
     for share, n, beta, gamma in (
         (0.12, 1.0, 0.65, 0.35),
@@ -184,12 +186,12 @@ def _bouc_wen(s: Scene, block: str, reach: float) -> Iterator[Start]:
         )
 
 
-def bouc_wen(s: Scene) -> Iterator[Start]:
+def bouc_wen(s: Scene) -> Iterator[InitialGuess]:
     """Loops of a hysteretic spring."""
     yield from _bouc_wen(s, "plant", rms(s.x - s.x.mean()))
 
 
-def maxwell_branch(s: Scene) -> Iterator[Start]:
+def maxwell_branch(s: Scene) -> Iterator[InitialGuess]:
     """Relaxation slower than, as fast as and faster than the motion."""
     for ratio in (0.3, 1.0, 3.0):
         k = SMALL * s.size / rms(s.x - s.x.mean())
@@ -203,7 +205,7 @@ def maxwell_branch(s: Scene) -> Iterator[Start]:
         )
 
 
-def hidden_mode(s: Scene) -> Iterator[Start]:
+def hidden_mode(s: Scene) -> Iterator[InitialGuess]:
     """Resonators below, at and above the main frequency."""
     for ratio in np.geomspace(0.45, 4.0, 14):
         yield _start(
@@ -217,7 +219,7 @@ def hidden_mode(s: Scene) -> Iterator[Start]:
         )
 
 
-def fluid_memory(s: Scene) -> Iterator[Start]:
+def fluid_memory(s: Scene) -> Iterator[InitialGuess]:
     """Memory that peaks below, at and above the main frequency."""
     for ratio in (0.5, 0.8, 1.2, 1.8, 2.7):
         yield _start(
@@ -231,18 +233,18 @@ def fluid_memory(s: Scene) -> Iterator[Start]:
         )
 
 
-def constant_load(s: Scene) -> Iterator[Start]:
+def constant_load(s: Scene) -> Iterator[InitialGuess]:
     """Linear in its force."""
     yield _start(s, "plant", "constant_load", ("force",), True, force=SMALL * s.size)
 
 
-def backlash(s: Scene) -> Iterator[Start]:
+def backlash(s: Scene) -> Iterator[InitialGuess]:
     """Nearly linear in a small gap; a larger one moves the plant otherwise."""
     for part in (SMALL, 0.1, 0.4):
         yield _start(s, "wire", "backlash", ("gap",), gap=part * rms(s.elongation))
 
 
-def slack(s: Scene) -> Iterator[Start]:
+def slack(s: Scene) -> Iterator[InitialGuess]:
     """Tensions that are lost for 0.5 to 30 % of the time."""
     push = -s.force
     for share in (0.005, 0.02, 0.06, 0.15, 0.3):
@@ -253,13 +255,13 @@ def slack(s: Scene) -> Iterator[Start]:
             yield start
 
 
-def hardening(s: Scene) -> Iterator[Start]:
+def hardening(s: Scene) -> Iterator[InitialGuess]:
     """Linear in its coefficient, of either sign."""
     c = SMALL * s.size / rms(s.elongation**3)
     yield _start(s, "wire", "hardening", ("coefficient",), True, coefficient=c)
 
 
-def pulley_inertia(s: Scene) -> Iterator[Start]:
+def pulley_inertia(s: Scene) -> Iterator[InitialGuess]:
     """A pulley of half a per cent of the dof's mass, and those that would ring as the wire's force does."""
     masses = [5e-3 * s.mass]
     if s.left.size:
@@ -290,17 +292,17 @@ def peaks(time: Floats, signal: Floats, lowest: float, most: int = 2) -> list[fl
     return found
 
 
-def pulley_friction(s: Scene) -> Iterator[Start]:
+def pulley_friction(s: Scene) -> Iterator[InitialGuess]:
     """Nearly linear in a small force."""
     yield _start(s, "wire", "pulley_friction", ("force",), force=2.0 * SMALL * s.size)
 
 
-def wire_bouc_wen(s: Scene) -> Iterator[Start]:
+def wire_bouc_wen(s: Scene) -> Iterator[InitialGuess]:
     """Loops of a hysteretic wire."""
     yield from _bouc_wen(s, "wire", rms(s.elongation))
 
 
-def wire_maxwell_branch(s: Scene) -> Iterator[Start]:
+def wire_maxwell_branch(s: Scene) -> Iterator[InitialGuess]:
     """Relaxation slower than, as fast as and faster than the motion."""
     for ratio in (0.3, 1.0, 3.0):
         k = SMALL * s.size / rms(s.elongation)
@@ -314,14 +316,14 @@ def wire_maxwell_branch(s: Scene) -> Iterator[Start]:
         )
 
 
-def declared(block: str, scene: Scene) -> Iterator[Start]:
+def declared(block: str, scene: Scene) -> Iterator[InitialGuess]:
     """Starts of all kinds of a block that say themselves where a fit may begin."""
     for kind in kinds(block):
         for guess in effect(kind, block).guesses(scene):
             values = {key: float(value) for key, value in guess.values.items()}
-            added = Added(block, kind, scene.place, dict(values), scene.seen)
+            added = EffectInstance(block, kind, scene.place, dict(values), scene.seen)
             scales = {key: abs(value) for key, value in values.items() if value}
-            yield Start(added, tuple(values), guess.linear, scales, guess.signed)
+            yield InitialGuess(added, tuple(values), guess.linear, scales, guess.signed)
 
 
 PLANT: dict[str, Finder] = {

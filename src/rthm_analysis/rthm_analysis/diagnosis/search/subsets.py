@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
-from rthm_analysis.diagnosis.search.judging import CLOSE, Choice, price
+from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain, pieces_of
 from rthm_core.compiled import Floats
 
@@ -41,7 +41,7 @@ class Left(NamedTuple):
     sizes: list[Floats]
 
 
-def promised(fitting: Fitting, choice: Choice) -> dict[Labels, list[Piece]]:
+def promised(fitting: Fitting, selection: Selection) -> dict[Labels, list[Piece]]:
     """Combinations that were not asked yet and would leave least, each with its largest effect first.
 
     Raises
@@ -49,42 +49,42 @@ def promised(fitting: Fitting, choice: Choice) -> dict[Labels, list[Piece]]:
     numpy.linalg.LinAlgError
         Where the present model has no finite sensitivities.
     """
-    base, best = len(choice.base.model.parameters), choice.best
+    base, best = len(selection.base.model.parameters), selection.best
     columns = fitting.projected(fitting.columns(best.model, best.residual, range(len(best.model.parameters))))
-    pieces = pieces_of(fitting, choice, columns)
+    pieces = pieces_of(fitting, selection, columns)
     here = fitting.projected(best.residual)
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
-    reach = REACH if fitting.doubt > CLOSE else NEAR if _may_imitate(choice) else 0.0
+    reach = REACH if fitting.reduced_chi2 > CLOSE else NEAR if _may_imitate(selection) else 0.0
     least: dict[Labels, Left] = {}
-    for one in sorted(_worth_it(tables, fitting.doubt, reach), key=lambda one: one.error):
+    for one in sorted(_worth_it(tables, fitting.reduced_chi2, reach), key=lambda one: one.error):
         labels = frozenset(pieces[i].start.label for i in one.some)
         if labels not in fitting.asked:
             least.setdefault(labels, one)
     plain = [key for key, one in least.items() if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
     rest = [key for key in least if key not in plain][:ANY]
-    others = rest if fitting.doubt > CLOSE or not plain else []
+    others = rest if fitting.reduced_chi2 > CLOSE or not plain else []
     return {key: _largest_first(pieces, least[key]) for key in (*plain, *others)}
 
 
-def _may_imitate(choice: Choice) -> bool:
+def _may_imitate(selection: Selection) -> bool:
     """Whether any of what is there has enough freedom to stand for plain kinds."""
-    return not all(is_plain(tried[0].start) for tried in choice.rounds)
+    return not all(is_plain(tried[0].start) for tried in selection.rounds)
 
 
-def _worth_it(tables: _Tables, doubt: float, reach: float) -> Iterator[Left]:
+def _worth_it(tables: _Tables, reduced_chi2: float, reach: float) -> Iterator[Left]:
     """Combinations that would leave no more than the present one does, about; far from the noise, plain ones
     whatever they leave.
     """
     pieces = tables.pieces
     present = tuple(i for i, one in enumerate(pieces) if one.index is not None)
     count = sum(len(pieces[i].columns) for i in present)
-    now = (1.0 + reach) * (tables.left(present)[0] + doubt * price(len(present), count))
+    now = (1.0 + reach) * (tables.left(present)[0] + reduced_chi2 * price(len(present), count))
     for count in range(1, MOST + 1):
         for some in combinations(range(len(pieces)), count):
             if some != present and _can_be(pieces, some):
                 left, sizes = tables.left(some)
-                left += doubt * price(count, sum(len(pieces[i].columns) for i in some))
-                anyway = doubt > CLOSE and all(is_plain(pieces[i].start) for i in some)
+                left += reduced_chi2 * price(count, sum(len(pieces[i].columns) for i in some))
+                anyway = reduced_chi2 > CLOSE and all(is_plain(pieces[i].start) for i in some)
                 if sizes is not None and (left < now or anyway):
                     yield Left(left, some, sizes)
 

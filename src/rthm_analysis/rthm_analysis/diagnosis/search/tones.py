@@ -9,10 +9,10 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
-from rthm_analysis.diagnosis.replay.model import Added
+from rthm_analysis.diagnosis.replay.model import EffectInstance
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.scene import seen_in
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -26,7 +26,9 @@ HIGHEST = 400.0
 """rad/s; faster tones are not looked for."""
 
 
-def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma: Floats) -> Iterator[Start]:
+def harmonic_starts(
+    spec: Spec, experiment: Experiment, residual: Floats, sigma: Floats
+) -> Iterator[InitialGuess]:
     """Starts of a harmonic load on each dof.
 
     Parameters
@@ -47,7 +49,7 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
     for column in residual.T:
         known = np.isfinite(column)
         spectra.append(np.fft.rfft(np.interp(even, time[known], column[known]), count)[band])
-    luck = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
+    look_elsewhere = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
     gains = _gains(mechanics(spec, experiment.first), spec, experiment, omega[band], sigma)
     for d, dof in enumerate(spec.plant.dofs):
         gain = gains[:, :, d]
@@ -65,8 +67,8 @@ def harmonic_starts(spec: Spec, experiment: Experiment, residual: Floats, sigma:
                 "phase": phase,
             }
             scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
-            added = Added("plant", "harmonic_load", dof, values, seen_in(time))
-            yield Start(added, tuple(values), ("amplitude",), scales, luck=luck)
+            added = EffectInstance("plant", "harmonic_load", dof, values, seen_in(time))
+            yield InitialGuess(added, tuple(values), ("amplitude",), scales, look_elsewhere=look_elsewhere)
             score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
 
 

@@ -32,7 +32,7 @@ STRAY_COST = 3.1e-3
 
 
 @dataclass(frozen=True)
-class Choice:
+class Selection:
     """Chosen kinds of one link, and how well others did.
 
     Attributes
@@ -44,7 +44,7 @@ class Choice:
     nothing : Model
         Fitted with lateness alone.
     gains : dict
-        Gain of each other choice over the chosen one, nats; negative.
+        Gain of each other selection over the chosen one, nats; negative.
     """
 
     kinds: tuple[str, ...]
@@ -59,7 +59,7 @@ def is_exact(evidence: LinkEvidence) -> bool:
     return data.total(Model()) > -NEEDED - STRAY_COST * data.samples
 
 
-def choose(evidence: LinkEvidence, machine: bool = True) -> Choice:
+def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
     """Choose the fewest kinds that explain the uses of a link, judged on uses that they were not fitted to.
 
     Parameters
@@ -69,7 +69,7 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Choice:
     """
     data, exact = counted(evidence), Model()
     if is_exact(evidence):
-        return Choice((), exact, exact, {})
+        return Selection((), exact, exact, {})
     nothing = fitted(data, (), late=True) if machine else exact
     alone: list[tuple[str, ...]] = [(kind,) for kind in KINDS]
     single = {kinds: fitted(data, kinds, late=False) for kinds in alone}
@@ -81,7 +81,7 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Choice:
     halves = folds(evidence)
     enough = data.total(single[best]) > data.total(nothing) + NEEDED
     if not enough or gain(halves, (single[best], best), (nothing, ())) < NEEDED:
-        return Choice((), nothing, nothing, {})
+        return Selection((), nothing, nothing, {})
     return _with_more(data, halves, best, single, nothing)
 
 
@@ -98,7 +98,7 @@ def _with_more(
     best: tuple[str, ...],
     models: dict[tuple[str, ...], Model],
     nothing: Model,
-) -> Choice:
+) -> Selection:
     """Add a second kind where it is needed."""
     late = models[best].share > 0.0
     pairs = [pair for pair in combinations(KINDS, 2) if set(best) < set(pair)]
@@ -108,4 +108,6 @@ def _with_more(
     if enough and gain(halves, (models[pair], pair), (models[best], best)) > NEEDED:
         best = pair
     gains = {kinds: data.total(model) - data.total(models[best]) for kinds, model in models.items()}
-    return Choice(best, models[best], nothing, gains | {(): data.total(nothing) - data.total(models[best])})
+    return Selection(
+        best, models[best], nothing, gains | {(): data.total(nothing) - data.total(models[best])}
+    )

@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import Tried, doubt
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_core.compiled import Floats
 
@@ -38,13 +38,15 @@ RINGS = 0.05
 """Part of a natural frequency of the rig within which a tone may be its free motion."""
 
 
-def without_doubted_tones(fitting: Fitting, tried: list[Tried], without: Fitted) -> list[Tried]:
+def without_unproven_tones(
+    fitting: Fitting, tried: list[FittedCandidate], without: Fitted
+) -> list[FittedCandidate]:
     """Leave out tones that do not last, and put other kinds before those that they do nearly as well as.
 
     Parameters
     ----------
     fitting : Fitting
-    tried : list of Tried
+    tried : list of FittedCandidate
         Best first.
     without : Fitted
         Model to which they were added.
@@ -77,7 +79,7 @@ def _differences(fitting: Fitting, fitted: Fitted, index: int) -> Floats:
         matrix = sums.hessian[part].sum(0)[np.ix_(own, own)] * np.outer(scale, scale)
         inverse = np.linalg.pinv(matrix, hermitian=True)
         wanted = inverse @ (scale * sums.gradient[part].sum(0)[own])
-        std = np.sqrt(doubt(fitting, fitted) * np.maximum(np.diag(inverse), 0.0))
+        std = np.sqrt(reduced_chi2(fitting, fitted) * np.maximum(np.diag(inverse), 0.0))
         found.append(float(np.max(np.abs(wanted) - 3.0 * std)))
     return np.array(found)
 

@@ -1,4 +1,4 @@
-"""A wire whose own force tells what it does, whatever the plant does beside it.
+"""Wires identified from their measured force, whatever the plant does beside them.
 
 Where two effects are both large, no simulation comes near the recording before both are there. But the force
 of a wire follows from the recorded motion of its ends alone.
@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, Fitting, b
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
-from rthm_analysis.diagnosis.search.starts import Start
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
@@ -37,7 +37,7 @@ TRUSTED = 3.0
 """Factor on a standard deviation for the noise of the recorded motion, which is not in it."""
 
 
-def told_wires(fitting: Fitting, fitted: Fitted) -> list[tuple[Start, Model]]:
+def wires_from_force(fitting: Fitting, fitted: Fitted) -> list[tuple[InitialGuess, Model]]:
     """Effects that each explain the force of a wire, and models with them, best first.
 
     None where no effect does, or so many that the force tells nothing.
@@ -84,7 +84,7 @@ def _alone(alone: WiresAlone, model: Model, residual: Floats, stds: Floats) -> _
     return _Alone(residual, model, stds, _squares(residual), white)
 
 
-def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[Start, _Alone]]:
+def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[InitialGuess, _Alone]]:
     """The kinds that explain the force best, fitted to their end, best first."""
     alone, without = fitting.wires_alone, nothing.model
     starts = _best_starts(fitting, without)
@@ -102,7 +102,7 @@ def _left(alone: WiresAlone, model: Model) -> Floats:
         return np.full(alone.size, DIVERGED)
 
 
-def _best_starts(fitting: Fitting, model: Model) -> list[Start]:
+def _best_starts(fitting: Fitting, model: Model) -> list[InitialGuess]:
     """Best start of each kind in each wire."""
     alone, spec = fitting.wires_alone, model.spec
     experiment = alone.experiment
@@ -110,7 +110,7 @@ def _best_starts(fitting: Fitting, model: Model) -> list[Start]:
     found = candidates(spec, experiment.evidence, motion, fitting.sigma)
     starts = [start for start in found if start.added.block == "wire"]
     squares = fitting.cores.each(lambda start: _squares(_left(alone, start.added_to(model))), starts)
-    best: dict[tuple[str, str, str], Start] = {}
+    best: dict[tuple[str, str, str], InitialGuess] = {}
     for i in np.argsort(squares).tolist():
         best.setdefault(starts[i].label, starts[i])
     return list(best.values())

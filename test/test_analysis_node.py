@@ -1,4 +1,4 @@
-"""The analysis node: books of a running test, and the analysis of a recording."""
+"""The analysis node: energy balance of a running test, and the analysis of a recording."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_the_books_published_in_a_run_are_those_of_its_recording(out: Path) -> N
     rows = np.searchsorted(counted.t, recording.seconds(published.stamp_ns) - 1e-7)
     for term in TERMS:
         np.testing.assert_allclose(
-            published.columns("effort", [term])[:, 0], counted.works[term][rows], rtol=0.0, atol=1e-9
+            published.columns("effort", [term])[:, 0], counted.work[term][rows], rtol=0.0, atol=1e-9
         )
     assert rows[-1] == counted.t.size - 1
 

@@ -41,23 +41,23 @@ class Recording(Result, recording.Recording):
 
 
 class Energy(Result, EnergyResult):
-    """Energies of a recorded test; works are + when introduced.
+    """Energies of a recorded test; work is + when introduced.
 
     Attributes
     ----------
     t : (n,) array
         s since the start of the test.
-    works : dict of (n,) arrays
+    work : dict of (n,) arrays
         ``E_num``, ``E_ff``, ``E_fx``, ``E_damping``, ``E_load``, ``E_effects``, J; NaN: cannot be told.
     total, error, balance_error : (n,) arrays
         E_total; what delays, holds and actuator brought in; and the check, J.
     """
 
     def columns(self) -> dict[str, Column]:
-        """Time, works, their sum over the errors of the loop, total, balance error."""
+        """Time, work by term, its sum over the errors of the loop, total, balance error."""
         sums = {"E_err": self.error, "E_total": self.total, "balance_error": self.balance_error}
-        works = {name: Column(values, "J") for name, values in (self.works | sums).items()}
-        return {"t": Column(self.t, "s"), **works}
+        work = {name: Column(values, "J") for name, values in (self.work | sums).items()}
+        return {"t": Column(self.t, "s"), **work}
 
 
 def read(bag: Recorded, effects: Iterable[str | Path] = ()) -> Recording:
@@ -115,7 +115,7 @@ def energy(bag: Recorded, spec: Named | None = None) -> Energy:
     --------
     >>> import rthm
     >>> found = rthm.energy("rig/bag")
-    >>> list(found.works)
+    >>> list(found.work)
     ['E_num', 'E_ff', 'E_fx', 'E_damping', 'E_load', 'E_effects']
     """
     return Energy.of(energy_of(read(bag), None if spec is None else load(spec)))

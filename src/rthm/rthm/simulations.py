@@ -33,7 +33,7 @@ def simulate(
         The loop with its delays; the same without delays, holds and actuator; or the first-order
         approximation (25) and (26) of the paper.
     energies : bool
-        Whether the works are counted.
+        Whether work is counted.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """The ledger of a running test, fed with messages as they come from the middleware.
 
 Messages wait as raw bytes and are decoded some times a second, all at once and by the code that reads a
-recording, so that listening costs little and the books of a test and of its recording are the same.
+recording, so that listening costs little and the energy balance of a test and of its recording is the same.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ TOPICS = {
     "links/tau2": TIME_REFERENCE,
     "links/tau4": TIME_REFERENCE,
 }
-"""What the books need, by relative name."""
+"""What the balance needs, by relative name."""
 
 LAG_NS = NS // 2
-"""How far the books stay behind the newest sample: a message of an older one has come by then."""
+"""How far the balance stays behind the newest sample: a message of an older one has come by then."""
 
 FAR_NS = 600 * NS
 """A stamp that is this far ahead of the newest sample is wrong, and is not waited for."""
 
 
 class LiveLedger:
-    """Books of a running test.
+    """Energy balance of a running test.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class LiveLedger:
         self._waiting[topic].append(0, message)
 
     def advance(self, *, final: bool = False) -> tuple[int, dict[str, float]] | None:
-        """Count what has come; return the stamp in ns to which the books belong, and every term in J.
+        """Count what has come; return the stamp in ns to which the balance belongs, and every term in J.
 
         Parameters
         ----------
@@ -112,8 +112,8 @@ class LiveLedger:
 
     def _told(self) -> tuple[int, dict[str, float]]:
         assert self._last is not None and self._first is not None
-        works = dict(zip(TERMS, self._last.works[-1].tolist(), strict=True))
+        work = dict(zip(TERMS, self._last.work[-1].tolist(), strict=True))
         total = float(self._last.total[-1])
-        terms = works | {"E_err": works["E_num"] + works["E_ff"] + works["E_fx"], "E_total": total}
-        balance = total - float(self._first[0]) - sum(works.values())
+        terms = work | {"E_err": work["E_num"] + work["E_ff"] + work["E_fx"], "E_total": total}
+        balance = total - float(self._first[0]) - sum(work.values())
         return int(self._last.stamp_ns[-1]), terms | {"balance_error": balance}

@@ -1,9 +1,9 @@
 """Node ``analysis``: the energy ledger of a running test, and the analysis of a recording.
 
-While it is active it listens to the loop, keeps the books, and publishes them on ``energy`` ten times a
-second. A recording is analysed when the parameter ``bag`` names one, when the service ``~/run`` is called,
-and when the recorder closes the one that it was writing: the energies go beside the bag as JSON, the verdict
-to ``/diagnostics``. Command line, page and node are the same code.
+While it is active it listens to the loop, computes the energy balance, and publishes it on ``energy`` ten
+times a second. A recording is analysed when the parameter ``bag`` names one, when the service ``~/run`` is
+called, and when the recorder closes the one that it was writing: the energies go beside the bag as JSON, the
+verdict to ``/diagnostics``. Command line, page and node are the same code.
 """
 
 from __future__ import annotations
@@ -78,12 +78,12 @@ class AnalysisNode(ManagedNode):
             self._mailboxes[topic] = Mailbox(self, message, topic, samples(DEPTH))
 
     def activate(self, spec: Spec) -> None:
-        """Open the books."""
+        """Open the balance."""
         begin = 0 if self.value("virtual") else self.value("start_time")
         self._ledger, self._counted, self._told = LiveLedger(spec, begin), 0, {}
 
     def deactivate(self) -> None:
-        """Count what is left and close the books."""
+        """Count what is left and close the balance."""
         self._take()
         self._count(final=True)
         self._ledger = None
@@ -124,7 +124,7 @@ class AnalysisNode(ManagedNode):
                     self._ledger.take(topic, message)
 
     def _count(self, *, final: bool = False) -> None:
-        """Move the books on and publish them."""
+        """Carry the balance on and publish it."""
         counted = self._ledger.advance(final=final) if self._ledger is not None else None
         if counted is not None and counted[0] != self._counted:
             self._counted, self._told = counted
@@ -192,7 +192,7 @@ class AnalysisNode(ManagedNode):
 
     def _report(self) -> None:
         terms = {f"{name} [J]": f"{value:.6g}" for name, value in self._told.items()}
-        self._tell("energy", OK, "keeps the books" if self.active else "waits", terms)
+        self._tell("energy", OK, "computes the energy balance" if self.active else "waits", terms)
 
     def _tell(self, part: str, level: bytes, message: str, values: Mapping[str, object]) -> None:
         self.diagnostics.publish(time.time_ns(), self.diagnostics.status(part, level, message, values))

@@ -50,7 +50,7 @@ def recording(
 
 
 def energies(result: EnergyResult) -> np.ndarray:
-    return np.array([result.works[term][-1] for term in TERMS])
+    return np.array([result.work[term][-1] for term in TERMS])
 
 
 def exact(spec: Spec) -> np.ndarray:
@@ -126,9 +126,9 @@ def test_samples_as_they_come_give_the_same_books_as_all_at_once(tmp_path: Path)
         rows.append(ledger.advance(span[1] - 300_000_000))
     rows.append(ledger.advance())
     stamps = np.concatenate([part.stamp_ns for part in rows])
-    works = np.concatenate([part.works for part in rows])
+    work = np.concatenate([part.work for part in rows])
     np.testing.assert_array_equal((stamps - whole.start_ns) / 1e9, at_once.t)
-    np.testing.assert_allclose(works.T, np.array([at_once.works[term] for term in TERMS]), atol=1e-12)
+    np.testing.assert_allclose(work.T, np.array([at_once.work[term] for term in TERMS]), atol=1e-12)
 
 
 def test_links_that_are_not_recorded_are_derived_from_the_stamps(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_uses_whose_stamps_are_of_another_clock_do_not_silence_the_commands(tmp_
 
 def test_without_commands_the_books_are_those_of_the_plant_and_say_so(tmp_path: Path) -> None:
     result = energy_of(recording(tmp_path, without=("actuator/command",)), None)
-    assert np.isnan(result.works["E_fx"]).all()
+    assert np.isnan(result.work["E_fx"]).all()
     assert any("plant alone" in note for note in result.notes)
     assert np.abs(result.balance_error).max() < 0.02 * scale(SPEC)
 
@@ -159,8 +159,8 @@ def test_a_recording_that_begins_within_a_test_has_books_from_there_on(tmp_path:
     assert any("within a test" in note for note in part.notes)
     begin = np.searchsorted(whole.t, part.t[0] + 1.0044)
     for term in TERMS:
-        grown = whole.works[term][-1] - whole.works[term][begin]
-        assert part.works[term][-1] == pytest.approx(grown, abs=2e-3)
+        grown = whole.work[term][-1] - whole.work[term][begin]
+        assert part.work[term][-1] == pytest.approx(grown, abs=2e-3)
 
 
 def test_twenty_lost_samples_do_not_break_the_books(tmp_path: Path) -> None:
@@ -172,7 +172,7 @@ def test_twenty_lost_samples_do_not_break_the_books(tmp_path: Path) -> None:
 
 def test_equivalent_damping_is_near_the_first_order_value(tmp_path: Path) -> None:
     result = energy_of(recording(tmp_path), None)
-    fx_only = -result.works["E_fx"][-1] / result.passed[-1]
+    fx_only = -result.work["E_fx"][-1] / result.passed[-1]
     assert fx_only == pytest.approx(40.0 * (0.0164 + 0.010 - 0.010), rel=0.05)
     assert 0.0 < result.equivalent_damping < fx_only
 
@@ -214,7 +214,7 @@ def test_books_of_a_plant_alone_close(tmp_path: Path, velocity: bool) -> None:
         read_recording(mcap_file(tmp_path / "x.mcap", [text("/rthm/spec", spec), *states])), None
     )
     lost = 0.5 * 20.0 * 0.01 - result.total[-1]
-    assert result.works["E_damping"][-1] == pytest.approx(-lost, rel=1e-6 if velocity else 1e-2)
+    assert result.work["E_damping"][-1] == pytest.approx(-lost, rel=1e-6 if velocity else 1e-2)
     assert np.isnan(result.error).all()
 
 

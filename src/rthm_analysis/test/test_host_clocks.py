@@ -81,10 +81,10 @@ def test_books_of_a_test_over_clocks_that_differ_are_those_of_the_test(tmp_path:
     right = read_recording(mcap_file(tmp_path / "x.mcap", recorded(SPEC, 3.0)))
     seen = behind_a_clock_that_leads(right, 3_000_000)
     assert synchronised(right) is right
-    books, told_right = energy_of(right, SPEC), energy_of(replace(seen, clocks=clocks), SPEC)
-    np.testing.assert_array_equal(told_right.t, books.t)
-    for name, work in books.works.items():
-        np.testing.assert_array_equal(told_right.works[name], work)
+    balance, told_right = energy_of(right, SPEC), energy_of(replace(seen, clocks=clocks), SPEC)
+    np.testing.assert_array_equal(told_right.t, balance.t)
+    for name, work in balance.work.items():
+        np.testing.assert_array_equal(told_right.work[name], work)
     wrong = energy_of(seen, SPEC)
-    error = abs(wrong.works["E_num"][-1] - books.works["E_num"][-1])
-    assert error > 0.01 * abs(books.works["E_num"][-1])
+    error = abs(wrong.work["E_num"][-1] - balance.work["E_num"][-1])
+    assert error > 0.01 * abs(balance.work["E_num"][-1])

@@ -1,4 +1,4 @@
-"""The books of a running test are those of its recording."""
+"""The energy balance of a running test is that of its recording."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ def test_a_live_ledger_agrees_with_the_recording_whatever_order_messages_come_in
             next_count = stamp + 100_000_000
             told += [ledger.advance()]
     told += [ledger.advance(final=True)]
-    books = dict(entry for entry in told if entry is not None)
+    balance = dict(entry for entry in told if entry is not None)
     start = min(message[1] for message in messages)
-    assert len(books) > 20
-    for stamp, terms in books.items():
+    assert len(balance) > 20
+    for stamp, terms in balance.items():
         row = np.searchsorted(whole.t, (stamp - start) * 1e-9 - 1e-7)
         for term in TERMS:
-            assert abs(terms[term] - whole.works[term][row]) < 1e-9
+            assert abs(terms[term] - whole.work[term][row]) < 1e-9
         assert abs(terms["balance_error"] - whole.balance_error[row]) < 1e-9
 
 

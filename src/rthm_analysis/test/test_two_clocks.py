@@ -154,7 +154,7 @@ def test_books_are_kept_on_one_clock(run_wrong: Recording, stamped_wrong: Record
     assert stamped_wrong.clocks.applied and synchronised(stamped_wrong) is stamped_wrong
     assert not run_wrong.clocks.applied
     seen = replace(run_wrong, clocks=replace(run_wrong.clocks, applied=True))
-    right, wrong = (energy_of(one, SPEC).works["E_num"][-1] for one in (run_wrong, seen))
+    right, wrong = (energy_of(one, SPEC).work["E_num"][-1] for one in (run_wrong, seen))
     assert abs(right - wrong) > 0.01 * abs(wrong)
 
 

@@ -44,7 +44,7 @@ def motion_of_recording(name: str, recording: Recording, beside: Spec | None = N
             f"{name} has no position of {', '.join(names.plant) or 'a dof'}, only the names {there}; record"
             " it, or rename it with rthm import."
         )
-    energies, passed, notes = _books(recording)
+    energies, passed, notes = _balance(recording)
     return Motion(
         name,
         "recording",
@@ -106,7 +106,7 @@ def _commanded(recording: Recording, names: Names) -> dict[str, Signal]:
     return found
 
 
-def _books(recording: Recording) -> tuple[dict[str, Signal], Signal | None, tuple[str, ...]]:
+def _balance(recording: Recording) -> tuple[dict[str, Signal], Signal | None, tuple[str, ...]]:
     """Energies, the integral of the squared velocity, and what could not be told of them."""
     if recording.spec is None:
         return {}, None, ()
@@ -116,6 +116,6 @@ def _books(recording: Recording) -> tuple[dict[str, Signal], Signal | None, tupl
         return {}, None, (str(reason),)
     at_ns = np.rint(balance.t * NS).astype(np.int64)
     found: dict[str, Signal] = {}
-    for term, work in (balance.works | {"E_err": balance.error, "E_total": balance.total}).items():
+    for term, work in (balance.work | {"E_err": balance.error, "E_total": balance.total}).items():
         found |= signal(term, "J", at_ns, work)
     return found, signal("passed", "m^2/s", at_ns, balance.passed).get("passed"), balance.notes

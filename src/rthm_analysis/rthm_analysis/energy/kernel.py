@@ -1,10 +1,10 @@
 """The compiled pass over recorded samples: the engine's own bookkeeping, held to what was measured.
 
     recorded   command   tick    sample             command   sample
-    model      u_d       z2      books, then z1     u_d       books, then z1
+    model      u_d       z2      balance, then z1     u_d       balance, then z1
 
 Between two samples the model of the loop moves as in the exact engine, driven by the recorded commands, and
-the engine's ledger counts the works. At every sample of the plant the model is set to the measured motion, at
+the engine's ledger counts the work. At every sample of the plant the model is set to the measured motion, at
 every tick of the numerical substructure to the recorded state. What such a step changes in energy is the work
 of no term: it is what the balance error shows.
 """
@@ -25,11 +25,11 @@ from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT
 COMMAND, TICK, SAMPLE = range(3)
 """What is recorded, in the order in which it takes place at one instant."""
 
-WORKS = 6
-"""Number of works that the ledger keeps (``rthm_core.energy.TERMS``)."""
+TERM_COUNT = 6
+"""Number of terms of work that the ledger counts (``rthm_core.energy.TERMS``)."""
 
 
-class Books(NamedTuple):
+class Balance(NamedTuple):
     """Model of the loop and its ledger.
 
     Attributes
@@ -76,45 +76,45 @@ class Events(NamedTuple):
     load: Floats
 
 
-def row_width(books: Books) -> int:
-    """Numbers that are written at a sample: works, E_total, a1, v2 and a2."""
-    return int(WORKS + 1 + books.physical.model.n + 2 * books.numerical.n)
+def row_width(balance: Balance) -> int:
+    """Numbers that are written at a sample: work, E_total, a1, v2 and a2."""
+    return int(TERM_COUNT + 1 + balance.physical.model.n + 2 * balance.numerical.n)
 
 
 @called
-def _bear(books, load):  # type: ignore[no-untyped-def]
+def _bear(balance, load):  # type: ignore[no-untyped-def]
     """Put the measured loads on the model."""
     for i in range(load.size):
-        books.physical.model.loads.constant[books.first_load + i] = load[i]
+        balance.physical.model.loads.constant[balance.first_load + i] = load[i]
 
 
 @called
-def _given(books, command):  # type: ignore[no-untyped-def]
+def _given(balance, command):  # type: ignore[no-untyped-def]
     """Give the motors a command, and the ledger its two parts."""
-    fx, ff, both = books.ledger.fx, books.ledger.ff, books.ledger.parts[0]
+    fx, ff, both = balance.ledger.fx, balance.ledger.ff, balance.ledger.parts[0]
     for i in range(fx.size):
         fx[i], ff[i] = command[i], command[fx.size + i]
         both[i] = fx[i] + ff[i]
-    set_command(books.physical, both)
+    set_command(balance.physical, both)
 
 
 @called
-def _latched(books, tick, held):  # type: ignore[no-untyped-def]
+def _latched(balance, tick, held):  # type: ignore[no-untyped-def]
     """Set the numerical side to its recorded state, and let it hold what it latched."""
-    copy_into(books.numerical.y, tick)
+    copy_into(balance.numerical.y, tick)
     for i in range(held.size):
         if not np.isnan(held[i]):
-            books.numerical.held[i] = held[i]
+            balance.numerical.held[i] = held[i]
 
 
 @called
-def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
+def _moved(balance, laws, sample):  # type: ignore[no-untyped-def]
     """Set the plant to its measured motion, and every law to the piece in which it then is.
 
     A dof that the model holds by friction and that is measured as slow as noise makes a resting one stays at
     rest.
     """
-    state, n = books.physical.state, books.physical.model.n
+    state, n = balance.physical.state, balance.physical.model.n
     for j in range(sample.size):
         state.y[j] = sample[j]
     if laws is not None:
@@ -126,23 +126,23 @@ def _moved(books, laws, sample):  # type: ignore[no-untyped-def]
                 for k in range(laws.thresholds.shape[1]):
                     piece += laws.thresholds[row, k] < x
                 state.pieces[row] = piece
-            elif split == FRICTION and state.pieces[row] == 0 and abs(v) <= books.quiet:
+            elif split == FRICTION and state.pieces[row] == 0 and abs(v) <= balance.quiet:
                 state.y[n + dof] = 0.0
             elif split:
                 state.pieces[row] = -1 if v < 0.0 else 1
 
 
 @called
-def _write(books, dy, row):  # type: ignore[no-untyped-def]
-    """Write works, E_total, a1, v2 and a2."""
-    physical, numerical, ledger = books.physical, books.numerical, books.ledger
+def _write(balance, dy, row):  # type: ignore[no-untyped-def]
+    """Write work, E_total, a1, v2 and a2."""
+    physical, numerical, ledger = balance.physical, balance.numerical, balance.ledger
     n1, n2, y1, y2, ab = physical.model.n, numerical.n, physical.state.y, numerical.y, numerical.system.ab
-    for term in range(WORKS):
+    for term in range(TERM_COUNT):
         row[term] = ledger.work[term]
-    row[WORKS] = total_energy(ledger.bodies, y1[:n1], y1[n1 : 2 * n1], y2[:n2], y2[n2:])
+    row[TERM_COUNT] = total_energy(ledger.bodies, y1[:n1], y1[n1 : 2 * n1], y2[:n2], y2[n2:])
     present_rate(physical, dy)
     for i in range(n1):
-        row[WORKS + 1 + i] = dy[n1 + i]
+        row[TERM_COUNT + 1 + i] = dy[n1 + i]
     begin_numerical(numerical)
     for i in range(n2):
         rate = 0.0
@@ -150,24 +150,24 @@ def _write(books, dy, row):  # type: ignore[no-untyped-def]
             rate += ab[n2 + i, j] * y2[j]
         for j in range(numerical.inputs.shape[1]):
             rate += ab[n2 + i, 2 * n2 + j] * numerical.inputs[0, j]
-        row[WORKS + 1 + n1 + i] = y2[n2 + i]
-        row[WORKS + 1 + n1 + n2 + i] = rate
+        row[TERM_COUNT + 1 + n1 + i] = y2[n2 + i]
+        row[TERM_COUNT + 1 + n1 + n2 + i] = rate
 
 
 @compiled
-def account(books: Books, events: Events, rows: Floats) -> None:
-    """Move the books over `events`; row i of `rows` (s, `row_width`) is written at sample i."""
-    dy = np.empty(books.physical.state.y.size)
-    _bear(books, events.load[0])
+def account(balance: Balance, events: Events, rows: Floats) -> None:
+    """Carry the energy balance over `events`; row i of `rows` (s, `row_width`) is written at sample i."""
+    dy = np.empty(balance.physical.state.y.size)
+    _bear(balance, events.load[0])
     for e in range(events.time.size):
         i = events.index[e]
-        advance_counting(books.physical, books.numerical, books.ledger, events.time[e])
+        advance_counting(balance.physical, balance.numerical, balance.ledger, events.time[e])
         if events.what[e] == COMMAND:
-            _given(books, events.command[i])
+            _given(balance, events.command[i])
         elif events.what[e] == TICK:
-            _latched(books, events.tick[i], events.held[i])
+            _latched(balance, events.tick[i], events.held[i])
         else:
-            _moved(books, books.physical.model.laws, events.sample[i])
-            _write(books, dy, rows[i])
+            _moved(balance, balance.physical.model.laws, events.sample[i])
+            _write(balance, dy, rows[i])
             if i + 1 < events.load.shape[0]:
-                _bear(books, events.load[i + 1])
+                _bear(balance, events.load[i + 1])

@@ -1,8 +1,8 @@
 """The ledger of a test from its recorded samples, as they come or all at once.
 
-Samples may be added in any order. `EnergyLedger.advance` then moves the books on to the newest sample of the
-plant up to an instant; whoever listens to a running test asks for one that lies so far back that nothing
-older can still arrive. The books depend on the samples alone, not on when they were added or counted.
+Samples may be added in any order. `EnergyLedger.advance` then carries the balance on to the newest sample of
+the plant up to an instant; whoever listens to a running test asks for one that lies so far back that nothing
+older can still arrive. The balance depends on the samples alone, not on when they were added or counted.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.energy.kernel import COMMAND, SAMPLE, TICK, WORKS, Books, Events, account, row_width
-from rthm_analysis.energy.model import begins, estimated_power, first_parts, load_at, open_books, state_at
+from rthm_analysis.energy.kernel import COMMAND, SAMPLE, TERM_COUNT, TICK, Balance, Events, account, row_width
+from rthm_analysis.energy.model import begins, estimated_power, first_parts, load_at, open_balance, state_at
 from rthm_analysis.energy.motion import completed_velocity, motion_at, window
 from rthm_analysis.energy.series import Series, Uses
 from rthm_analysis.recording.uses import tick_of_each
@@ -29,14 +29,14 @@ KEPT_NS = 2_000_000_000
 
 
 class Rows(NamedTuple):
-    """Books at the samples of the plant.
+    """Energy balance at the samples of the plant.
 
     Attributes
     ----------
     stamp_ns : (n,) array
         Stamps of the samples.
-    works : (n, 6) array
-        Works so far, in the order of ``rthm_core.energy.TERMS``, J.
+    work : (n, 6) array
+        Work so far, in the order of ``rthm_core.energy.TERMS``, J.
     total : (n,) array
         E_total, J.
     estimate : (n,) array
@@ -46,14 +46,14 @@ class Rows(NamedTuple):
     """
 
     stamp_ns: Integers
-    works: Floats
+    work: Floats
     total: Floats
     estimate: Floats
     passed: Floats
 
 
 class Opening(NamedTuple):
-    """Where the books begin: a sample, z2, and what the numerical side and the motors hold there."""
+    """Where the balance begins: a sample, z2, and what the numerical side and the motors hold there."""
 
     sample: int
     z2: Floats
@@ -62,11 +62,11 @@ class Opening(NamedTuple):
     first_ff: Floats
 
 
-NO_ROWS = Rows(np.empty(0, dtype=np.int64), np.empty((0, WORKS)), np.empty(0), np.empty(0), np.empty(0))
+NO_ROWS = Rows(np.empty(0, dtype=np.int64), np.empty((0, TERM_COUNT)), np.empty(0), np.empty(0), np.empty(0))
 
 
 class EnergyLedger:
-    """Keeps the books of a test.
+    """Energy balance of a test.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class EnergyLedger:
     Attributes
     ----------
     begin_ns : int or None
-        Stamp of the first sample in the books; after the start when what happened before is not known.
+        Stamp of the first sample in the balance; after the start when what happened before is not known.
     """
 
     def __init__(self, spec: Spec, start_ns: int, period: float) -> None:
@@ -93,7 +93,7 @@ class EnergyLedger:
         self._schedule = Schedule(spec) if spec.is_loop else None
         self._believed = np.array(as_built(spec, "controller").k_tot) if spec.is_loop else np.empty(0)
         self._width = window(spec, period)
-        self._books: Books | None = None
+        self._balance: Balance | None = None
         self._done = start_ns - 1
         self._load: Floats | None = None
         self._passed: tuple[Floats, Floats, float] | None = None
@@ -119,14 +119,14 @@ class EnergyLedger:
         """Count up to the newest sample of the plant not after `until_ns`; by default, everything."""
         stamps, motion = self._plant.stamps, self._motion()
         chosen = np.flatnonzero((stamps > self._done) & (stamps <= self._limit(until_ns)))
-        if self._books is None and chosen.size:
+        if self._balance is None and chosen.size:
             chosen = self._open(chosen, motion)
         if not chosen.size:
             return NO_ROWS
-        assert self._books is not None
+        assert self._balance is not None
         events = self._events(chosen, motion)
-        written = np.zeros((chosen.size, row_width(self._books)))
-        account(self._books, events, written)
+        written = np.zeros((chosen.size, row_width(self._balance)))
+        account(self._balance, events, written)
         self._done = int(stamps[chosen[-1]])
         rows = self._rows(stamps[chosen], events, written)
         self._forget()
@@ -153,7 +153,7 @@ class EnergyLedger:
         return min(until_ns, int(stamps[newest])) if newest >= 0 else self._done
 
     def _open(self, chosen: Integers, motion: Floats) -> Integers:
-        """Open the books at the first of the `chosen` samples before which everything is known."""
+        """Open the balance at the first of the `chosen` samples before which everything is known."""
         stamps = self._plant.stamps
         if self._schedule is None:
             opening = Opening(int(chosen[0]), np.empty(0), np.empty(0), np.empty(0), np.empty(0))
@@ -166,7 +166,7 @@ class EnergyLedger:
         self.begin_ns = int(stamps[opening.sample])
         self._done = self.begin_ns - 1
         begin = self.begin_ns - self.start_ns
-        self._books = open_books(self.spec, begin, motion[opening.sample], *opening[1:])
+        self._balance = open_balance(self.spec, begin, motion[opening.sample], *opening[1:])
         return chosen[chosen >= opening.sample]
 
     def _joining(self, chosen: Integers, motion: Floats) -> Opening | None:
@@ -259,11 +259,13 @@ class EnergyLedger:
     def _rows(self, stamps: Integers, events: Events, written: Floats) -> Rows:
         estimate = np.full(stamps.size, np.nan)
         if self._schedule is not None:
-            first = WORKS + 1 + self._n1
+            first = TERM_COUNT + 1 + self._n1
             velocity = np.hstack([events.sample[:, self._n1 :], written[:, first : first + self._n2]])
-            acceleration = np.hstack([written[:, WORKS + 1 : first], written[:, first + self._n2 :]])
+            acceleration = np.hstack([written[:, TERM_COUNT + 1 : first], written[:, first + self._n2 :]])
             estimate = estimated_power(self.spec, velocity, acceleration)
-        return Rows(stamps, written[:, :WORKS], written[:, WORKS], estimate, self._passed_by(stamps, events))
+        return Rows(
+            stamps, written[:, :TERM_COUNT], written[:, TERM_COUNT], estimate, self._passed_by(stamps, events)
+        )
 
     def _passed_by(self, stamps: Integers, events: Events) -> Floats:
         dofs = interface(self.spec).plant if self.spec.is_loop else np.arange(self._n1)

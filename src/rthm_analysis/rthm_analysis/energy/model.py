@@ -1,4 +1,4 @@
-"""The model whose books are kept: the loop of the spec, or its plant alone."""
+"""The model whose energy balance is computed: the loop of the spec, or its plant alone."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.energy.kernel import Books
+from rthm_analysis.energy.kernel import Balance
 from rthm_analysis.energy.series import Series
 from rthm_core.compensators import first_parts as command_parts
 from rthm_core.compiled import Floats, Integers
@@ -30,10 +30,10 @@ def plant_alone(spec: Spec) -> Spec:
     return spec.model_copy(update=dict.fromkeys(rest) | {"effects": effects})
 
 
-def open_books(
+def open_balance(
     spec: Spec, begin_ns: int, z1: Floats, z2: Floats, held: Floats, first_fx: Floats, first_ff: Floats
-) -> Books:
-    """Books of a loop, or of a plant alone, at the instant `begin_ns` after the start of the test.
+) -> Balance:
+    """Energy balance of a loop, or of a plant alone, at the instant `begin_ns` after the start of the test.
 
     Parameters
     ----------
@@ -52,9 +52,15 @@ def open_books(
     one.state.time[0] = two.time[0] = begin_ns
     if spec.is_loop:
         two.y[:], two.held[:] = z2, held
-    book = ledger(spec, one, two, first_fx, first_ff, on=True)
+    counted = ledger(spec, one, two, first_fx, first_ff, on=True)
     quiet = max(4.0 * spec.noise.velocity, 1e-12)
-    return Books(one, two, book if spec.is_loop else _with_nothing(book), int(model.listed_loads) - n1, quiet)
+    return Balance(
+        one,
+        two,
+        counted if spec.is_loop else _with_nothing(counted),
+        int(model.listed_loads) - n1,
+        quiet,
+    )
 
 
 def _nothing() -> Numerical:
@@ -78,9 +84,9 @@ def _nothing() -> Numerical:
     )
 
 
-def _with_nothing(book: Ledger) -> Ledger:
+def _with_nothing(counted: Ledger) -> Ledger:
     nothing = np.zeros((1, 1))
-    return book._replace(bodies=book.bodies._replace(m2=nothing, c2=nothing.copy(), k2=nothing.copy()))
+    return counted._replace(bodies=counted.bodies._replace(m2=nothing, c2=nothing.copy(), k2=nothing.copy()))
 
 
 def load_at(spec: Spec, times_ns: Integers) -> Floats:

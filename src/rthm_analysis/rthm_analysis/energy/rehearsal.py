@@ -1,4 +1,4 @@
-"""Compile the books before a test begins, so that nothing is compiled while it runs."""
+"""Compile the energy balance before a test begins, so that nothing is compiled while it runs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rthm_core.spec import Spec
 
 
 def rehearse(spec: Spec) -> None:
-    """Keep the books of a loop that rests for a few samples."""
+    """Compute the energy balance of a loop that rests for a few samples."""
     loop = spec.loop()
     period = loop.timing.ns("td1")
     ledger = EnergyLedger(spec, 0, period * 1e-9)

@@ -28,13 +28,13 @@ OF_THE_LOOP = ("E_num", "E_ff", "E_fx")
 
 @dataclass(frozen=True)
 class EnergyResult:
-    """Energies of a recorded test at the samples of the plant; works are + when introduced.
+    """Energies of a recorded test at the samples of the plant; work is + when introduced.
 
     Attributes
     ----------
     t : (n,) array
         s since the start of the test.
-    works : dict of (n,) arrays
+    work : dict of (n,) arrays
         ``E_num``, ``E_ff``, ``E_fx``, ``E_damping``, ``E_load``, ``E_effects``, J; NaN: cannot be told.
     total : (n,) array
         E_total, J.
@@ -47,7 +47,7 @@ class EnergyResult:
     """
 
     t: Floats
-    works: dict[str, Floats]
+    work: dict[str, Floats]
     total: Floats
     estimate: Floats
     passed: Floats
@@ -56,12 +56,12 @@ class EnergyResult:
     @property
     def error(self) -> Floats:
         """E_err: what delays, holds and actuator brought in, J."""
-        return np.asarray(sum(self.works[term] for term in OF_THE_LOOP))
+        return np.asarray(sum(self.work[term] for term in OF_THE_LOOP))
 
     @property
     def balance_error(self) -> Floats:
-        """E_total - E_total(0) - sum of the works, J: the check."""
-        known = [work for work in self.works.values() if not np.isnan(work).all()]
+        """E_total - E_total(0) - sum of all work, J: the check."""
+        known = [work for work in self.work.values() if not np.isnan(work).all()]
         return np.asarray(self.total - self.total[0] - sum(known))
 
     @property
@@ -79,8 +79,8 @@ class EnergyResult:
         """Contract, section 5: keys of ``rthm energy --json``; about `points` rows at most, both ends too."""
         stride = max(1, -(-self.t.size // points))
         rows = np.unique(np.append(np.arange(0, self.t.size, stride), self.t.size - 1))
-        columns = {"t": self.t} | {name: self.works[name] for name in OF_THE_LOOP} | {"E_err": self.error}
-        columns |= {name: work for name, work in self.works.items() if name not in OF_THE_LOOP}
+        columns = {"t": self.t} | {name: self.work[name] for name in OF_THE_LOOP} | {"E_err": self.error}
+        columns |= {name: work for name, work in self.work.items() if name not in OF_THE_LOOP}
         columns |= {
             "P_err_estimate": self.estimate,
             "E_total": self.total,
@@ -91,7 +91,7 @@ class EnergyResult:
 
 
 def energy_of(recording: Recording, spec: Spec | None) -> EnergyResult:
-    """Keep the books of a recorded test.
+    """Compute the energy balance of a recorded test.
 
     Parameters
     ----------
@@ -150,17 +150,18 @@ def _books_of_loop(recording: Recording, spec: Spec) -> EnergyResult:
     if ledger.begin_ns != recording.start_ns:
         begin = (rows.stamp_ns[0] - recording.start_ns) / NS
         notes.append(
-            f"the recording begins within a test: the books begin {begin:.3f} s after its first sample."
+            "the recording begins within a test: "
+            f"the energy balance begins {begin:.3f} s after its first sample."
         )
-    return _result(recording, spec, rows, rows.works, notes)
+    return _result(recording, spec, rows, rows.work, notes)
 
 
 def _books_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> EnergyResult:
-    """Books of the plant alone, under all forces that were measured on it."""
+    """Energy balance of the plant alone, under all forces that were measured on it."""
     notes = []
     if spec.is_loop:
         notes.append(
-            f"{' and '.join(absent)} not recorded: the books are those of the plant alone, "
+            f"{' and '.join(absent)} not recorded: the energy balance is that of the plant alone, "
             "and E_load has the work of the measured actuator forces."
         )
     alone, plant = plant_alone(spec), recording.plant
@@ -172,9 +173,9 @@ def _books_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> Ener
             f"{recording.path} has no sample with a position: record the position of {spec.plant.dofs[0]}."
         )
     notes.append("E_num, E_ff, E_fx and E_err belong to a loop: they are not told for a plant alone.")
-    works = rows.works.copy()
-    works[:, [TERMS.index(name) for name in OF_THE_LOOP]] = np.nan
-    return _result(recording, spec, rows, works, notes)
+    work = rows.work.copy()
+    work[:, [TERMS.index(name) for name in OF_THE_LOOP]] = np.nan
+    return _result(recording, spec, rows, work, notes)
 
 
 def _motion(table: Table, dofs: tuple[str, ...]) -> tuple[Floats, Floats]:
@@ -194,11 +195,11 @@ def _forces(recording: Recording, spec: Spec) -> Floats:
     return loads
 
 
-def _result(recording: Recording, spec: Spec, rows: Rows, works: Floats, notes: list[str]) -> EnergyResult:
+def _result(recording: Recording, spec: Spec, rows: Rows, work: Floats, notes: list[str]) -> EnergyResult:
     t = (rows.stamp_ns - recording.start_ns) / NS
     plant = recording.plant
     if np.isnan(plant.columns("velocity", spec.plant.dofs)).any():
         notes.append("the plant's velocity is not measured everywhere: it was estimated from the positions.")
     return EnergyResult(
-        t, dict(zip(TERMS, works.T, strict=True)), rows.total, rows.estimate, rows.passed, tuple(notes)
+        t, dict(zip(TERMS, work.T, strict=True)), rows.total, rows.estimate, rows.passed, tuple(notes)
     )

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "improved": NOTED, "unexplained": BAD}
 
 DELAY_TERMS = ("E_fx", "E_ff", "E_num")
-"""Works of the delays of the loop (`energy_of`)."""
+"""Work of the delays of the loop (`energy_of`)."""
 
 PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
@@ -182,8 +182,8 @@ def _work_of_delays(recording: Recording, spec: Spec) -> dict[str, float]:
     if not spec.is_loop:
         return {}
     with suppress(InputError):
-        works = energy_of(recording, spec).works
-        last = {f"{TERM_WORDS[name]} ({name})": float(works[name][-1]) for name in DELAY_TERMS}
+        work = energy_of(recording, spec).work
+        last = {f"{TERM_WORDS[name]} ({name})": float(work[name][-1]) for name in DELAY_TERMS}
         return {name: work for name, work in last.items() if math.isfinite(work)}
     return {}
 

@@ -187,12 +187,12 @@ def steps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def energies(gathered: Gathered, span: Range1d) -> list[figure]:
-    """Energy by term, the estimate of (27) beside what it estimates, and the closure of the books."""
+    """Energy by term, the estimate of (27) beside what it estimates, and the closure of the balance."""
     energy = gathered.energy
     if energy is None:
         return []
     by_term = Curves("Energy by term", "J, + when introduced", span, 380)
-    told = energy.works | {"E_err": energy.error, "E_total": energy.total}
+    told = energy.work | {"E_err": energy.error, "E_total": energy.total}
     for name, values in ((name, told[name]) for name in TERM_COLOURS):
         if np.any(values) or name in ("E_total", "E_err"):
             width = 2.6 if name in ("E_total", "E_err") else 1.8
@@ -200,7 +200,7 @@ def energies(gathered: Gathered, span: Range1d) -> list[figure]:
     estimate = Curves("Energy of the errors beside its first-order estimate (27)", "J", span, 240)
     estimate.add("E_err", energy.t, energy.error, TERM_COLOURS["E_err"])
     estimate.add("integral of P_err_estimate", energy.t, energy.estimated_error, COLOURS[0], line_dash="5 4")
-    closure = Curves("Closure: total energy minus its start and all works", "J", span, 220)
+    closure = Curves("Closure: total energy minus its start and all work", "J", span, 220)
     closure.add("balance error", energy.t, energy.balance_error, COLOURS[1])
     of_loop = bool(np.isfinite(energy.error).any())
     return [by_term.finish(), *([estimate.finish()] if of_loop else []), closure.finish()]

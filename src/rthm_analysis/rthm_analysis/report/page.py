@@ -127,11 +127,11 @@ def _sections(gathered: Gathered) -> list[Section]:
 
 
 def _closing(gathered: Gathered) -> str:
-    """Return what energy is counted on, and how well the books close."""
+    """Return what energy is counted on, and how well its balance closes."""
     words = "Work done on the moving masses since the start of the test."
     if gathered.energy is None:
         return words
-    return f"{words} The books close to {np.nanmax(np.abs(gathered.energy.balance_error)):.2g} J."
+    return f"{words} The balance error is {np.nanmax(np.abs(gathered.energy.balance_error)):.2g} J at most."
 
 
 def _section(section: Section, places: Any) -> str:

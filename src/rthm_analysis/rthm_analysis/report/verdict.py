@@ -67,7 +67,7 @@ def _outcome(outcome: Outcome) -> list[Fact]:
 
 def _energies(energy: EnergyResult) -> list[Fact]:
     names = {"E_fx": "Position cancellation", "E_ff": "Force feedforward", "E_num": "Numerical side"}
-    facts = [_work(name, float(energy.works[term][-1])) for term, name in names.items()]
+    facts = [_work(name, float(energy.work[term][-1])) for term, name in names.items()]
     damping = energy.equivalent_damping
     if math.isfinite(damping):
         words = (

@@ -20,13 +20,13 @@ TERMS = tuple(TERM_COLOURS)
 
 def _energies(one: Candidate) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
     run = simulate(loop(one), DURATION, STEP)
-    works = run.energies
-    error = {"E_err": works["E_num"] + works["E_ff"] + works["E_fx"]}
-    return run.t, {term: (works | error)[term] for term in TERMS}, float(np.abs(run.balance_error).max())
+    work = run.energies
+    error = {"E_err": work["E_num"] + work["E_ff"] + work["E_fx"]}
+    return run.t, {term: (work | error)[term] for term in TERMS}, float(np.abs(run.balance_error).max())
 
 
 def compute() -> Numbers:
-    """Works of the step test, J; least and largest over all sets beside."""
+    """Work of the step test, J; least and largest over all sets beside."""
     t, chosen, closure = _energies(CHOSEN)
     all_sets = [chosen, *(_energies(one)[1] for one in OTHERS)]
     columns, bands = {"t [s]": t}, {"t [s]": t}

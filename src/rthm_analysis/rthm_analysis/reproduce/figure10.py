@@ -37,8 +37,8 @@ def undamped(one: Candidate, k_tot: float) -> Spec:
 
 def _energy(spec: Spec, run: Trajectory) -> np.ndarray:
     state = (run.plant_position, run.plant_velocity, run.numerical_position, run.numerical_velocity)
-    books = bodies(spec)
-    return np.array([total_energy_of(books, *row) for row in zip(*state, strict=True)])
+    balance = bodies(spec)
+    return np.array([total_energy_of(balance, *row) for row in zip(*state, strict=True)])
 
 
 def compute() -> Numbers:

@@ -42,8 +42,8 @@ def compensated(way: str, one: Candidate = CHOSEN, **changes: object) -> Spec:
 
 
 def _works(run: Trajectory) -> dict[str, np.ndarray]:
-    works = run.energies
-    return {**works, "E_err": works["E_num"] + works["E_ff"] + works["E_fx"]}
+    work = run.energies
+    return {**work, "E_err": work["E_num"] + work["E_ff"] + work["E_fx"]}
 
 
 def _force_noise(way: str) -> float:
@@ -76,7 +76,7 @@ def compute() -> Numbers:
 
 
 def _spread(way: str, chosen: dict[str, np.ndarray]) -> dict[str, float]:
-    """Works after the test, and their least and largest over all sets, J."""
+    """Work after the test, and their least and largest over all sets, J."""
     others = [_works(simulate(compensated(way, one), DURATION, DURATION)) for one in OTHERS]
     values = {}
     for term in TERMS:
@@ -130,7 +130,7 @@ def draw(numbers: Numbers) -> Figure:
 
 
 def _bars(axes: Axes, values: Mapping[str, float]) -> None:
-    """Works by term; the lines show the spread over all sets."""
+    """Work by term; the lines show the spread over all sets."""
     places = np.arange(len(WAYS))
     for k, term in enumerate(TERMS):
         work, least, largest = (

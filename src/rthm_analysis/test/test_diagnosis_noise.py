@@ -56,6 +56,14 @@ def test_a_colour_in_the_band_of_the_motion_is_found_where_no_motion_can_be_left
     assert not colour_of(noise, noise + motion, 1.0, moves=False).is_white
 
 
+def test_a_colour_is_noise_where_it_is_small_beside_the_motion_or_no_louder_than_the_white_part() -> None:
+    noise = wandering(np.random.default_rng(6), 20.0, 1.0)
+    loud = wandering(np.random.default_rng(6), 20.0, 3.0)
+    assert not colour_of(noise, noise + 0.05 * MOTION, 1.0).is_white
+    assert not colour_of(loud, loud + MOTION, 1.0).is_white
+    assert colour_of(loud, loud + 0.05 * MOTION, 1.0).is_white
+
+
 def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     force, noise = 10.0 * np.sin(0.2 * TIME), np.random.default_rng(3).normal(size=COUNT)
     evidence = Evidence.__new__(Evidence)
@@ -85,6 +93,17 @@ def test_what_shows_in_one_part_of_a_recording_is_seen_there() -> None:
     left = remainder_of(errors, 4000)
     assert not left.in_train and left.in_held_out
     assert left.parts.min() >= 4400 - COUNT / 30 and left.parts.max() <= 4700 + COUNT / 30
+
+
+def test_what_an_imperfect_colour_leaves_throughout_is_no_event() -> None:
+    errors = np.random.default_rng(7).normal(size=COUNT) + np.repeat(
+        0.3 * np.random.default_rng(8).normal(size=COUNT // 20), 20
+    )
+    errors[:200] += 0.45
+    left = remainder_of(errors, 4000, white=False)
+    assert not left.in_train and not left.parts.size
+    errors[:200] += 1.5
+    assert remainder_of(errors, 4000, white=False).parts.size
 
 
 def test_noise_that_grows_is_no_remainder() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.physical.drives import choose_drives
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.replay.windows import state_at, windows
 from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec
 
@@ -101,3 +102,14 @@ def test_a_delay_between_two_samples_is_left_to_the_plant() -> None:
 def test_what_a_law_does_is_not_lost_in_the_replay() -> None:
     difference = np.abs(replayed(having("plant", "coulomb_friction", force=0.3)) - replayed(PAPER)).max(0)
     assert difference[0] > 1e-3 and difference[2] > 0.05
+
+
+@pytest.mark.parametrize("sample", [0, 60, 119])
+def test_a_state_is_estimated_from_few_samples_of_a_period_and_at_the_ends(sample: int) -> None:
+    at = 2.0 * np.pi / 24.0 * np.arange(120)
+    motion = np.stack([np.cos(at), -np.sin(at)], axis=1)
+    stamps = np.rint(1e9 * at).astype(np.int64)
+    channels = (Channel("position", "x1"), Channel("velocity", "x1"))
+    nothing = np.empty((0, 1))
+    seen = Evidence(stamps, stamps[:0], nothing, np.zeros((120, 1)), channels, motion, "force")
+    np.testing.assert_allclose(state_at(seen, PAPER, sample), motion[sample], atol=0.03)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,8 @@ import numpy as np
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
-from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
+from rthm_analysis.diagnosis.faults import mend, with_motion
+from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.names import check_names
@@ -20,7 +21,7 @@ from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.replay.updates import readings_only
-from rthm_analysis.diagnosis.result import Diagnosis, Part
+from rthm_analysis.diagnosis.result import Diagnosis, Fault, Part
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
@@ -60,11 +61,13 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         parts.append(diagnose_links(recording, spec))
         say("checking the computing blocks")
         parts.append(diagnose_computed(recording, as_run(parts, spec)))
+        if other := find_other_loop(parts):
+            return _stopped(spec, other)
     here = as_run(parts, spec)
     say("checking the recording itself")
     mended = mend(gather(recording, here), here)
     if any(fault.kind == "wrong_spec" for fault in mended.faults):
-        return _stopped(spec, mended)
+        return _stopped(spec, mended.faults, mended.notes)
     if mended.moved and spec.is_loop:
         parts[-1] = diagnose_computed(with_motion(recording, mended.evidence), as_run(parts[:-1], spec))
         here = as_run(parts, spec)
@@ -92,9 +95,9 @@ def _check(recording: Recording, spec: Spec) -> None:
         )
 
 
-def _stopped(spec: Spec, mended: Mended) -> Diagnosis:
+def _stopped(spec: Spec, faults: Sequence[Fault], notes: Sequence[str] = ()) -> Diagnosis:
     """Answer for a spec that is not that of this test: everything else would be about two different rigs."""
-    only = Part(faults=mended.faults, notes=mended.notes, unexplained=(STOPPED,))
+    only = Part(faults=tuple(faults), notes=tuple(notes), unexplained=(STOPPED,))
     return replace(joined([only], spec), next_experiment="Diagnose again with the spec of this test.")
 
 

@@ -20,6 +20,7 @@
 ``delays``       which channel is late
 ``hum``          hum of the mains
 ``belonging``    a spec of another test
+``other_loop``   delays, periods and computing blocks of another test
 ``mending``      all of it, in order
 ===============  ==============================================================================
 """

@@ -17,7 +17,13 @@ RATIOS: dict[str, dict[str, float]] = {
     "position": _LENGTHS,
     "motor": _LENGTHS,
     "velocity": {f"{unit}/s": ratio for unit, ratio in _LENGTHS.items()} | {"km/h": 3.6, "rpm": 30.0 / np.pi},
-    "force": {"mN": 1e3, "kN": 1e-3, "kgf": 1.0 / 9.80665, "lbf": 1.0 / 4.4482216152605},
+    "force": {
+        "mN": 1e3,
+        "kN": 1e-3,
+        "gf": 1e3 / 9.80665,
+        "kgf": 1.0 / 9.80665,
+        "lbf": 1.0 / 4.4482216152605,
+    },
 }
 """By family: numbers of a unit that make one SI unit."""
 

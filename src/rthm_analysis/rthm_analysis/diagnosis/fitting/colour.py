@@ -28,8 +28,10 @@ REWEIGHTED = 4
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
 
-LOUDEST = 0.05
-"""Standard deviation of the coloured part, over that of the recording, above which it is not noise."""
+LOUDEST, LOUDER = 0.05, 1.5
+"""Standard deviation of the coloured part, over those of the recording and of the white part, above both of
+which it is not noise.
+"""
 
 CORNERS = np.geomspace(3e-4, 1.0, 28)
 """Corner frequencies of the coloured part that are tried, in radians per sample."""
@@ -114,7 +116,9 @@ def colour_of(residual: Floats, measured: Floats, level: float, *, moves: bool =
         return white(level)
     colour = _innovations(*found)
     colour = replace(colour, level=min(colour.level, float(np.nanstd(residual))))
-    return colour if colour.level < LOUDEST * float(np.nanstd(measured)) else white(level)
+    coloured = np.sqrt(max(colour.level**2 - found[0], 0.0))
+    allowed = max(LOUDEST * float(np.nanstd(measured)), LOUDER * np.sqrt(found[0]))
+    return colour if coloured <= allowed else white(level)
 
 
 def spectrum(signal: Floats) -> tuple[Floats, Floats]:

@@ -47,7 +47,8 @@ class Remainder:
     loudness : float
         Of the noise of the unseen part over that of the training part, at least 1.
     parts : (p, 2) array
-        Start and end (samples) of the parts in which something is left.
+        Start and end (samples) of the parts in which something is left: more than an imperfect colour of the
+        noise leaves throughout.
     allowed : (float, float)
         Power of the slow residual of both parts from which something is left.
     """
@@ -89,14 +90,15 @@ def remainder_of(errors: Floats, train: int, white: bool = True) -> Remainder:
     """
     errors = _clipped(errors)
     edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
+    held = errors[train:]
+    (before, count), (after, unseen) = slow_power(errors[:train]), slow_power(held)
+    throughout = 1.0 if white else max(before, 1.0)
     power = [slow_power(errors[a:b]) for a, b in pairwise(edges)]
     left = [
         (int(a), int(b))
-        for a, b, (ratio, count) in zip(edges[:-1], edges[1:], power, strict=True)
-        if count and ratio > _allowed(white, count)
+        for a, b, (ratio, some) in zip(edges[:-1], edges[1:], power, strict=True)
+        if some and ratio > throughout * _allowed(white, some)
     ]
-    held = errors[train:]
-    (before, count), (after, unseen) = slow_power(errors[:train]), slow_power(held)
     return Remainder(
         before,
         after,

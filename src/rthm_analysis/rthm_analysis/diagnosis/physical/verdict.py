@@ -24,8 +24,10 @@ from rthm_analysis.diagnosis.physical.judged import (
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
-from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.entries import entry_of
+from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.result import Refused
+from rthm_analysis.diagnosis.search.choosing import MOST_EFFECTS
 from rthm_analysis.diagnosis.search.judging import FLOOR
 from rthm_analysis.diagnosis.search.replacing import is_identified
 
@@ -132,6 +134,13 @@ class Judgement:
         return not all(is_identified(selection.best, index) for index in range(len(selection.rounds)))
 
     @property
+    def _changes(self) -> int:
+        """How many effects, and values that the spec calls exact, the model changes."""
+        selection, unsure = self.physical.selection, {p.key for p in uncertain(self.physical.spec)}
+        entries = [found[0] for p in selection.base.model.parameters if (found := entry_of(p.key))]
+        return len(selection.rounds) + sum(name not in unsure for name in entries)
+
+    @property
     def _worse(self) -> bool:
         """Whether a signal is further from unseen data with the names than without, whatever the noise."""
         physical = self.physical
@@ -191,10 +200,13 @@ class Judgement:
         """Whether the effects that were added may be named.
 
         Never a curve put together from pieces, several sensors that are wrong at once, what makes a signal
-        worse, or anything but the plant's where the motors are not understood.
+        worse, more changes of the model than are looked for, or anything but the plant's where the motors are
+        not understood.
         """
         selection = self.physical.selection
         if not self.names or selection.in_pieces or selection.blames_several or self._worse:
+            return False
+        if self._changes > MOST_EFFECTS:
             return False
         if self.is_driven_wrong and not (self.at_noise and selection.in_plant):
             return False

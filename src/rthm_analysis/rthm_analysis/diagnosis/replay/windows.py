@@ -29,6 +29,9 @@ DRIFT = 5.0
 HALF_WIDTH = 12
 """Samples on either side from which the state at the start of a window is estimated."""
 
+PARABOLA = 4
+"""Samples of which a state is estimated at least, also at the ends of a recording."""
+
 CURVED = 0.08
 """Part of a period that these samples reach at most: over more of it no motion is a parabola."""
 
@@ -139,7 +142,8 @@ def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
     assert spec.plant is not None
     dofs = spec.plant.dofs
     width = min(HALF_WIDTH, max(2, int(CURVED * period(evidence) / _step(evidence))))
-    low, high = max(sample - width, 0), min(sample + width + 1, evidence.time.size)
+    high = min(max(sample + width + 1, PARABOLA), evidence.time.size)
+    low = max(min(sample - width, high - PARABOLA), 0)
     t = evidence.time[low:high] - evidence.time[sample]
     state = np.zeros(2 * len(dofs))
     for column, channel in enumerate(evidence.channels):
@@ -147,7 +151,7 @@ def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
             continue
         values = evidence.measured[low:high, column]
         known = np.isfinite(values)
-        if known.sum() < 4:
+        if known.sum() < PARABOLA:
             continue
         curve = np.polynomial.polynomial.polyfit(t[known], values[known], 2)
         i = dofs.index(channel.place)

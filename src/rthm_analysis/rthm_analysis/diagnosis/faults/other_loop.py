@@ -1,0 +1,41 @@
+"""Whether delays, periods and computing blocks are those of another loop than the spec's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rthm_analysis.diagnosis.result import Fault, Part
+
+MANY = 5
+"""Delays, periods and computing blocks unlike the spec's from which it is of another test: a slow network
+changes the four delays, a wrong entry one or two.
+"""
+
+COMPUTED = {"controller": "the controller", "numerical": "the numerical substructure"}
+
+
+def find_other_loop(parts: Iterable[Part]) -> list[Fault]:
+    """Tell a spec of which hardly anything agrees with what the loop did; none where it may be the right one.
+
+    Parameters
+    ----------
+    parts : iterable of Part
+        What was found of links and computing blocks.
+    """
+    unlike = dict.fromkeys(one for part in parts for one in _unlike(part))
+    if len(unlike) < MANY or not unlike.keys() & set(COMPUTED.values()):
+        return []
+    *names, last = unlike
+    words = (
+        f"The spec is not that of this recording: {', '.join(names)} and {last} are others than it says. "
+        "Give the spec of this test with --spec."
+    )
+    return [Fault("plant", "wrong_spec", next(iter(unlike)), words)]
+
+
+def _unlike(part: Part) -> Iterator[str]:
+    """What does not agree with the spec: its timing by name, and blocks that compute something else."""
+    yield from (one.channel for one in part.faults if one.channel.startswith("timing."))
+    late = [one.block for one in part.physics if one.block.startswith("link.") and one.kind == "extra_delay"]
+    yield from (block.replace("link.", "timing.") for block in late)
+    yield from (COMPUTED[one.block] for one in part.blocks if one.significant and one.block in COMPUTED)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Part
 from rthm_core.spec import Spec
@@ -46,6 +50,31 @@ def test_few_samples_of_each_period_are_no_mismatch() -> None:
     seen = replace(often, stamps_ns=often.stamps_ns[few], load=often.load[few], measured=often.measured[few])
     part = part_of(seen, plant(2.0))
     assert not part.physics and not part.unexplained and not part.retuned
+
+
+def test_a_stiffness_that_is_off_is_retuned_with_few_samples_of_each_period() -> None:
+    often = recorded(force=0.0, start=0.4, duration=70.0, stiffness=0.9 * STIFFNESS)
+    few = slice(None, None, 16)
+    seen = replace(often, stamps_ns=often.stamps_ns[few], load=often.load[few], measured=often.measured[few])
+    part = part_of(seen, plant(0.4, stiffness=0.05))
+    assert not part.physics and not part.unexplained and not part.described
+    assert part.retuned["plant.stiffness"].value == pytest.approx(0.9 * STIFFNESS, rel=1e-3)
+
+
+def test_no_more_changes_of_a_model_are_told_than_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, said in (("_worse", False), ("_is_enough_at_noise", True)):
+        monkeypatch.setattr(Judgement, name, said)
+
+    def earned(spec: Spec, *freed: str) -> bool:
+        base = SimpleNamespace(model=SimpleNamespace(parameters=[SimpleNamespace(key=key) for key in freed]))
+        selection = SimpleNamespace(rounds=[0, 0, 0], in_pieces=False, blames_several=False, base=base)
+        judgement = Judgement(cast("Physical", SimpleNamespace(selection=selection, spec=spec)), {})
+        vars(judgement).update(is_driven_wrong=False, at_noise=True)
+        return judgement.earned
+
+    assert earned(plant())
+    assert not earned(plant(), "plant.damping[0]")
+    assert earned(plant(damping=0.2), "plant.damping[0]")
 
 
 def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:

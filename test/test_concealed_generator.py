@@ -56,7 +56,7 @@ def bare(**changes: dict) -> HybridTest:
 
 
 def alone(test: HybridTest, duration: float, step: float = 1e-4) -> np.ndarray:
-    """Return x1, v1, u, F of the plant under the initial command for ever."""
+    """Return x1, v1, u, F of the plant in steady state under the initial command."""
     td1 = ns(test.spec["timing"]["td1"])
     none = np.zeros(0, dtype=np.int64)
     rows = np.zeros((ns(duration) // td1 + 1, 11))

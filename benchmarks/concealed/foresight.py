@@ -51,7 +51,7 @@ def mean_age(tau: float, sampled: float, used: float) -> float:
 
 @njit
 def latched(x1: float, v1: float, F_d: float, td1: int, td2: int) -> np.ndarray:
-    """Slots of a controller whose signals have been the same for ever."""
+    """Slots of a controller in steady state."""
     return np.array([x1, v1, 0.0, v1, -td1, F_d, 0.0, F_d, -td2])
 
 

@@ -3,7 +3,7 @@
 At one instant: (1) every delay tau > 0 that is due is over, the motor's command first; (2) the data
 acquisition samples; (3) the numerical substructure; (4) the controller; after each of 2 to 4 a delay of zero
 passes at once. A force reference that falls due between two controller ticks changes the command at once (Td4
-= 0). Before the test every signal has been at its initial value for ever.
+= 0). Before the test every signal is in steady state at its initial value.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ STEP = 1e-4  # s, longest step of the integration
 
 
 def at_rest(test: HybridTest, world: World) -> tuple[np.ndarray, np.ndarray, Held, float]:
-    """States, memory, held values and F_d that have been for ever before the test."""
+    """States, memory, held values and F_d in steady state before the test."""
     spec = test.spec
     y, memory = np.zeros(s.STATES), np.zeros(s.MEMORY)
     for slots, part in (((s.X1, s.V1), "plant"), ((s.X2, s.V2), "numerical")):

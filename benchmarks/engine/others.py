@@ -32,7 +32,7 @@ def matrices(spec: Spec) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def start(spec: Spec) -> tuple[Floats, float]:
-    """State [x1, v1, x2, v2] at the start, and the force that has been there for ever."""
+    """State [x1, v1, x2, v2] at the start, and the force in steady state."""
     p, q, face = spec.plant, spec.numerical, spec.interface
     assert q is not None and face is not None
     y = [p.initial_position[0], p.initial_velocity[0], q.initial_position[0], q.initial_velocity[0]]

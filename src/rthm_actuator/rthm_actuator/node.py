@@ -86,7 +86,7 @@ class ActuatorNode(PartNode):
             port.unread = partial(self._unread, port.topic)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
-        """Put the controller to the initial state that it has seen for ever, and the motors at rest."""
+        """Put the controller to the steady state before the test, and the motors at rest."""
         timing = spec.loop().timing
         self._td3, td4 = timing.ns("td3"), timing.ns("td4")
         self._controller, self._test = Controller(spec), spec

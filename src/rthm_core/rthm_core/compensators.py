@@ -118,7 +118,7 @@ def _reference_age(timing: TimingSpec) -> float:
 
 
 def first_parts(spec: Spec) -> tuple[Floats, Floats]:
-    """Both parts (m,) of the command that has been there for ever before a test, in m: x1 and F_d / k_tot,
+    """Both parts (m,) of the command in steady state before a test, in m: x1 and F_d / k_tot,
     compensated.
 
     Raises

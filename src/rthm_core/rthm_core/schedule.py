@@ -31,7 +31,7 @@ reaches the motor, a row is written."""
 _MOTOR_DUE, _REFERENCE_DUE, _SAMPLING, _NUMERICAL, _CONTROL, _AFTER = 0, 2, 4, 5, 7, 9
 _AT_ONCE = 1
 INITIAL = -1
-"""Index of the sample that has been there for ever before the test."""
+"""Index of the sample in steady state before the test."""
 
 
 class Commands(NamedTuple):

@@ -42,7 +42,7 @@ def open_balance(
     held : (2 m,) array
         [x1, v1] that the numerical side holds.
     first_fx, first_ff : (m,) arrays
-        Both parts of the command that has been there for ever, in m.
+        Both parts of the command in steady state, in m.
     """
     n1 = len(spec.plant.dofs)
     measured = [(NO_LOAD, dof) for dof in range(n1)]
@@ -126,7 +126,7 @@ def estimated_power(spec: Spec, velocity: Floats, acceleration: Floats) -> Float
 
 
 def first_parts(spec: Spec) -> tuple[Floats, Floats, Floats, Floats]:
-    """State z2, held motion, and both parts of the command that have been there for ever before a test."""
+    """State z2, held motion, and both parts of the command, in steady state before a test."""
     loop, sides = spec.loop(), interface(spec)
     x1 = np.array(loop.plant.initial_position, dtype=float)[sides.plant]
     v1 = np.array(loop.plant.initial_velocity, dtype=float)[sides.plant]

@@ -3,7 +3,7 @@
 The periods of a cycle are T / n_i with whole n_i, so T is sought near a whole multiple of the longest period
 for which all T / n_i are nearest to the true periods. The relative error of every period is returned with the
 cycle; delays keep their values. Over one cycle the phases between the clocks then drift as the true ones do,
-which is what counts: clocks set equal to round numbers would stay in phase for ever, and true ones do not.
+which is what counts: clocks set equal to round numbers would never leave their phase, and true ones do.
 """
 
 from __future__ import annotations

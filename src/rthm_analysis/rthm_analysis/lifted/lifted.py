@@ -83,7 +83,7 @@ class Lifted:
         return self.advanced(np.eye(self.size))
 
     def at_rest_before(self, p: Floats, z: Floats) -> Floats:
-        """Lifted state (size,) of a loop whose every signal has had its present value for ever.
+        """Lifted state (size,) of a loop in steady state at its present values.
 
         The motors' input in force and the commands under way are those that follow from `p` and `z`.
         """

@@ -69,7 +69,7 @@ class PlantLaw(Effect):
 
     @staticmethod
     def initial(x: float, p: Parameters) -> tuple[float, ...]:
-        """Own states after the dof has rested at `x` for ever."""
+        """Own states in steady state, the dof at rest at `x`."""
         return ()
 
 
@@ -107,5 +107,5 @@ class WireLaw(Effect):
 
     @staticmethod
     def initial(u: float, x: float, p: Parameters) -> tuple[float, ...]:
-        """Own states after `u` and `x` have rested for ever."""
+        """Own states in steady state, motor and dof at rest at `u` and `x`."""
         return ()

@@ -69,8 +69,8 @@ class Physical(NamedTuple):
 def physical(
     model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats
 ) -> Physical:
-    """Physical side at the start of a test: the motors have been at `command` (m,) and the plant at
-    `position` (n,) for ever.
+    """Physical side at the start of a test, in steady state: the motors at `command` (m,), the plant at
+    `position` (n,).
     """
     nq, ny, laws, limit = (
         model.drive.system.ab.shape[0],
@@ -104,7 +104,7 @@ def physical(
 
 
 def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) -> None:
-    """Own states of pulleys, laws and sensors after the initial position has been there for ever."""
+    """Own states of pulleys, laws and sensors in steady state at the initial position."""
     wires, sensors = model.wires, model.sensors
     for actuator, (dof, pulley, _) in enumerate(wires.numbers.tolist()):
         if pulley >= 0:

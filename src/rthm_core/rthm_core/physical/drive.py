@@ -113,7 +113,7 @@ def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int |
 
 
 def settled(drive: Drive, command: Floats) -> Floats:
-    """Chain states (nq,) after `command` (m,) has been there for ever."""
+    """Chain states (nq,) in steady state under `command` (m,)."""
     if not drive.system.a.size:
         return np.empty(0)
     return np.asarray(np.linalg.solve(drive.system.a, -drive.system.b @ command))

@@ -36,7 +36,7 @@ class PhysicalSample(NamedTuple):
 
 
 def first_command(spec: Spec) -> Floats:
-    """Command (m,) that has been there for ever before the test, in m."""
+    """Command (m,) in steady state before the test, in m."""
     if spec.actuator is None:
         return np.empty(0)
     position_part, force_part = first_parts(spec)

@@ -86,7 +86,7 @@ class Experiment:
     ----------
     evidence : Evidence
     first : (m,) array
-        Command that had been there for ever before the test.
+        Command in steady state before the test.
     starts_ns : (r,) array
         Instants at which free runs may begin.
     between : Between

@@ -93,7 +93,7 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
 
 
 def _rest(model: PhysicalModel, resting: list, y: Floats, u: Floats) -> None:  # type: ignore[type-arg]
-    """Own states of pulleys and laws after the initial position has been there for ever."""
+    """Own states of pulleys and laws in steady state at the initial position."""
     wires = model.wires
     for actuator, row in enumerate(wires.numbers.tolist()):
         if row[PULLEY] >= 0:

@@ -46,7 +46,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     commands : (c, m) array
         In m.
     first : (m,) array
-        Command that has been there for ever before.
+        Command in steady state before.
     """
     motors = drive(spec)
     modes, vectors = _modes(motors)

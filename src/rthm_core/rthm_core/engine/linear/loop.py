@@ -85,7 +85,7 @@ class LinearLoop(NamedTuple):
     k_tot : (m,) array
         What the controller computes with, N/m.
     first_sample, first_reference : (2 m,), (m,) arrays
-        What has been there for ever before the test.
+        The steady state before the test.
     """
 
     plant: Side

@@ -159,7 +159,7 @@ NODES = (
     _part("analysis-killed", Sent("analysis", SIGKILL), (), 1, f"analysis {KILLED}"),
     _part("analysis-stopped", Sent("analysis", SIGSTOP), (), 1, "analysis"),
     _part("leader-killed", Sent("leader", SIGKILL), (), None, ""),
-    _part("leader-stopped", Sent("leader", SIGSTOP, 2.0), (), 1, "The leader was held up for"),
+    _part("leader-stopped", Sent("leader", SIGSTOP, 2.0), (), 1, "The leader stalled for"),
 )  # fmt: skip
 HOST = (
     Fault("disk", "The host", "the disk for the recording is full", Disk(1_000_000),

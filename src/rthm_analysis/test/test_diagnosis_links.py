@@ -205,7 +205,7 @@ def test_stalls_of_a_machine_are_neither_loss_nor_jitter():
 def test_a_machine_that_stands_still_often_is_seen_by_times_of_sending(times):
     part = diagnose_links(stalled(recording(paper()), paper(), 7, times), paper())
     assert not part.physics
-    assert "held up" in part.notes[0]
+    assert "stalled" in part.notes[0]
 
 
 def test_loss_is_found_on_a_machine_that_stands_still_often():

@@ -15,7 +15,7 @@ import numpy as np
 
 from rthm_analysis.recording import LinkTable, Recording, Table
 from rthm_analysis.recording.uses import LONGEST_STALL, tick_of_each
-from rthm_analysis.timing.standing import stands_between
+from rthm_analysis.timing.host_stalls import stalled_between
 from rthm_core.clock import NS
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.link import NEVER, Link
@@ -103,7 +103,7 @@ def clock_of(name: str, schedule: Schedule) -> tuple[int, int]:
 def link_timing(
     recording: Recording, schedule: Schedule, name: str, spans: Integers
 ) -> tuple[LinkTiming, list[str]]:
-    """Timing of one link, and what could not be measured, as sentences; `spans` as from `standing`."""
+    """Timing of one link, and what could not be measured, as sentences; `spans` as from `host_stalls`."""
     source = recording.tables.get(SOURCES[name])
     uses, notes = _uses(recording, schedule, name, source)
     if uses is None:
@@ -117,7 +117,7 @@ def link_timing(
     stamps = source.stamp_ns - recording.start_ns if source else np.empty(0, dtype=np.int64)
     lost = max(_lost(schedule, name, stamps, use, sample), told.get("lost", 0))
     late = max(_late(schedule, name, excess), told.get("late", 0))
-    undisturbed = (exact != NEVER) & ~stands_between(spans, np.where(exact == NEVER, due, due - exact), due)
+    undisturbed = (exact != NEVER) & ~stalled_between(spans, np.where(exact == NEVER, due, due - exact), due)
     return LinkTiming(use / NS, age / NS, (excess + hidden) / NS, undisturbed, lost, late), notes
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from rthm_analysis.recording import LINKS, Recording
 from rthm_analysis.recording.host_clocks import HostClocks
 from rthm_analysis.timing.clocks import ClockTiming, clock_timing
+from rthm_analysis.timing.host_stalls import HostStalls, host_stalls, stall_statistics
 from rthm_analysis.timing.links import LinkTiming, link_timing
-from rthm_analysis.timing.standing import HeldUp, held_up, standing
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
@@ -25,8 +25,8 @@ class TimingResult:
         By name, ``tau1`` to ``tau4``; empty for a plant alone.
     clocks : dict of ClockTiming
         By name, ``td1`` to ``td3``, and ``td4`` where the spec has such a clock.
-    held_up : HeldUp
-        How often and how long parts of the test were held up by their machine.
+    held_up : HostStalls
+        How often and how long hosts of the test stalled.
     notes : tuple of str
         What could not be measured, and why.
     hosts : HostClocks
@@ -35,7 +35,7 @@ class TimingResult:
 
     links: dict[str, LinkTiming]
     clocks: dict[str, ClockTiming]
-    held_up: HeldUp
+    held_up: HostStalls
     notes: tuple[str, ...]
     hosts: HostClocks = field(default_factory=HostClocks)
 
@@ -67,7 +67,7 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
     if spec is None or spec.timing is None or not spec.is_loop:
         return _plant_alone(recording)
     schedule = Schedule(spec)
-    links, clocks, notes, spans = {}, {}, [], standing(recording)
+    links, clocks, notes, spans = {}, {}, [], host_stalls(recording)
     for name in LINKS:
         links[name], missing = link_timing(recording, schedule, name, spans)
         notes += missing
@@ -78,7 +78,9 @@ def timing_of(recording: Recording, spec: Spec | None) -> TimingResult:
             clocks[name] = clock
         elif period:
             notes.append(f"the clock {name} left no trace in the recording: its period is not known.")
-    return TimingResult(links, clocks, held_up(spans, recording.duration), tuple(notes), recording.clocks)
+    return TimingResult(
+        links, clocks, stall_statistics(spans, recording.duration), tuple(notes), recording.clocks
+    )
 
 
 def _plant_alone(recording: Recording) -> TimingResult:
@@ -87,4 +89,4 @@ def _plant_alone(recording: Recording) -> TimingResult:
     clock = clock_timing(recording, "td1", period) if period else None
     note = "there is no loop in the spec: only the clock of the plant was looked at."
     clocks = {"td1": clock} if clock else {}
-    return TimingResult({}, clocks, held_up(standing(recording), recording.duration), (note,))
+    return TimingResult({}, clocks, stall_statistics(host_stalls(recording), recording.duration), (note,))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.timing.standing import stands_between
+from rthm_analysis.timing.host_stalls import stalled_between
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Ages:
 
 
 def ages(evidence: LinkEvidence, begin_ns: int, end_ns: int) -> Ages:
-    """Ages in a span of time, as recorded; none where the newest sample came while a machine stood still."""
+    """Ages in a span of time, as recorded; none where the newest sample came while a host stalled."""
     first = int(evidence.use_ns[0])
     if evidence.clocked:
         at = evidence.use_ns[(evidence.use_ns >= begin_ns) & (evidence.use_ns < end_ns)]
@@ -49,7 +49,7 @@ def ages(evidence: LinkEvidence, begin_ns: int, end_ns: int) -> Ages:
         last = min(end_ns, int(evidence.use_ns[-1]) + 1)
         at = _scattered(max(begin_ns, first), last, max(evidence.period_ns // LOOKS, 1))
     newest = np.maximum(np.searchsorted(evidence.due, at, side="right") - 1, 0)
-    at = at[~stands_between(evidence.standing, evidence.stamp[newest] - evidence.offset_ns, at)]
+    at = at[~stalled_between(evidence.host_stalls, evidence.stamp[newest] - evidence.offset_ns, at)]
     use = np.searchsorted(evidence.use_ns, at, side="right") - 1
     return Ages(at, (at - evidence.stamp[evidence.row[use]]) / NS)
 

@@ -33,7 +33,7 @@ def other_delays(recording: Recording, spec: Spec, spans: Integers) -> dict[str,
     spec : Spec
         With the clocks of the test.
     spans : (k, 2) array
-        When a machine stood still, as from `standing`.
+        When a host stalled, as from `host_stalls`.
     """
     known = recording.spec
     if known is None or not known.is_loop:

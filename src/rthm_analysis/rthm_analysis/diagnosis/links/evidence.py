@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.links.host_stalls import without_stalls
 from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
-from rthm_analysis.diagnosis.links.standing import without_standing
 from rthm_analysis.recording import LinkTable, Recording
 from rthm_analysis.timing.links import SOURCES, clock_of, ticks_of
 from rthm_core.clock import NS
@@ -38,7 +38,7 @@ GRAIN = 1e-6
 """Instants of use are taken as exact to this, s."""
 
 TOLD_NS = 1_000_000
-"""A receiver tells a use, ns, at most so much after the command that it made of it, unless it is held up."""
+"""A receiver tells a use, ns, at most so much after the command that it made of it, unless it stalls."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class LinkEvidence:
         Median time between samples.
     clocked : bool
         Whether the receiver looks only at its ticks.
-    standing : (k, 2) array
-        When a machine stood still, ns: what was on its way then tells nothing.
+    host_stalls : (k, 2) array
+        When a host stalled, ns: what was on its way then tells nothing.
     outages : (o, 2) array
         First sample that each outage took, and the first one after it.
     """
@@ -83,7 +83,7 @@ class LinkEvidence:
     row: Integers
     period_ns: int
     clocked: bool
-    standing: Integers
+    host_stalls: Integers
     outages: Integers
     offset_std: float = GRAIN
 
@@ -130,9 +130,9 @@ def link_evidence(
     out = outages(due, at, row, receiver)
     for first, after in out:
         low[first:after], high[first:after] = -np.inf, np.inf
-    low, high = without_standing(spans, stamp - offset, due, at if receiver else None, low, high)
+    low, high = without_stalls(spans, stamp - offset, due, at if receiver else None, low, high)
     if not np.isfinite(low).any() and not np.isfinite(high).any():
-        return f"the machine stood still too often: the link {name} cannot be checked."
+        return f"hosts stalled too often: the link {name} cannot be checked."
     if not link.constant:
         low = np.where(due >= NEVER - abs(known), -np.inf, low)
         if not _as_drawn(due, low, high):

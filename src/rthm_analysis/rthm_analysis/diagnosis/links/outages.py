@@ -25,7 +25,7 @@ USUAL = 4.0
 """Samples that an outage takes, over those that all but one use in a hundred pass over: jitter does that."""
 
 LOOKED = 0.5
-"""Part of its ticks at which the receiver must have looked meanwhile: else it stood still itself."""
+"""Part of its ticks at which the receiver must have looked meanwhile: else it stalled itself."""
 
 
 def outages(due: Integers, at: Integers, row: Integers, tick: int) -> Integers:
@@ -78,7 +78,7 @@ def faults_of(name: str, due: Integers, found: Integers) -> tuple[Fault, ...]:
     if len(found) > 1:
         when = f"{len(found)} times {when[0].lower()}{when[1:]}, for up to {longest:.3g} s"
     words = (
-        f"{when}: {lost} samples of {SOURCES[name]} were lost or held up, and the loop went on with older "
+        f"{when}: {lost} samples of {SOURCES[name]} were lost or late, and the loop went on with older "
         "ones. Check network, cables and hosts there; the energy balance of the test holds what that did."
     )
     return (Fault(f"link.{name}", "dropout", f"links/{name}", words, (first, last), float(lost)),)

@@ -12,10 +12,10 @@ from rthm_analysis.diagnosis.links.finding import BUSY, Finding, link_part, mism
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.selection import Selection, choose, is_exact
 from rthm_analysis.diagnosis.links.times import wrong_times
-from rthm_analysis.diagnosis.links.words import stood_still
+from rthm_analysis.diagnosis.links.words import stall_words
 from rthm_analysis.diagnosis.result import Mismatch, Part
 from rthm_analysis.recording import LINKS, Recording
-from rthm_analysis.timing.standing import held_up, standing
+from rthm_analysis.timing.host_stalls import host_stalls, stall_statistics
 from rthm_core.clock import to_ns
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
@@ -45,7 +45,7 @@ def diagnose_links(recording: Recording, spec: Spec) -> Part:
     """
     if not spec.is_loop:
         return Part()
-    spans = standing(recording)
+    spans = host_stalls(recording)
     times = wrong_times(recording, spec, spans)
     if not times.faults:
         return _diagnosed(recording, spec, spans)
@@ -76,7 +76,7 @@ def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
     schedule = Schedule(spec)
     known = [link_evidence(recording, spec, schedule, name, spans) for name in LINKS]
     notes = (
-        *stood_still(held_up(spans, recording.duration)),
+        *stall_words(stall_statistics(spans, recording.duration)),
         *(clock.words(node) for node, clock in recording.clocks.nodes.items()),
         *(one for one in known if isinstance(one, str)),
     )

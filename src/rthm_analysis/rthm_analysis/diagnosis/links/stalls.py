@@ -1,4 +1,4 @@
-"""Samples whose fate a standing machine decided, where no times of sending tell when it stood still.
+"""Samples whose fate a stalled host decided, where no times of sending tell when it stalled.
 
 While a process or a network stands still, several samples in a row fail to arrive, and come all at once
 afterwards, in any order. Losses and jitter, drawn anew for every sample, do that as rarely as chance has it.

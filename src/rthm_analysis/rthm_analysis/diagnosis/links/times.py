@@ -33,7 +33,7 @@ def wrong_times(recording: Recording, spec: Spec, spans: Integers) -> Part:
     Parameters
     ----------
     spans : (k, 2) array
-        When a machine stood still, as from `standing`.
+        When a host stalled, as from `host_stalls`.
     """
     allowed = numbers(spec)
     periods = {

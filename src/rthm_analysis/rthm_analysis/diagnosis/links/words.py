@@ -8,7 +8,7 @@ from rthm_analysis.diagnosis.numbers import number, percent
 from rthm_analysis.diagnosis.result import Value
 
 if TYPE_CHECKING:
-    from rthm_analysis.timing.standing import HeldUp
+    from rthm_analysis.timing.host_stalls import HostStalls
 
 RECEIVERS = {
     "tau1": "states of the plant on their way to the controller",
@@ -71,13 +71,13 @@ def sentence(name: str, kind: str, value: Value, share: float) -> str:
     return text + (MOTOR_AS_WELL if name == "tau4" else "") + ADVICE.format(name=name)
 
 
-def stood_still(machine: HeldUp) -> tuple[str, ...]:
-    """A machine that stood still."""
-    if not machine.count:
+def stall_words(stalls: HostStalls) -> tuple[str, ...]:
+    """Stalls of a host."""
+    if not stalls.count:
         return ()
-    share, longest = 100.0 * machine.share, 1e3 * machine.longest
+    share, longest = 100.0 * stalls.share, 1e3 * stalls.longest
     return (
-        f"the machine was held up {machine.count} times, for {share:.1f} % of the test and up to "
+        f"a host stalled {stalls.count} times, for {share:.1f} % of the test and up to "
         f"{longest:.3g} ms, as the times of sending show; samples that were on their way then are left out.",
     )
 

@@ -29,7 +29,7 @@ def _lines(result: dict[str, Any]) -> list[str]:
     clocks = [("clock", "period mean", "period p99", "missed")]
     for name, clock in result["clocks"].items():
         clocks.append((name, _ms(clock["period_mean"]), _ms(clock["period_p99"]), str(clock["missed"])))
-    return [*table(links), "", *table(clocks), *_hosts(result["hosts"]), *_held_up(**result["held_up"])]
+    return [*table(links), "", *table(clocks), *_hosts(result["hosts"]), *_stalls(**result["held_up"])]
 
 
 def _hosts(hosts: dict[str, Any]) -> list[str]:
@@ -44,11 +44,11 @@ def _hosts(hosts: dict[str, Any]) -> list[str]:
     return ["", *table(rows), "ages are corrected by these"]
 
 
-def _held_up(count: int, share: float, longest: float) -> list[str]:
+def _stalls(count: int, share: float, longest: float) -> list[str]:
     if not count:
         return []
     how = f"{count} times, for {100.0 * share:.1f} % of the test and up to {_ms(longest)}"
-    return ["", f"held up by the machine: {how} (excess without this: excess_undisturbed of --json)"]
+    return ["", f"host stalls: {how} (excess without them: excess_undisturbed of --json)"]
 
 
 def _ms(seconds: float | None) -> str:

@@ -1,9 +1,9 @@
-"""When a machine stood still, as the times show at which samples and uses were sent.
+"""When a host stalled, as the times show at which samples and uses were sent.
 
 A part sends what belongs to an instant shortly after it, always by the same little. What is sent much later
-was held up: its host did other work, or a virtual machine was not running. Samples on their way at that time
-may be late whatever their link does. Who asks what a link does leaves them out, whether they came late or
-not, so that leaving them out favours neither answer.
+tells of a stall: its host did other work, or a virtual machine was not running. Samples on their way at that
+time may be late whatever their link does. Who asks what a link does leaves them out, whether they came late
+or not, so that leaving them out favours neither answer.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Integers
 
 LATE_NS = 1_000_000
-"""What is sent this much later than usual was held up."""
+"""What is sent this much later than usual tells of a stall."""
 
 AFTER_NS = 1_000_000
 """Time in which a machine catches up."""
@@ -27,20 +27,20 @@ AFTER_NS = 1_000_000
 FAR = np.iinfo(np.int64).max
 
 
-def standing(recording: Recording) -> Integers:
-    """Spans of time in which some part of the test stood still, ns after the start, shape (k, 2), ascending.
+def host_stalls(recording: Recording) -> Integers:
+    """Spans of time in which some host of the test stalled, ns after the start, shape (k, 2), ascending.
 
     Empty where the recording does not tell when samples were sent.
     """
     told = [(table.stamp_ns, table) for topic, table in recording.tables.items() if topic != "energy"]
     told += [(link.use_ns, link) for link in recording.links.values()]
     spans = [
-        _held_up(at, source.sent_ns) for at, source in told if (source.sent_ns != source.received_ns).any()
+        _stalls_of(at, source.sent_ns) for at, source in told if (source.sent_ns != source.received_ns).any()
     ]
     return _merged(np.concatenate([np.empty((0, 2), dtype=np.int64), *spans]) - recording.start_ns)
 
 
-def _held_up(at: Integers, sent: Integers) -> Integers:
+def _stalls_of(at: Integers, sent: Integers) -> Integers:
     """From the instant `at` to which a message belongs until its sender has caught up, where it was late."""
     late = sent - at
     held = late > np.median(late) + LATE_NS
@@ -56,26 +56,26 @@ def _merged(spans: Integers) -> Integers:
     return np.stack([spans[first, 0], until[last]], axis=1)
 
 
-class HeldUp(NamedTuple):
-    """How often a machine stood still, for which share of a test, and how long at most, s."""
+class HostStalls(NamedTuple):
+    """How often a host stalled, for which share of a test, and how long at most, s."""
 
     count: int
     share: float
     longest: float
 
 
-def held_up(spans: Integers, duration: float) -> HeldUp:
-    """Sum of the spans of `standing` in a test of `duration` s."""
+def stall_statistics(spans: Integers, duration: float) -> HostStalls:
+    """Sum of the spans of `host_stalls` in a test of `duration` s."""
     lengths = (spans[:, 1] - spans[:, 0]) / NS
     share = float(lengths.sum()) / max(duration, 1.0 / NS)
-    return HeldUp(len(lengths), share, float(lengths.max(initial=0.0)))
+    return HostStalls(len(lengths), share, float(lengths.max(initial=0.0)))
 
 
-def stands_between(spans: Integers, begin: Integers, end: Integers) -> Flags:
-    """Whether the machine stood still at some time from each `begin` to its `end` (n,)."""
-    return next_standing(spans, begin) <= end
+def stalled_between(spans: Integers, begin: Integers, end: Integers) -> Flags:
+    """Whether a host stalled at some time from each `begin` to its `end` (n,)."""
+    return next_stall(spans, begin) <= end
 
 
-def next_standing(spans: Integers, at: Integers) -> Integers:
+def next_stall(spans: Integers, at: Integers) -> Integers:
     """Begin of the first span that is not over at each instant."""
     return np.append(spans[:, 0], FAR)[np.searchsorted(spans[:, 1], at)]

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 
 from rthm_core.errors import RefusedError
 
+LARGEST = 1e12
+"""Size of any number of a test, SI: more is a slip of the unit or the exponent."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -68,11 +71,13 @@ class Quantity:
         Raises
         ------
         RefusedError
-            If it is not a finite number within the bounds.
+            If it is not a finite number within the bounds, or its size is above `LARGEST`.
         """
         number = as_number(value)
         if number is None or not math.isfinite(number) or not self.holds(number):
             raise RefusedError(value, self.allowed)
+        if abs(number) > LARGEST:
+            raise RefusedError(value, f"{self.allowed} of a size up to {LARGEST:g}")
         return number
 
     def holds(self, number: float) -> bool:

@@ -57,6 +57,11 @@ CHANGES = [
     ),
     (
         "mass: [1.2]",
+        "mass: [1.0e300]",
+        "plant.mass[0] is 1e+300, but must be a finite number in kg of a size up to 1e+12; correct it.",
+    ),
+    (
+        "mass: [1.2]",
         "mass: [yes]",
         "plant.mass[0] is True, but must be a finite number in kg; correct it.",
     ),

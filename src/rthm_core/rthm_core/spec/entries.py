@@ -73,8 +73,9 @@ class Numbers(Quantity, Entry):
     def _element(self, index: int, value: Any) -> float:
         try:
             return super().convert(value)
-        except RefusedError:
-            raise RefusedError(value, super().allowed, within=f"[{index}]") from None
+        except RefusedError as refused:
+            allowed = super().allowed + refused.allowed.removeprefix(self.allowed)
+            raise RefusedError(value, allowed, within=f"[{index}]") from None
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class Case:
     struck
         When it began, ns of the wall clock; None: it never did.
     stalls
-        How the machine was held up meanwhile.
+        How the host stalled meanwhile.
     """
 
     fault: Fault
@@ -62,7 +62,7 @@ class Outcome:
         Of `Figures`.
     rest, allowed, stalled
         Time from the fault, or from the abort where the fault has no date, to the last move; what is
-        allowed; and how long the machine was held up within it, which is allowed, too; s.
+        allowed; and how long the host stalled within it, which is allowed, too; s.
     told
         Where the abort is told.
     refused, held_back
@@ -70,7 +70,7 @@ class Outcome:
     complaints
         What is not as it must be; none: all is.
     disturbed
-        Whether the test ended before the fault, or the machine stood still: it says nothing about the fault.
+        Whether the test ended before the fault, or the host stalled: it says nothing about the fault.
     """
 
     name: str
@@ -114,7 +114,7 @@ def judged(case: Case, told: Told, figures: Figures, complaints: list[str], log:
 
 
 def _disturbed(case: Case, figures: Figures) -> bool:
-    """Whether the test ended before its fault, or the machine stood still so long that it is in doubt."""
+    """Whether the test ended before its fault, or the host stalled so long that it is in doubt."""
     if case.struck is None or (figures.aborted is not None and figures.aborted < case.struck - NS // 50):
         return True
     return case.stalls.within(case.struck, (figures.rested or case.struck) + NS, STALL) > TOLERATED

@@ -13,7 +13,7 @@ Made {date} by `python -m benchmarks.faults --out docs/faults` on {machine}; loa
 
 Each fault is made in a test of its own in real time, with a driver of somebody else
 (`test/programs/driver.py`) in place of the plant. A test that does not end as demanded and was disturbed, as
-it ended before its fault or the machine stood still for more than 0.2 s, is made again, three times at most:
+it ended before its fault or the host stalled for more than 0.2 s, is made again, three times at most:
 that happened to {again}. Limits: rate {rate:g} m/s, ramp {ramp:g} s, stale {stale:g} s, heartbeat
 {heartbeat:g} s.
 
@@ -25,13 +25,13 @@ that happened to {again}. Limits: rate {rate:g} m/s, ramp {ramp:g} s, stale {sta
   `heartbeat`; 0.25 s for a frozen sensor; at once where a figure is wrong) + ramp + 0.1 s. A second publisher
   begins with the first sample that it sends to anybody who is connected. A motor whose controller is gone is
   held by its driver.
-- **held up**: how long the machine kept a thread with real-time priority waiting within that time, s, stalls
+- **stall**: how long the host kept a thread with real-time priority waiting within that time, s, stalls
   above 1 ms; allowed on top.
 - **status** 0: the test went on within its limits, and nothing of its recording is missing. Who gets no more
   memory may need none.
 - **told**: where the abort is told: j in the JSON, p on the page, b in the bag.
 """
-TITLES = "| fault | status | limit | what is said | step | speed | rest | allowed | held up | told | |"
+TITLES = "| fault | status | limit | what is said | step | speed | rest | allowed | stall | told | |"
 
 
 def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:

@@ -23,10 +23,21 @@ if TYPE_CHECKING:
 TERMS = ("E_num", "E_ff", "E_fx", "E_damping", "E_load", "E_effects")
 """Works in the order in which the ledger keeps them."""
 
+OF_THE_LOOP = TERMS[:3]
+"""Those that a loop without delays, holds and motors would not have; their sum is E_err."""
+
 NUM, FF, FX, DAMPING, LOAD, EFFECTS = range(6)
 
 GAUSS_NODES = np.array([0.069431844202973712, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629])
 GAUSS_WEIGHTS = np.array([0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693])
+
+
+def with_error(energies: dict[str, Floats]) -> dict[str, Floats]:
+    """Energies with ``E_err``, the sum of the three errors of the loop, where these are known."""
+    if "E_err" in energies or not energies.keys() >= set(OF_THE_LOOP):
+        return dict(energies)
+    with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
+        return energies | {"E_err": np.sum([energies[term] for term in OF_THE_LOOP], axis=0)}
 
 
 class Bodies(NamedTuple):

@@ -11,14 +11,13 @@ import numpy as np
 
 from rthm_analysis.comparison.motion import Motion, Signal, signal
 from rthm_core.clock import NS
+from rthm_core.energy import with_error
 from rthm_core.errors import InputError
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-OF_THE_LOOP = ("E_num", "E_ff", "E_fx")
 
 COLUMNS = ("plant_position", "numerical_position", "force_reference", "actuator_force")
 
@@ -130,21 +129,14 @@ def motion_of_columns(
             )
         for one, column in zip(wanted, values.T, strict=False):
             signals |= signal(one, unit, at_ns, column)
-    for term, values in _energies(columns).items():
+    energies = {key: values for key, values in columns.items() if key.startswith("E_")}
+    for term, values in with_error(energies).items():
         signals |= signal(term, "J", at_ns, values)
     dofs = tuple(dof for dof in (*names.plant, *names.numerical) if dof in signals)
     if not dofs:
         raise InputError(f"{name} has no known position; compare tests in which something moves.")
     passed = _passed(at_ns, columns, names)
     return Motion(name, kind, signals, dofs, names.actuators, spec, passed=passed)
-
-
-def _energies(columns: dict[str, Floats]) -> dict[str, Floats]:
-    energies = {name: values for name, values in columns.items() if name.startswith("E_")}
-    if energies.keys() >= set(OF_THE_LOOP) and "E_err" not in energies:
-        with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
-            energies["E_err"] = np.sum([energies[name] for name in OF_THE_LOOP], axis=0)
-    return energies
 
 
 def _passed(at_ns: Integers, columns: dict[str, Floats], names: Names) -> Signal | None:

@@ -12,7 +12,7 @@ from rthm_analysis.recording import Recording, Table
 from rthm_analysis.recording.synchronised import synchronised
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
-from rthm_core.energy import TERMS
+from rthm_core.energy import OF_THE_LOOP, TERMS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
 from rthm_core.substructure import interface
@@ -22,8 +22,6 @@ POINTS = 5000
 
 NEEDED = ("numerical/state", "actuator/command")
 """Topics without which only the plant's own energy can be told."""
-
-OF_THE_LOOP = ("E_num", "E_ff", "E_fx")
 
 
 @dataclass(frozen=True)

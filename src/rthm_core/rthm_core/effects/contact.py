@@ -26,6 +26,7 @@ class EndStop(PlantLaw):
     """
 
     kind = "end_stop"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "position": EffectParameter("m", "where the stop begins; its sign says on which side"),
@@ -54,6 +55,7 @@ class Clearance(PlantLaw):
     """Spring with play: it acts only beyond a gap on either side."""
 
     kind = "clearance"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "gap": EffectParameter("m", "half the play", minimum=0.0),

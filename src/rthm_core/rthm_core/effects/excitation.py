@@ -14,6 +14,7 @@ class HarmonicLoad(PlantLaw):
     """Unlisted harmonic force."""
 
     kind = "harmonic_load"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "amplitude": EffectParameter("N", "amplitude"),

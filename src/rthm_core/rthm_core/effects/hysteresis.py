@@ -49,6 +49,7 @@ class BoucWen(PlantLaw):
     """Hysteretic spring of Bouc and Wen."""
 
     kind = "bouc_wen"
+    flexible = True
     blocks = ("plant",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = -alpha z; dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n"

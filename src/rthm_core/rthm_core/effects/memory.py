@@ -18,6 +18,7 @@ class MaxwellBranch(PlantLaw):
     """
 
     kind = "maxwell_branch"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "stiffness": EffectParameter("N/m", "spring of the branch", minimum=0.0),
@@ -51,6 +52,7 @@ class HiddenMode(PlantLaw):
     """Resonator hung on the dof: a mass that nobody measures."""
 
     kind = "hidden_mode"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "mass": EffectParameter("kg", "mass of the resonator", minimum=0.0),
@@ -84,6 +86,7 @@ class FluidMemory(PlantLaw):
     """Radiation force of a floating body: the waves that it made act back on it."""
 
     kind = "fluid_memory"
+    flexible = True
     blocks = ("plant",)
     parameters = {
         "gain": EffectParameter("N/m", "force per state rate", minimum=0.0),

@@ -131,6 +131,7 @@ class WireMaxwellBranch(WireLaw):
     """Spring and damper in series beside the wire's own spring: a wire that relaxes."""
 
     kind = "maxwell_branch"
+    flexible = True
     blocks = ("wire",)
     parameters = {
         "stiffness": EffectParameter("N/m", "spring of the branch", minimum=0.0),
@@ -169,6 +170,7 @@ class WireBoucWen(WireLaw):
     """
 
     kind = "bouc_wen"
+    flexible = True
     blocks = ("wire",)
     parameters = BOUC_WEN_PARAMETERS
     equation = "F = k d + alpha z; dz/dt = A dd - beta |dd| |z|^(n-1) z - gamma dd |z|^n, d = u - x"

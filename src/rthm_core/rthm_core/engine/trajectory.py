@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.compiled import Floats
-from rthm_core.energy import TERMS
+from rthm_core.energy import TERMS, with_error
 from rthm_core.engine.linear.blocks import Rows
 
 if TYPE_CHECKING:
@@ -48,11 +48,7 @@ class Trajectory:
 
     def all_energies(self) -> dict[str, Floats]:
         """Energies with ``E_err``, the sum of the three errors of the loop; empty when none were counted."""
-        found = dict(self.energies)
-        if found and "E_err" not in found:
-            with np.errstate(over="ignore", invalid="ignore"):  # of an unstable loop
-                found["E_err"] = found["E_num"] + found["E_ff"] + found["E_fx"]
-        return found
+        return with_error(self.energies)
 
 
 def of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory:

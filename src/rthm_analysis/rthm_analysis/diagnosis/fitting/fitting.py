@@ -228,6 +228,12 @@ class Fitting:
             return unchanged
         return np.asarray(np.linalg.lstsq(states.T, residual, rcond=1e-10)[0])
 
+    def corrected(self, windows: Windows, fitted: Fitted) -> Windows:
+        """Windows that begin in the initial state which fits a model best (`state_correction`)."""
+        for column, by in enumerate(self.state_correction(fitted)):
+            windows = windows.moved(column, float(by))
+        return windows
+
     def columns(self, model: Model, residual: Floats, which: Iterable[int], small: float = STEP) -> Floats:
         """Change of the prediction with some parameters (p, s k), over the noise."""
 

@@ -54,9 +54,7 @@ def foreseen(
 
 def _spread(begun: Baseline, best: Fitted, whole: Experiment, train: int) -> float:
     """Standard deviation of what a fitted model predicts of unseen data, root mean square over the noise."""
-    runs, model = begun.runs, best.model
-    for column, by in enumerate(begun.fitting.state_correction(best)):
-        runs = runs.moved(column, float(by))
+    runs, model = begun.fitting.corrected(begun.runs, best), best.model
     here = whole.predicted(model.spec, runs)
     size, directions = np.linalg.eigh(np.nan_to_num(best.sums.covariance()))
     squares = np.zeros(here[train:].shape)

@@ -32,9 +32,7 @@ def simulate_all(physical: Physical, fitted: Fitted) -> Simulated:
     A run over everything begins in the state that the training part gave. Short runs begin in states that fit
     each of them: what is recorded at their starts alone is too noisy, or too coarse, to begin from.
     """
-    runs = physical.windows
-    for column, by in enumerate(physical.fitting.state_correction(fitted)):
-        runs = runs.moved(column, float(by))
+    runs = physical.fitting.corrected(physical.windows, fitted)
     spec = fitted.model.spec
     predicted = physical.experiment.predicted(spec, runs)
     if runs.length is None or not np.isfinite(predicted).all():

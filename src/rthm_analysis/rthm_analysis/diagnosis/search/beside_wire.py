@@ -11,7 +11,6 @@ from dataclasses import replace
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
-    FLEXIBLE,
     FittedCandidate,
     Selection,
     in_order,
@@ -118,7 +117,7 @@ def _with_any(
 
 def _most_telling(fitting: Fitting, tried: list[FittedCandidate]) -> list[FittedCandidate]:
     """The best of some candidates, best first; of the plain ones where none comes near the noise."""
-    plain = [one for one in tried if one.label[1] not in FLEXIBLE]
+    plain = [one for one in tried if not one.is_flexible]
     near = bool(tried) and _near(fitting, tried[0])
     return (tried if near or not plain else plain)[:1]
 

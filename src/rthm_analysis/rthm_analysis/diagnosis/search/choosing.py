@@ -10,7 +10,6 @@ from rthm_analysis.diagnosis.search.beside_wire import selected_from_wire
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     CLOSE,
-    FLEXIBLE,
     UNFINISHED,
     FittedCandidate,
     Selection,
@@ -136,9 +135,9 @@ def _plain_first(
 
     A kind with the freedom to imitate others says something only where it explains everything.
     """
-    if not tried or tried[0].label[1] not in FLEXIBLE or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
+    if not tried or not tried[0].is_flexible or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
         return tried
-    plain = [one for one in tried if one.label[1] not in FLEXIBLE and better(one, selection.best)]
+    plain = [one for one in tried if not one.is_flexible and better(one, selection.best)]
     plain = [one for one in plain if relevant(fitting, one, selection)]
     return [*plain[:1], *(one for one in tried if not plain or one is not plain[0])]
 

@@ -38,17 +38,6 @@ RELEVANT = 0.03
 PART = 0.05
 """Part of what is left of a mismatch that an effect must explain to be what is missing."""
 
-FLEXIBLE = {
-    "bouc_wen",
-    "clearance",
-    "maxwell_branch",
-    "fluid_memory",
-    "hidden_mode",
-    "harmonic_load",
-    "end_stop",
-}
-"""Kinds with enough freedom to imitate others."""
-
 NUMERICS = 1e-6
 """Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
 
@@ -65,6 +54,11 @@ class FittedCandidate:
     def label(self) -> tuple[str, str, str]:
         """Block, kind and place."""
         return self.start.label
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether its kind has enough freedom to imitate others."""
+        return self.start.added.law.flexible
 
 
 TERMS = ("quadratic_stiffness", "cubic_stiffness", "constant_load")
@@ -132,7 +126,7 @@ class Selection:
 
 def imitates(block: str, kind: str) -> bool:
     """Whether a kind has the freedom to stand for others, or excuses one sensor while others disagree."""
-    return kind in FLEXIBLE or _is_sensor(block) or effect(kind, block).flexible
+    return _is_sensor(block) or effect(kind, block).flexible
 
 
 def _is_sensor(block: str) -> bool:

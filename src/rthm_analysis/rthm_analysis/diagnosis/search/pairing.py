@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
-from rthm_analysis.diagnosis.search.judging import FLEXIBLE, FittedCandidate, reduced_chi2
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.promising import promising, screened
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.wire_from_force import released
@@ -34,7 +34,7 @@ def paired(fitting: Fitting, base: Fitted, tried: list[FittedCandidate]) -> list
         All that the first was chosen from. A companion is looked for those that are plain: a flexible kind
         imitates both.
     """
-    for first in [one for one in tried if one.label[1] not in FLEXIBLE][:PAIRED]:
+    for first in [one for one in tried if not one.is_flexible][:PAIRED]:
         if fitting.budget.spent:
             break
         fitting.progress(f"looking for what goes with {first.label[1]}")

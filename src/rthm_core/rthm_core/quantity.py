@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from rthm_core.errors import RefusedError
 
 LARGEST = 1e12
-"""Size of any number of a test, SI: more is a slip of the unit or the exponent."""
+"""Size of a number of a test, SI: more is a slip of the unit or the exponent."""
 
 
 @dataclass(frozen=True)
@@ -65,19 +65,27 @@ class Quantity:
         unit = "" if self.unit == "1" else f" in {self.unit}"
         return " ".join(f"a finite number {self.bounds}".split()) + unit
 
+    @property
+    def largest(self) -> float:
+        """Largest size; none for what multiplies a power of motion.
+
+        Where a rig moves by micrometres, a spring that hardens by a per cent has 1e13 N/m^3.
+        """
+        return math.inf if "/m^" in self.unit else LARGEST
+
     def convert(self, value: object) -> float:
         """Return `value` as a float; integers and text such as ``1e-3`` (a string to YAML 1.1) are numbers.
 
         Raises
         ------
         RefusedError
-            If it is not a finite number within the bounds, or its size is above `LARGEST`.
+            If it is not a finite number within the bounds, or its size is above `largest`.
         """
         number = as_number(value)
         if number is None or not math.isfinite(number) or not self.holds(number):
             raise RefusedError(value, self.allowed)
-        if abs(number) > LARGEST:
-            raise RefusedError(value, f"{self.allowed} of a size up to {LARGEST:g}")
+        if abs(number) > self.largest:
+            raise RefusedError(value, f"{self.allowed} of a size up to {self.largest:g}")
         return number
 
     def holds(self, number: float) -> bool:

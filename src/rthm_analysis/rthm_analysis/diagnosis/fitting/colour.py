@@ -25,6 +25,12 @@ BANDS = 40
 REWEIGHTED = 4
 """Fits of a spectrum, each weighed by the one before, until it is the likeliest."""
 
+FAINTEST = 1e-6
+"""Part of a band's power below which no fitted spectrum is taken: weights stay within what numbers can hold."""
+
+STEPS = 30
+"""Steps per part in which non-negative least squares must end."""
+
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
 
@@ -110,6 +116,8 @@ def colour_of(residual: Floats, measured: Floats, level: float, *, moves: bool =
     if residual.size < FEWEST:
         return white(level)
     at, power, lines = _banded(*spectrum(residual))
+    if not power.all():
+        return white(level)
     moving = moves & (_banded(*spectrum(measured))[1] > MOVES * power)
     found = _parts(at, power, lines, moving)
     if found is None:
@@ -172,12 +180,12 @@ def _likeliest(columns: Floats, power: Floats, lines: Floats) -> tuple[float, Fl
 
     fitted = power
     for _ in range(REWEIGHTED):
-        weight = 1.0 / (np.maximum(fitted, 1e-300) * (UNSURE + np.sqrt(1.0 / lines)))
+        weight = 1.0 / (np.maximum(fitted, FAINTEST * power) * (UNSURE + np.sqrt(1.0 / lines)))
         weighted = columns * weight[:, None]
         scale = weighted.max(0)
-        sizes = nnls(weighted / scale, power * weight)[0] / scale
+        sizes = nnls(weighted / scale, power * weight, maxiter=STEPS * columns.shape[1])[0] / scale
         fitted = columns @ sizes
-    fitted = np.maximum(fitted, 1e-300)
+    fitted = np.maximum(fitted, FAINTEST * power)
     return float(2.0 * np.sum(_worth(lines) * (np.log(fitted) + power / fitted))), sizes
 
 

@@ -71,8 +71,11 @@ def needed_only(fitting: Fitting, selection: Selection) -> Selection:
             base = replace(base, model=_without(base.model, key))
     if best is selection.best:
         return selection
-    best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
-    base = best if not selection.rounds else fitting.fit(base.model, most=PRUNING)
+    try:
+        best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
+        base = best if not selection.rounds else fitting.fit(base.model, most=PRUNING)
+    except np.linalg.LinAlgError:
+        return selection
     fitting.reduced_chi2 = reduced_chi2(fitting, best)
     return rounds_refitted(fitting, Selection(base, best, selection.rounds, selection.limits))
 

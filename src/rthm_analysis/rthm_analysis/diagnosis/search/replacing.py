@@ -48,12 +48,17 @@ def model_of(selection: Selection, starts: list[tuple[int, InitialGuess]]) -> Mo
 
 
 def rounds_refitted(fitting: Fitting, selection: Selection) -> Selection:
-    """The same, what each round but the last added fitted again beside the values of the present base."""
+    """The same, what each round but the last added fitted again beside the values of the present base.
+
+    A round that cannot be fitted without those after it keeps the fit it had.
+    """
     rounds = list(selection.rounds)
     for i, (first, *others) in enumerate(rounds[:-1]):
-        upto = fitting.fit(
-            model_of(selection, [(j, tried[0].start) for j, tried in enumerate(rounds[: i + 1])])
-        )
+        present = model_of(selection, [(j, tried[0].start) for j, tried in enumerate(rounds[: i + 1])])
+        try:
+            upto = fitting.fit(present)
+        except np.linalg.LinAlgError:
+            continue
         rounds[i] = [FittedCandidate(first.start, upto, float(upto.left_out.sum())), *others]
     return replace(selection, rounds=rounds)
 

@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rthm.recordings import diagnose, energy, read, timing
+    from rthm.recordings import diagnose, energy, import_table, read, timing
     from rthm.simulations import sensitivities, simulate, simulate_many
     from rthm.specs import load
     from rthm.sweeps import sweep
@@ -32,6 +32,7 @@ __all__ = [
     "__version__",
     "diagnose",
     "energy",
+    "import_table",
     "load",
     "read",
     "response",
@@ -48,6 +49,7 @@ _PLACES = {
     "InputError": "rthm_core.errors",
     "diagnose": "rthm.recordings",
     "energy": "rthm.recordings",
+    "import_table": "rthm.recordings",
     "load": "rthm.specs",
     "read": "rthm.recordings",
     "response": "rthm.theory",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from rthm_analysis import recording
 from rthm_analysis.energy import EnergyResult, energy_of
 from rthm_analysis.timing import timing_of
 from rthm_core.effects import load_effects
+from rthm_core.errors import InputError
 
 Recorded = str | Path | recording.Recording
 """What names a recording: the path of a bag, or a recording that was read before."""
@@ -90,6 +91,69 @@ def read(bag: Recorded, effects: Iterable[str | Path] = ()) -> Recording:
     load_effects(effects)
     found = bag if isinstance(bag, recording.Recording) else recording.read_recording(bag)
     return Recording.of(found)
+
+
+def import_table(
+    file: str | Path,
+    bag: str | Path,
+    columns: Mapping[str, str],
+    spec: Named | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+) -> Recording:
+    """Make a bag of a table that another tool has written, and read it.
+
+    Parameters
+    ----------
+    file : str or Path
+        CSV, MAT or Parquet.
+    bag : str or Path
+        The folder of the bag; it must not exist, or be empty.
+    columns : mapping of str to str
+        Which column has what: ``{"position:x1": "Displacement"}``. Roles are ``position``, ``velocity`` and
+        ``load`` of a dof, ``force`` and ``motor`` of an actuator.
+    spec : str, Path or Spec, optional
+        The nominal model; it goes into the bag.
+    units : mapping of str to str, optional
+        Unit by role where the file says none or a wrong one, as ``{"position": "mm"}``, or a factor to SI.
+    time : str, optional
+        The column with the time; ``t`` or ``time``, whatever its unit, when absent.
+    rate : float, optional
+        Samples per second, where no column has the time.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column, role or unit is not known, or the bag exists.
+
+    Examples
+    --------
+    >>> import numpy as np, rthm
+    >>> t = np.arange(0.0, 5.0, 0.005)
+    >>> table = np.column_stack([t, 500.0 * np.cos(3.0 * t)])
+    >>> np.savetxt("decay.csv", table, delimiter=",", header="t [s],Displacement [mm]", comments="")
+    >>> rig = rthm.import_table("decay.csv", "decay", {"position:x1": "Displacement"})
+    >>> f"{rig.plant.position[0, 0]:.1f} m"
+    '0.5 m'
+    """
+    from rthm_analysis.exchange import import_files, wanted
+
+    nominal = None if spec is None else load(spec)
+    maps = [f"{role}={column}" for role, column in columns.items()]
+    of = [f"{role}={unit}" for role, unit in (units or {}).items()]
+    found = import_files([str(file)], Path(bag), wanted(maps, of, time, rate, nominal), nominal)
+    if len(found) > 1:
+        raise InputError(
+            f"{file} has {len(found)} recordings, and `import_table` makes one bag; "
+            "rthm import makes one for each."
+        )
+    return read(found[0].bag)
 
 
 def energy(bag: Recorded, spec: Named | None = None) -> Energy:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of, whitened_from
+from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, whitened_from
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
@@ -135,3 +135,15 @@ def test_a_coarse_sensor_and_a_rig_at_rest_have_readings_only() -> None:
     resting[1000:] = resting[1000]
     for one in (evidence, coarse, replace(evidence, measured=resting)):
         assert readings_only(one) is one
+
+
+def test_a_spectrum_that_no_colour_has_is_white_and_ends_no_program() -> None:
+    """The model left most in slow bands in which the rig was thought to be still; weights went to 1e300."""
+    lines = np.array([0.5] * 6 + [1.0] * 3 + [1.5] + np.geomspace(2.0, 439.0, 27).tolist())
+    at = np.geomspace(6.8e-4, 2.84, 37)
+    left = [5.5e3, 3.3e2, 1.3e2, 9.1, 27.0, 1.6e3, 6.2e5, 7.2e5, 4.8e6, 1.1e5, 350.0, 110.0, 27.0, 65.0]
+    power = np.array(left + [100.0] * 23)
+    moving = np.zeros(37, dtype=bool)
+    moving[3:8] = True
+
+    assert _parts(at, power, lines, moving) is None

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable
-from rthm_analysis.diagnosis.search.replacing import compared, plainer
+from rthm_analysis.diagnosis.search.replacing import compared, plainer, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.spec import Spec, apply
 
@@ -82,3 +83,16 @@ def test_a_kind_that_was_chosen_too_early_gives_way() -> None:
     assert kinds(found) == ["coulomb_friction", "cubic_stiffness"]
     force = found.best.model.effect_values(0)["force"]
     assert isinstance(force, float) and abs(force - 0.3) < 0.01
+
+
+def test_a_round_that_cannot_be_fitted_without_the_next_keeps_its_fit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fitting = fitting_of(with_cubic(RUBBED), 2)
+    selection = choice_of(fitting, (COULOMB,), (CUBIC,))
+
+    def diverges(self: Fitting, model: Model) -> Fitted:
+        raise np.linalg.LinAlgError("a model has no finite sensitivities")
+
+    monkeypatch.setattr(Fitting, "fit", diverges)
+    assert rounds_refitted(fitting, selection).rounds == selection.rounds

@@ -125,3 +125,16 @@ def test_what_effects_declare_is_known_without_compiling_anything() -> None:
     code = "import sys; from rthm_core.effects import kinds; kinds('plant'); print('numba' in sys.modules)"
     told = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
     assert told == "False\n"
+
+
+def test_the_coefficient_of_a_power_of_the_motion_may_be_of_any_size_and_others_may_not() -> None:
+    """A hundredth of the stiffness of a beam of a micrometre, 1e5 N/m, is 1e13 N/m^3 at 10 nm."""
+    assert number("cubic_stiffness", "coefficient").convert(1e13) == 1e13
+    with pytest.raises(RefusedError):
+        number("coulomb_friction", "force").convert(1e13)
+
+
+def number(kind: str, name: str) -> EffectParameter:
+    found = effect(kind, "plant").parameters[name]
+    assert isinstance(found, EffectParameter)
+    return found

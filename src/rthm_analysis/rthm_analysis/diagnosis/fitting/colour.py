@@ -26,7 +26,7 @@ REWEIGHTED = 4
 """Fits of a spectrum, each weighed by the one before, until it is the likeliest."""
 
 FAINTEST = 1e-6
-"""Part of a band's power below which no fitted spectrum is taken: weights stay within what numbers can hold."""
+"""Part of a band's power below which no fitted spectrum is taken: weights stay numbers."""
 
 STEPS = 30
 """Steps per part in which non-negative least squares must end."""

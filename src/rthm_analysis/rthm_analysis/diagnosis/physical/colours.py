@@ -37,21 +37,21 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
     """
     evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
     causes = possible_causes(evidence, evidence.measured - left)
-    colours: list[Colour] = []
-    for k, channel in enumerate(evidence.channels):
-        error, predicted = left[:, k], evidence.measured[:, k] - left[:, k]
-        if channel.family == "force":
+
+    def of_channel(k: int) -> Colour:
+        error, predicted, before = left[:, k], evidence.measured[:, k] - left[:, k], noise.colours[k]
+        if evidence.channels[k].family == "force":
             error = _without(error, predicted)
         error = _without_own(error, predicted)
         if np.isfinite(error).mean() < MEASURED:
-            colours.append(noise.colours[k])
-            continue
-        colour = colour_of(error, evidence.measured[:, k], noise.colours[k].level)
+            return before
+        colour = colour_of(error, evidence.measured[:, k], before.level)
         slow = colour.is_white and not named and slow_power(error / colour.level)[0] > SLOW
         if slow and unrelated(error, causes):
-            colour = colour_of(error, evidence.measured[:, k], noise.colours[k].level, moves=False)
-        colours.append(colour)
-    return Noise(tuple(colours))
+            colour = colour_of(error, evidence.measured[:, k], before.level, moves=False)
+        return colour
+
+    return Noise(tuple(fitting.cores.each(of_channel, range(len(evidence.channels)))))
 
 
 def left_by(fitting: Fitting, fitted: Fitted) -> Floats:

@@ -39,19 +39,26 @@ def drafted(begun: Baseline, stop: Callable[[float], bool]) -> Selection | None:
     stop : callable
         As in `choose`.
     """
-    fitting = begun.fitting
     every = _every(begun)
-    if every < 2:
+    draft = draft_of(begun)
+    if draft is None:
         return None
-    kept, windows = fitting.windows.every(every, fitting.experiment.evidence.stamps_ns.size)
-    draft = Fitting(
-        fitting.experiment.draft(kept), windows, begun.noise.level, fitting.base, fitting.progress,
-        reduced_chi2=fitting.reduced_chi2, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
-    )  # fmt: skip
     base = draft.fit(begun.retuned.model)
     draft.reduced_chi2 = reduced_chi2(draft, base)
     found = choose(draft, base, stop)
     return _copied(begun, draft, found, every)
+
+
+def draft_of(begun: Baseline) -> Fitting | None:
+    """Fits on some of the samples; None where a draft is not called for."""
+    fitting, every = begun.fitting, _every(begun)
+    if every < 2:
+        return None
+    kept, windows = fitting.windows.every(every, fitting.experiment.evidence.stamps_ns.size)
+    return Fitting(
+        fitting.experiment.draft(kept), windows, begun.noise.level, fitting.base, fitting.progress,
+        reduced_chi2=fitting.reduced_chi2, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
+    )  # fmt: skip
 
 
 def _every(begun: Baseline) -> int:
@@ -91,7 +98,7 @@ def _copied(begun: Baseline, draft: Fitting, found: Selection, every: int) -> Se
     fitting.reduced_chi2 = reduced_chi2(fitting, whole)
     if not all(rounds):
         return None
-    return Selection(begun.retuned, whole, rounds, limits)
+    return Selection(begun.retuned, whole, rounds, limits, scores=found.scores)
 
 
 def _copy(fitting: Fitting, tried: FittedCandidate) -> FittedCandidate:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
-from rthm_analysis.diagnosis.physical.drafting import drafted
+from rthm_analysis.diagnosis.physical.drafting import draft_of, drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.budget import FURTHER
@@ -41,21 +41,40 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
     """
     fitting = begun.fitting
     plain = near = None
+    hopeless = False
     if not at_noise(fitting, begun.retuned):
         near = in_short_runs(begun, seen, settled, train) if fitting.reduced_chi2 > _lost(begun) else None
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
-        plain = plain_fit(fitting, begun, _freed_near(near))
-        if reduced_chi2(fitting, plain) < CLOSE:
+        freed_near = _freed_near(near)
+        hopeless = _values_are_not_it(begun, freed_near)
+        plain = None if hopeless else plain_fit(fitting, begun, freed_near)
+        if plain is not None and reduced_chi2(fitting, plain) < CLOSE:
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
     explained, selection = _by_effects(begun, near)
-    if explained.fitting is fitting and (selection.rounds or plain):
-        selection = _plainer(fitting, begun, selection, plain)
+    if explained.fitting is fitting and (selection.rounds or plain or hopeless):
+        if plain is None and not (hopeless and at_noise(fitting, selection.best)):
+            plain = plain_fit(fitting, begun, _freed_near(near))
+        selection = selection if plain is None else _plainer(fitting, selection, plain)
     if selection.imitates and reduced_chi2(explained.fitting, selection.best) > FLOOR**2:
         return _simple(begun, near, (explained, selection))
     return explained, selection
+
+
+def _values_are_not_it(begun: Baseline, near: Fitted | None) -> bool:
+    """Whether a draft leaves no doubt that other values of mass, damping and stiffness are not enough."""
+    begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, begun.retuned)
+    draft = draft_of(begun)
+    if draft is None:
+        return False
+    try:
+        nominal, retuned = (draft.fit(one.model) for one in (begun.nominal, begun.retuned))
+    except np.linalg.LinAlgError:
+        return False
+    plain = plain_fit(draft, begun._replace(fitting=draft, nominal=nominal, retuned=retuned), near)
+    return reduced_chi2(draft, plain) > WRONG
 
 
 def _simple(
@@ -110,11 +129,9 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     )
 
 
-def _plainer(fitting: Fitting, begun: Baseline, selection: Selection, plain: Fitted | None) -> Selection:
+def _plainer(fitting: Fitting, selection: Selection, plain: Fitted) -> Selection:
     """The selection, or the plainer hypothesis, with effects beside it where it alone is not enough."""
     reached = at_noise(fitting, selection.best)
-    if plain is None:
-        plain = plain_fit(fitting, begun)
     ahead = merit(selection.best) < merit(plain) - CLEAR
     if fitting.budget.spent or (ahead and (reached or is_lost(fitting, selection))):
         fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)

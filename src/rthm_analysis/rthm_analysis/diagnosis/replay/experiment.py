@@ -120,7 +120,7 @@ class Experiment:
         """Refine the grid from now on if a wire of this model needs it, but for a draft; whether anything
         changed.
         """
-        if self.sharp or self._is_draft or not can_be_sharper(spec):
+        if self.sharp or self.is_draft or not can_be_sharper(spec):
             return False
         self.sharp = True
         self._forget()
@@ -145,7 +145,8 @@ class Experiment:
         return Experiment(some, self.first, self.starts_ns, self.between, False, e, self.budget)
 
     @property
-    def _is_draft(self) -> bool:
+    def is_draft(self) -> bool:
+        """Whether it takes some of the samples only, and coarser steps."""
         return self.loads is not None
 
     def _forget(self) -> None:
@@ -221,7 +222,7 @@ class Experiment:
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
-        steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self._is_draft)
+        steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self.is_draft)
         replay_mechanics(
             arrays, points.time, steps, motor, load, starts, windows.state,
             time.ravel(), seen.reshape(time.size, m), out, working(arrays),
@@ -242,7 +243,7 @@ class Experiment:
         return kept
 
     def _longest_interval(self, spec: Spec) -> int:
-        return longest_interval(spec, sharp=self.sharp, coarse=self._is_draft)
+        return longest_interval(spec, sharp=self.sharp, coarse=self.is_draft)
 
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
         """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""

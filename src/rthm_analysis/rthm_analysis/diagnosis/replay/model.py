@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.entries import entry_of, with_entry
 from rthm_core.effects import Effect, effect
 from rthm_core.effects.possible import ANYTHING, Seen
+from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
 
@@ -109,6 +111,14 @@ class EffectInstance:
             low, high = max(low, least), min(high, most)
         return low, max(low, high)
 
+    def check(self, keys: Iterable[str]) -> None:
+        """Raise InputError where a spec does not allow the value of one of these parameters."""
+        for key in keys:
+            try:
+                self.law.parameters[key].convert(self.parameters[key])
+            except RefusedError as error:
+                raise error.at(f"{self.kind}.{key}") from None
+
     @property
     def label(self) -> tuple[str, str]:
         """Block and kind."""
@@ -124,14 +134,15 @@ class EffectInstance:
 class Model:
     """Nominal spec, factors on uncertain properties, added effects.
 
-    `checked` keeps the spec of the added effects, once it was checked, for models that differ in values only.
+    `checked` keeps the spec of each set of added effects, once it was checked, for models with other values.
+    Models that were made of one another share it.
     """
 
     nominal: Spec
     parameters: tuple[Parameter, ...] = ()
     added: tuple[EffectInstance, ...] = ()
     prefix: str = "found"
-    checked: list[Spec] = field(default_factory=list, compare=False, repr=False)
+    checked: dict[tuple[Any, ...], Spec] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def values(self) -> Floats:
@@ -169,6 +180,7 @@ class Model:
 
     def plus(self, one: EffectInstance, free: tuple[str, ...], scales: dict[str, float]) -> Model:
         """The model with one more effect, of whose parameters those in `free` may move."""
+        one.check(key for key in one.parameters if key not in free)
         new = []
         for key in free:
             low, high = one.bounds(key, one.parameters)
@@ -177,7 +189,7 @@ class Model:
             place = len(self.parameters) + free.index(along) if along in free else None
             scale = scales.get(key, abs(value) or 1.0)
             new.append(Parameter(self._key(len(self.added), key), value, scale, low, high, along=place))
-        more = replace(self, parameters=(*self.parameters, *new), added=(*self.added, one), checked=[])
+        more = replace(self, parameters=(*self.parameters, *new), added=(*self.added, one))
         return more.at(more.values)
 
     def name(self, index: int) -> str:
@@ -196,9 +208,10 @@ class Model:
     @property
     def spec(self) -> Spec:
         """Spec of this model; checked once, as its parameters keep to their bounds."""
-        if not self.checked:
-            self.checked.append(self._checked())
-        return self._with_values(self.checked[0])
+        key = tuple((one.block, one.kind, one.place, tuple(one.parameters)) for one in self.added)
+        if key not in self.checked:
+            self.checked[key] = self._checked()
+        return self._with_values(self.checked[key])
 
     def _checked(self) -> Spec:
         names = [self.name(i) for i in range(len(self.added))]

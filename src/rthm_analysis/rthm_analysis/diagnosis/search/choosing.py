@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.search.judging import (
     relevant,
 )
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
-from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen
+from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen, tones
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.replacing import compared
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
@@ -61,7 +61,7 @@ def choose(
 
 def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bool]) -> Selection:
     """Explain what a selection leaves by more effects, then ask whether others do better, or fewer."""
-    scores: list[ScoredCandidate] = []
+    scores = selection.scores
     while len(selection.rounds) < MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(selection.best)
         scores = _scores(fitting, selection, known, scores)
@@ -76,7 +76,7 @@ def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bo
         selection = _together(fitting, selection)
     if is_lost(fitting, selection):
         return selection
-    return compared(fitting, simplified(fitting, combined(fitting, selection)))
+    return replace(compared(fitting, simplified(fitting, combined(fitting, selection))), scores=scores)
 
 
 def is_lost(fitting: Fitting, selection: Selection) -> bool:
@@ -106,12 +106,14 @@ def _together(fitting: Fitting, selection: Selection) -> Selection:
 def _scores(
     fitting: Fitting, selection: Selection, known: Floats, before: list[ScoredCandidate]
 ) -> list[ScoredCandidate]:
-    """Score of every candidate; near the noise, from the best starts of the round before."""
+    """Score of every candidate; near the noise, from the best starts of the round before, and of tones that
+    show now.
+    """
     fitting.progress("looking for more" if selection.rounds else "looking for physics that was left out")
     if before and fitting.reduced_chi2 <= CLOSE:
         present = {tried[0].label for tried in selection.rounds}
         others = [s.start for s in best_of_each(before, 1) if s.start.label not in present]
-        return screen(fitting, selection.best, known, others)
+        return screen(fitting, selection.best, known, [*others, *tones(fitting, selection.best)])
     scores = screened(fitting, selection.best, known)
     if not selection.limits:
         selection.limits = smallest_seen(scores)

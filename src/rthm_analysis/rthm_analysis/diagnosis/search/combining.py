@@ -52,10 +52,14 @@ def combined(fitting: Fitting, selection: Selection) -> Selection:
 
 
 def _questionable(fitting: Fitting, selection: Selection) -> bool:
-    """Whether another combination may do better: not where one plain effect leaves noise and no more."""
+    """Whether another combination may do better: not where one plain effect leaves noise and no more.
+
+    A draft leaves a little more, and is asked again with all samples.
+    """
+    enough = CLOSE if fitting.experiment.is_draft else UNFINISHED
     starts = [tried[0].start for tried in selection.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
-    return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < UNFINISHED)
+    return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < enough)
 
 
 def _cost(fitting: Fitting, selection: Selection, fitted: Fitted) -> float:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects import effect
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.search.screening import ScoredCandidate
 
 ENOUGH = 16.0
 """Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
@@ -83,6 +87,8 @@ class Selection:
     imitating : tuple
         Labels of effects that were left for plainer ones: they can imitate others and did not reach the
         noise.
+    scores : list of ScoredCandidate
+        What could have been added last.
     """
 
     base: Fitted
@@ -90,6 +96,7 @@ class Selection:
     rounds: list[list[FittedCandidate]] = field(default_factory=list)
     limits: dict[tuple[str, str, str], dict[str, float]] = field(default_factory=dict)
     imitating: tuple[tuple[str, str, str], ...] = ()
+    scores: list[ScoredCandidate] = field(default_factory=list)
 
     @property
     def imitates(self) -> bool:

@@ -9,6 +9,7 @@ from rthm_analysis.diagnosis.replay.resolution import COSTLY
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
@@ -40,9 +41,7 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCand
     experiment, spec = fitting.experiment, fitted.model.spec
     motion = experiment.motion(spec, fitting.windows)
     starts = list(looked_for(fitting, candidates(spec, experiment.evidence, motion, fitting.sigma)))
-    if not fitting.simple:
-        residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
-        starts += harmonic_starts(spec, experiment, residual, fitting.sigma)
+    starts += tones(fitting, fitted)
     first = screen(fitting, fitted, known, starts)
     # A size far from the trial's was an extrapolation: look again from there.
     again = [s.start for s in best_of_each(first, 1)[:AGAIN] if s.gain > ENOUGH and s.start.amplitude]
@@ -51,6 +50,14 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCand
     others = max((s.gain for s in both if s.start.added.block != "wire"), default=0.0)
     denied = fitting.cores.each(lambda s: _denied(fitting, fitted, s, _worth_a_fit(others)), both)
     return [s for s, no in zip(both, denied, strict=True) if not no]
+
+
+def tones(fitting: Fitting, fitted: Fitted) -> list[InitialGuess]:
+    """Tones that what a model leaves shows."""
+    if fitting.simple:
+        return []
+    residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+    return harmonic_starts(fitted.model.spec, fitting.experiment, residual, fitting.sigma)
 
 
 def _denied(fitting: Fitting, fitted: Fitted, one: ScoredCandidate, worth: float) -> bool:

@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.experiment.bounds import Bounds, bounds_of
 from rthm_analysis.diagnosis.experiment.candidates import candidates
 from rthm_analysis.diagnosis.experiment.predicting import MOST_STEPS, Predicted, Predictor, step_of
 from rthm_analysis.diagnosis.experiment.trials import Trial, plain
+from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_core.spec import HarmonicLoad
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ class Search:
         self.steps = min(int(np.ceil(duration / self.step)), MOST_STEPS)
         self.duration = min(duration, self.steps * self.step)
         self.predictors = [Predictor(one, self.duration / self.steps, self.steps) for one in specs]
+        self.cores = Cores()
 
     def best(self, present: Trial) -> tuple[Told, float] | None:
         """The trial that tells most, and how far the present one tells; None where there is none."""
@@ -82,11 +84,11 @@ class Search:
         """Predictions of the present test to its end, which may be much longer than a planned one."""
         steps = min(int(np.ceil(self.whole / self.step)), LONGEST * MOST_STEPS)
         self.left -= len(self.specs)
-        return [Predictor(one, self.step, steps).predict(trial) for one in self.specs]
+        return self.cores.each(lambda one: Predictor(one, self.step, steps).predict(trial), self.specs)
 
     def _run(self, trial: Trial) -> list[Predicted]:
         self.left -= len(self.predictors)
-        return [one.predict(trial) for one in self.predictors]
+        return self.cores.each(lambda one: one.predict(trial), self.predictors)
 
     def _all(self, trials: Iterator[Trial], bounds: Bounds) -> Iterator[Told]:
         return (one for trial in trials for one in self._told(trial, bounds))

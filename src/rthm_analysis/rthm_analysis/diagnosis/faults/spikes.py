@@ -146,11 +146,13 @@ def _excursions(values: Floats) -> Floats:
 def _usual(size: Floats, part: float) -> Floats:
     """What so many of the samples in the block of each and in the blocks beside it do not exceed."""
     count = max(size.size // BLOCK, 1)
-    blocks = np.array_split(size, count)
-    typical = np.array([np.quantile(one, part) for one in blocks])
+    shorter, longer = divmod(size.size, count)
+    parts = np.split(size, [longer * (shorter + 1)])
+    alike = (parts[0].reshape(longer, shorter + 1), parts[1].reshape(count - longer, shorter))
+    typical = np.concatenate([np.quantile(rows, part, axis=1) for rows in alike if rows.size])
     beside = np.pad(typical, 1, mode="edge")
     largest = np.maximum(np.maximum(beside[:-2], beside[2:]), typical)
-    return np.repeat(largest, [one.size for one in blocks])
+    return np.repeat(largest, np.where(np.arange(count) < longer, shorter + 1, shorter))
 
 
 def _spikes(values: Floats) -> list[Stretch]:

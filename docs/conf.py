@@ -16,7 +16,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["gallery/**/*.ipynb", "gallery/**/*.py"]
-nitpicky = False
+suppress_warnings = ["toc.not_included"]  # decisions are listed by their own page
 
 # Pages are read on the project's host as well, so their links are those of files.
 myst_enable_extensions = ["colon_fence"]
@@ -35,6 +35,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"/\d",
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
+    "capture_repr": (),
     "download_all_examples": False,
     "show_memory": False,
     "write_computation_times": False,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, whitened_from
+from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
@@ -74,7 +75,7 @@ def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPat
         driven_by="force",
     )
     monkeypatch.setattr(colours, "left_by", lambda fitting, fitted: noise[:, None])
-    fitting = SimpleNamespace(experiment=SimpleNamespace(evidence=evidence))
+    fitting = SimpleNamespace(cores=Cores(), experiment=SimpleNamespace(evidence=evidence))
     found = colours.coloured(fitting, None, white_noise(np.ones(1)))  # type: ignore[arg-type]
     assert found.is_white and found.level[0] == 1.0
 

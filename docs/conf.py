@@ -40,7 +40,6 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "write_computation_times": False,
     "show_signature": False,
-    "copyfile_regex": r".*\.yaml",
 }
 
 # Nothing on a page comes from elsewhere: no fonts, no scripts.

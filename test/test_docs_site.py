@@ -19,11 +19,8 @@ EXAMPLES = sorted((ROOT / "examples" / "gallery").glob("[0-9]*.py"))
 
 def site(folder: Path, *options: str) -> Path:
     """The site, made from a copy of what it is made of; any warning is an error."""
-    for part in ("docs", "examples/gallery"):
-        shutil.copytree(
-            ROOT / part, folder / part, ignore=shutil.ignore_patterns("gallery"), dirs_exist_ok=True
-        )
-    shutil.copytree(ROOT / "examples" / "gallery", folder / "examples" / "gallery", dirs_exist_ok=True)
+    shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns("gallery"))
+    shutil.copytree(ROOT / "examples" / "gallery", folder / "examples" / "gallery")
     words = ["-q", "-b", "html", "--fail-on-warning", "--keep-going", *options, "docs", "site"]
     done = subprocess.run(
         [sys.executable, "-m", "sphinx", *words],

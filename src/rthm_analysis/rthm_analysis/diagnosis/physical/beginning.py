@@ -193,13 +193,9 @@ def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:
 
 def best_of_starts(fitting: Fitting, model: Model) -> Fitted:
     """Best of two fits: a start that is a little off can imitate wrong parameters, and a fit gets stuck."""
-    if not model.parameters or fitting.windows.length is not None:
-        return fitting.fit(model)
-
-    def from_start(started: bool) -> Fitted:
-        return fitting.fit(fitting.fit(model, started=True).model if started else model)
-
-    fits = fitting.cores.each_in_parts(from_start, (False, True))
+    fits = [fitting.fit(model)]
+    if model.parameters and fitting.windows.length is None:
+        fits.append(fitting.fit(fitting.fit(model, started=True).model))
     return min(fits, key=lambda fitted: fitted.squares)
 
 

@@ -40,7 +40,7 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
     effects were found, which they may make needless.
     """
     fitting = begun.fitting
-    plain = near = None
+    plain = near = freed_near = None
     hopeless = False
     if not at_noise(fitting, begun.retuned):
         near = in_short_runs(begun, seen, settled, train) if fitting.reduced_chi2 > _lost(begun) else None
@@ -55,9 +55,10 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
                 return begun, found
     explained, selection = _by_effects(begun, near)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
-        if plain is None and not (hopeless and at_noise(fitting, selection.best)):
-            plain = plain_fit(fitting, begun, _freed_near(near))
-        selection = selection if plain is None else _plainer(fitting, selection, plain)
+        reached = at_noise(fitting, selection.best)
+        if not (hopeless and reached):
+            plain = plain or plain_fit(fitting, begun, freed_near)
+            selection = _plainer(fitting, selection, plain, reached=reached)
     if selection.imitates and reduced_chi2(explained.fitting, selection.best) > FLOOR**2:
         return _simple(begun, near, (explained, selection))
     return explained, selection
@@ -129,9 +130,11 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     )
 
 
-def _plainer(fitting: Fitting, selection: Selection, plain: Fitted) -> Selection:
-    """The selection, or the plainer hypothesis, with effects beside it where it alone is not enough."""
-    reached = at_noise(fitting, selection.best)
+def _plainer(fitting: Fitting, selection: Selection, plain: Fitted, *, reached: bool) -> Selection:
+    """The selection, or the plainer hypothesis, with effects beside it where it alone is not enough.
+
+    `reached` says whether the selection leaves nothing but noise.
+    """
     ahead = merit(selection.best) < merit(plain) - CLEAR
     if fitting.budget.spent or (ahead and (reached or is_lost(fitting, selection))):
         fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)

@@ -142,20 +142,18 @@ class Working(NamedTuple):
     pieces: Integers
 
 
-APART = 64
-"""Numbers left free on both sides of a scratch: two cores that write near each other wait for each other."""
-
-
 def working(mechanics: Mechanics) -> Working:
-    """Scratch for these mechanics, all of it in one place."""
+    """Scratch for these mechanics."""
     ny, rows = mechanics.initial.size, mechanics.laws.shape[0]
-    m, n = mechanics.wires.shape[0], mechanics.inverse_mass.shape[0]
-    sizes = [*(6 * [ny]), 4 * ny, m, n, rows, rows, rows]
-    begins = APART + np.cumsum([0, *sizes])
-    room = np.zeros(int(begins[-1]) + APART)
-    parts = [room[begin : begin + size] for begin, size in zip(begins, sizes, strict=False)]
-    parts[6] = parts[6].reshape(4, ny)
-    return Working(*parts[:-1], pieces=parts[-1].view(np.int64))
+    return Working(
+        *(np.zeros(ny) for _ in range(6)),
+        stages=np.zeros((4, ny)),
+        u=np.zeros(mechanics.wires.shape[0]),
+        w=np.zeros(mechanics.inverse_mass.shape[0]),
+        hold=np.zeros(rows),
+        held=np.zeros(rows),
+        pieces=np.zeros(rows, dtype=np.int64),
+    )
 
 
 @compiled

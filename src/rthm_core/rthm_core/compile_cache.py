@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numba
 from numba.core.caching import FunctionCache
+from numba.core.runtime import rtsys
 
 from rthm_core.errors import InputError
 from rthm_core.private_folder import NotPrivateError, make_private
@@ -98,15 +99,22 @@ class SharedCache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Compiled code from the disk, or None, and then nobody else compiles it until `save_overload`."""
-        found = super().load_overload(sig, target_context)
+        found = self._from_disk(sig, target_context)
         if found is not None:
             return found
         with suppress(OSError, NotImplementedError):
             self._lock.acquire()
-        found = super().load_overload(sig, target_context)
+        found = self._from_disk(sig, target_context)
         if found is not None:
             self._lock.release()
         return found
+
+    def _from_disk(self, sig: Any, target_context: Any) -> Any:
+        """As numba loads it, but without first importing what only compiling needs, a third of a start."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+        return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep compiled code and let others have it."""

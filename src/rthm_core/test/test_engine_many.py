@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rthm_core.engine import simulate, simulate_blocks, simulate_many
-from rthm_core.engine.exponential import exponentials
 from rthm_core.errors import InputError
+from rthm_core.exponential import exponentials
 from rthm_core.spec import apply, shipped_spec
 
 SIGNALS = (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled
-from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.linear.ledger import LinearLedger, packed, works_over
 from rthm_core.engine.program import STEP, Program
+from rthm_core.exponential import exponentials
 
 BITS, PLACES = 8, 4
 BASE = 1 << BITS

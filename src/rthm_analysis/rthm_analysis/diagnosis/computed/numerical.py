@@ -96,21 +96,21 @@ def ticks_of(recording: Recording, spec: Spec, held: Latched) -> Ticks:
 
 def _derivatives(time: Integers, load: Floats) -> Floats:
     """Load and its derivatives (n, ORDERS, k) of the cubic spline through its samples."""
-    from scipy.interpolate import CubicSpline
-
     if time.size < 4 or not load.any():
         return np.stack([load, *(np.zeros_like(load) for _ in range(ORDERS - 1))], axis=1)
+    from scipy.interpolate import CubicSpline
+
     spline = CubicSpline(time / NS, load)
     return np.stack([spline(time / NS, order) for order in range(ORDERS)], axis=1)
 
 
 def load_uncertainty(ticks: Ticks) -> float:
     """Rms of what is not known of the load between two ticks, N, from how well every other tick tells it."""
-    from scipy.interpolate import CubicSpline
-
     load, time = ticks.load[:, 0], ticks.time / NS
     if time.size < 12 or not load.any():
         return 0.0
+    from scipy.interpolate import CubicSpline
+
     missed = load[1:-1:2] - CubicSpline(time[::2], load[::2])(time[1:-1:2])
     return float(np.sqrt(np.mean(missed**2))) / 16.0
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rthm_core.clock import NS
+from rthm_core.exponential import exponentials
 from rthm_core.substructure import as_built, interface, substructure
 
 if TYPE_CHECKING:
@@ -97,8 +99,6 @@ class Structure:
 
     def step(self, dt: float) -> Step:
         """Exact step of `dt` seconds."""
-        from scipy.linalg import expm
-
         n, m = self.mass.shape[0], self.dof.size
         grip = np.zeros((n, m))
         grip[self.dof, np.arange(m)] = 1.0
@@ -113,7 +113,7 @@ class Structure:
         whole[n : 2 * n, first : first + n] = inverse
         chain = np.arange(first, first + (ORDERS - 1) * n)
         whole[chain, chain + n] = 1.0
-        rows = expm(whole * dt)[: 2 * n]
+        rows = exponentials(whole, np.array([dt * NS]))[0, : 2 * n]
         load = [rows[:, first + k * n : first + (k + 1) * n] for k in range(ORDERS)]
         return Step(rows[:, : 2 * n], rows[:, 2 * n : first], np.array(load))
 

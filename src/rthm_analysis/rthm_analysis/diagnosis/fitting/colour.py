@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-import numba
 import numpy as np
 
+from rthm_analysis.diagnosis.replay.compiled import compiled
 from rthm_core.compiled import Flags, Floats, Integers
 
 FEWEST = 400
@@ -22,14 +22,11 @@ FEWEST = 400
 BANDS = 40
 """Bands of the spectrum, evenly spaced in the logarithm of the frequency."""
 
-REWEIGHTED = 4
-"""Fits of a spectrum, each weighed by the one before, until it is the likeliest."""
+STEPS = 150
+"""Steps in which the likeliest sizes of the parts of a spectrum are found."""
 
 FAINTEST = 1e-6
 """Part of a band's power below which no fitted spectrum is taken: weights stay numbers."""
-
-STEPS = 30
-"""Steps per part in which non-negative least squares must end."""
 
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
@@ -154,39 +151,43 @@ def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[flo
 
     What the model leaves in the bands in which the rig moves may be anything on top of the noise.
     """
-    free = np.flatnonzero(moving)
-    own = np.zeros((at.size, free.size))
-    own[free, np.arange(free.size)] = 1.0
     highest = at[moving].max(initial=0.0)
     tail = np.where(at > highest, (at / at[-1]) ** -6.0, 0.0)
-    base = np.column_stack([np.ones_like(at), *([tail] if highest and tail.any() else []), own])
-    plain, _ = _likeliest(base, power, lines)
-    shapes = [1.0 / (2.0 - 2.0 * np.cos(at) + corner**2) for corner in CORNERS.tolist()]
-    fits = [_likeliest(np.column_stack([base, shape]), power, lines) for shape in shapes]
-    best = min(unlikely for unlikely, _ in fits)
+    base = np.stack([np.ones_like(at), *([tail] if highest and tail.any() else [])])
+    plain, _ = _likeliest(base[None], power, lines, moving)
+    shapes = 1.0 / (2.0 - 2.0 * np.cos(at) + CORNERS[:, None] ** 2)
+    beside = np.broadcast_to(base, (CORNERS.size, *base.shape))
+    unlikely, sizes = _likeliest(np.concatenate([beside, shapes[:, None]], axis=1), power, lines, moving)
     perfect = float(2.0 * np.sum(_worth(lines) * (np.log(power) + 1.0)))
-    if not plain - best > CLEARER or best - perfect > FITS * np.count_nonzero(~moving):
+    best = float(unlikely.min())
+    if not plain[0] - best > CLEARER or best - perfect > FITS * np.count_nonzero(~moving):
         return None
-    i = next(i for i, (unlikely, _) in enumerate(fits) if unlikely <= best + AS_GOOD)
-    sizes = fits[i][1]
-    first, drive = float(sizes[0]), float(sizes[-1])
+    i = int(np.argmax(unlikely <= best + AS_GOOD))
+    first, drive = float(sizes[i, 0]), float(sizes[i, -1])
     seen = float((drive * shapes[i][~moving]).max(initial=0.0))
     return (first, drive, float(CORNERS[i])) if seen > LEAST * first else None
 
 
-def _likeliest(columns: Floats, power: Floats, lines: Floats) -> tuple[float, Floats]:
-    """Twice the negative log-likelihood (Whittle's) of a spectrum, and the sizes (p,) of its parts."""
-    from scipy.optimize import nnls
+def _likeliest(parts: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[Floats, Floats]:
+    """Twice the negative log-likelihood (k,) of a spectrum (b,) under each of some models, and their sizes.
 
-    fitted = power
-    for _ in range(REWEIGHTED):
-        weight = 1.0 / (np.maximum(fitted, FAINTEST * power) * (UNSURE + np.sqrt(1.0 / lines)))
-        weighted = columns * weight[:, None]
-        scale = weighted.max(0)
-        sizes = nnls(weighted / scale, power * weight, maxiter=STEPS * columns.shape[1])[0] / scale
-        fitted = columns @ sizes
-    fitted = np.maximum(fitted, FAINTEST * power)
-    return float(2.0 * np.sum(_worth(lines) * (np.log(fitted) + power / fitted))), sizes
+    A model is a sum of parts, ``parts`` (k, p, b), in sizes (k, p) that are not negative; in the bands that
+    move anything may come on top. Maximised by the multiplicative steps of Itakura-Saito factorisation, none
+    of which is for the worse (Févotte and Idier 2011).
+    """
+    worth = _worth(lines)
+    sizes = np.median(power) / parts.max(axis=2) / parts.shape[1]
+    for _ in range(STEPS):
+        fitted = _fitted(sizes, parts, power, moving)
+        up = np.einsum("kpb,kb->kp", parts, worth * power / fitted**2)
+        sizes = sizes * np.sqrt(up / np.einsum("kpb,kb->kp", parts, worth / fitted))
+    fitted = _fitted(sizes, parts, power, moving)
+    return 2.0 * np.sum(worth * (np.log(fitted) + power / fitted), axis=1), sizes
+
+
+def _fitted(sizes: Floats, parts: Floats, power: Floats, moving: Flags) -> Floats:
+    fitted = np.einsum("kp,kpb->kb", sizes, parts)
+    return np.maximum(fitted, np.where(moving, power, FAINTEST * power))
 
 
 def _worth(lines: Floats) -> Floats:
@@ -213,19 +214,16 @@ def whitened_from(errors: Floats, colours: Sequence[Colour], starts: Integers) -
     for k, colour in enumerate(colours):
         if not colour.is_white:
             for begin, end in pairwise([*starts.tolist(), errors.shape[0]]):
-                out[begin:end, k] = whitened(
-                    np.ascontiguousarray(errors[begin:end, k]), colour.pole, colour.zero
-                )
+                _whiten(out[begin:end, k], colour.pole, colour.zero)
     return out
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def whitened(values: Floats, pole: float, zero: float) -> Floats:
-    """Innovations (s,) of a signal (s,) whose noise has a colour; 0 before its first sample."""
-    out = np.empty_like(values)
+@compiled
+def _whiten(signal, pole, zero):  # type: ignore[no-untyped-def]
+    """Put the innovations of a signal (s,), 0 before its first sample, in its place."""
     before, error = 0.0, 0.0
-    for t in range(values.size):
-        error = values[t] - pole * before + zero * error
-        before = values[t]
-        out[t] = error
-    return out
+    for t in range(signal.size):
+        value = signal[t]
+        error = value - pole * before + zero * error
+        before = value
+        signal[t] = error

@@ -8,6 +8,7 @@ every model allows a few samples to be anything, so that no single stall of a ma
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,8 @@ STRAY_LATE, STRAY_EARLY = 20e-3, 1e-3
 
 QUANTILES = (np.arange(6) + 0.5) / 6
 """Where the distribution of lateness is sampled when jitter comes on top."""
+
+_erf = np.vectorize(math.erf, otypes=[float])
 
 
 @dataclass(frozen=True)
@@ -52,9 +55,7 @@ class Model:
     def _jittered(self, x: Floats) -> Floats:
         if self.jitter <= 0.0:
             return np.asarray((x >= 0.0).astype(float))
-        from scipy.special import erf
-
-        return np.asarray(erf(np.maximum(x, 0.0) / (self.jitter * np.sqrt(2.0))))
+        return np.asarray(_erf(np.maximum(x, 0.0) / (self.jitter * np.sqrt(2.0))))
 
     def _late(self, x: Floats) -> Floats:
         if self.jitter <= 0.0:

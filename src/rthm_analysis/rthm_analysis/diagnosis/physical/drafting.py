@@ -7,6 +7,7 @@ among some of them finds is fitted to all of them, and the search goes on there 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -98,7 +99,8 @@ def _copied(begun: Baseline, draft: Fitting, found: Selection, every: int) -> Se
     fitting.reduced_chi2 = reduced_chi2(fitting, whole)
     if not all(rounds):
         return None
-    return Selection(begun.retuned, whole, rounds, limits, scores=found.scores)
+    scores = [replace(one, gain=one.gain * every) for one in found.scores]
+    return Selection(begun.retuned, whole, rounds, limits, scores=scores)
 
 
 def _copy(fitting: Fitting, tried: FittedCandidate) -> FittedCandidate:

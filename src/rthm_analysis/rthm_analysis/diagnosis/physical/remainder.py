@@ -27,6 +27,9 @@ CHANCE, UNLIKELY = 8.0, 1e-7
 averages, whose power is far from normal, the chance that is small enough for that.
 """
 
+FEW = 23
+"""Averages from which the quantile of `UNLIKELY` is within `CHANCE`."""
+
 BLURRED = 2.0
 """How much larger chance is where the noise has a colour: its estimate leaves some of it."""
 
@@ -116,10 +119,12 @@ def tolerance(white: bool) -> float:
 
 def _allowed(white: bool, count: int) -> float:
     """Power of so many averages from which something is left: beyond chance, and beyond the arithmetic."""
-    from scipy.special import chdtri
-
     some = max(count, 1)
-    chance = max(CHANCE * float(np.sqrt(2.0 / some)), float(chdtri(some, UNLIKELY)) / some - 1.0)
+    chance = CHANCE * float(np.sqrt(2.0 / some))
+    if some < FEW:
+        from scipy.special import chdtri
+
+        chance = max(chance, float(chdtri(some, UNLIKELY)) / some - 1.0)
     return 1.0 + max(tolerance(white) - 1.0, chance if white else BLURRED * chance)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_core.compiled import Flags, Floats, Integers
+from rthm_core.compiled import Floats, Integers
 
 SHIFTS = (-8, -4, -2, -1, 0, 1, 2, 4, 8, 16)
 """Samples by which causes are shifted: together they foretell what a lag or another delay leaves."""
@@ -21,6 +22,9 @@ BLOCKS = 8
 
 RELATED = 0.1
 """Part of an error that causes foretell in other stretches, from which it is no noise."""
+
+ROUNDING = 1e-13
+"""Part of the largest eigenvalue of the normal equations below which the others are rounding."""
 
 STEADY = 6.0
 """Power of the loudest stretch over that of the middle one, from which something happened there."""
@@ -48,26 +52,41 @@ def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
     power = np.bincount(blocks, np.square(error)) / np.maximum(np.bincount(blocks, known), 1)
     if power.max() > STEADY * float(np.median(power)):
         return False
-    even: Flags = blocks % 2 == 0
-    whole = float(np.square(error[known]).sum())
-    for cause in causes:
-        columns, foretold = _columns(cause), np.zeros(error.size)
-        for these, others in ((even, ~even), (~even, even)):
-            fit = known & others
-            foretold[these] = columns[these] @ np.linalg.lstsq(columns[fit], error[fit], rcond=1e-8)[0]
-        if float(np.square(error - foretold)[known].sum()) < (1.0 - RELATED) * whole:
-            return False
-    return True
+    whole = float(np.square(error).sum())
+    return not any(_missed(_parts(cause) * known, error) < (1.0 - RELATED) * whole for cause in causes)
 
 
-def _columns(cause: Floats) -> Floats:
-    """What a cause may make (s, p): it itself around each sample, and curves over it and its change."""
+def _missed(parts: Floats, error: Floats) -> float:
+    """Squared error (s,) that parts (p, s) do not foretell, each second stretch fitted to those between."""
+    edges = np.arange(BLOCKS + 1) * error.size // BLOCKS
+    normal = np.zeros((2, parts.shape[0], parts.shape[0]))
+    moment = np.zeros((2, parts.shape[0]))
+    for block, (begin, end) in enumerate(pairwise(edges.tolist())):
+        here = parts[:, begin:end]
+        normal[block % 2] += here @ here.T
+        moment[block % 2] += here @ error[begin:end]
+    missed = float(error @ error)
+    for these, others in ((0, 1), (1, 0)):
+        sizes = _solved(normal[others], moment[others])
+        missed += float(sizes @ normal[these] @ sizes - 2.0 * sizes @ moment[these])
+    return missed
+
+
+def _solved(normal: Floats, moment: Floats) -> Floats:
+    """Sizes (p,) by normal equations; what tells parts apart by rounding alone counts for nothing."""
+    values, vectors = np.linalg.eigh(normal)
+    kept = values > ROUNDING * values[-1]
+    return np.asarray(vectors[:, kept] @ (vectors[:, kept].T @ moment / values[kept]))
+
+
+def _parts(cause: Floats) -> Floats:
+    """What a cause may make (p, s): it itself around each sample, and curves over it and its change."""
     shifted = [np.roll(cause, shift) for shift in SHIFTS]
     change = cause - np.roll(cause, max(SHIFTS))
-    return np.column_stack([np.ones_like(cause), *shifted, _steps(cause), _steps(change)])
+    return np.vstack([np.ones_like(cause), *shifted, _steps(cause), _steps(change)])
 
 
 def _steps(values: Floats) -> Floats:
-    """Indicators (s, l) of the levels of a signal, each met equally often."""
+    """Indicators (l, s) of the levels of a signal, each met equally often."""
     edges = np.quantile(values, np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
-    return np.asarray(np.searchsorted(edges, values)[:, None] == np.arange(1, LEVELS), dtype=float)
+    return np.asarray(np.searchsorted(edges, values) == np.arange(1, LEVELS)[:, None], dtype=float)

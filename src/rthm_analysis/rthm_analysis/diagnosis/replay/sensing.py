@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numba
 import numpy as np
 
+from rthm_analysis.diagnosis.replay.compiled import compiled
 from rthm_core.compiled import Floats
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ def sensed(time: Floats, reading: Floats, effects: list[EffectSpec]) -> Floats:
     return value
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
     """First-order lag of a signal that runs along parabolas, and jumps where one ends.
 
@@ -51,6 +50,12 @@ def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
         At the start of each interval.
     """
     out = np.empty(time.size)
+    _lag_into(out, time, signal, time_constant)
+    return out
+
+
+@compiled
+def _lag_into(out, time, signal, time_constant):  # type: ignore[no-untyped-def]
     out[0] = signal[0, 0]
     for g in range(time.size - 1):
         first, middle, last = signal[g]
@@ -59,4 +64,3 @@ def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
         begin = first - time_constant * (slope - 2.0 * time_constant * curve)
         end = last - time_constant * (slope + 2.0 * curve * (h - time_constant))
         out[g + 1] = end + (out[g] - begin) * np.exp(-h / time_constant)
-    return out

@@ -23,6 +23,9 @@ REFINED = 10
 STARTS = 2
 """Starts from which a kind is refined whose replays take many times as long as others'."""
 
+STILL = 0.1
+"""Part of `ENOUGH` that a candidate must have gained in the round before to be screened in the next."""
+
 AGAIN = 12
 """Most kinds that are screened once more, with the size that was found."""
 
@@ -85,6 +88,11 @@ def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
         if label[:2] in kinds and one not in chosen and not enough:
             chosen.append(one)
     return chosen
+
+
+def worth_a_look(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
+    """Best start of each kind at each place, of a round before, that may be worth a fit by now."""
+    return [one for one in best_of_each(screened, 1) if one.gain > STILL * ENOUGH]
 
 
 def _worth_a_fit(best: float) -> float:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place
-from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.linear.loop import Exosystem, exosystem, with_loads
+from rthm_core.exponential import exponentials
 from rthm_core.physical.advance import Physical, advance_physical, listed_loads, present_rate
 
 

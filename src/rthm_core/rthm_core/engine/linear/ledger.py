@@ -12,9 +12,9 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
-from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
+from rthm_core.exponential import exponentials
 from rthm_core.numerical import numerical
 from rthm_core.physical.drive import Drive, drive, settled
 from rthm_core.physical.side import build

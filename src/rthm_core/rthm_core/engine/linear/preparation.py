@@ -8,11 +8,11 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import digit_lengths, digit_works
-from rthm_core.engine.exponential import exponentials
 from rthm_core.engine.linear.kernel import Memory, Operations, Tables, vector
 from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger, work_tables
 from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.engine.program import Program
+from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.wide import wide_copy
 

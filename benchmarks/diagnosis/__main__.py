@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import platform
 import subprocess
 import sys
+import tarfile
 import tempfile
 import time
 from collections.abc import Mapping
@@ -34,7 +36,8 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
         "--out", type=Path, required=True, help="path without ending: .json and .md are written"
     )
     parser.add_argument("--duration", type=float, default=60.0, help="length of the recordings, s")
-    parser.add_argument("--rounds", type=int, default=3, help="times that each is diagnosed")
+    parser.add_argument("--rounds", type=int, default=5, help="times that each is diagnosed")
+    parser.add_argument("--beside", metavar="COMMIT", help="time the code of a commit in turn with today's")
     return parser.parse_args(words)
 
 
@@ -50,6 +53,14 @@ def recording(spec: Spec, folder: Path, duration: float) -> Path:
         check=True,
     )
     return Path(json.loads(done.stdout)["bag"])
+
+
+def sources_of(commit: str, folder: Path) -> str:
+    """Search path of Python for the packages of a commit, which are unpacked into a folder."""
+    packed = subprocess.run(["git", "archive", commit, "src"], capture_output=True, check=True).stdout
+    with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
+        archive.extractall(folder, filter="data")
+    return os.pathsep.join(str(package) for package in sorted((folder / "src").iterdir()))
 
 
 def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, str]:
@@ -68,38 +79,49 @@ def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, str]:
 
 
 def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
-    """One row per recording; the first diagnosis of all compiles."""
-    environment = os.environ | {"RTHM_CACHE_DIR": str(folder / "cache")}
+    """One row per recording and version of the code; its first diagnosis of all compiles."""
+    codes = {"today": dict(os.environ)}
+    if options.beside:
+        codes[options.beside] = os.environ | {"PYTHONPATH": sources_of(options.beside, folder / "beside")}
+    codes = {
+        code: environment | {"RTHM_CACHE_DIR": str(folder / f"cache-{code}")}
+        for code, environment in codes.items()
+    }
     rows: list[dict[str, Any]] = []
     for number, (name, changes) in enumerate(HIDDEN.items()):
         bag = recording(apply(shipped_spec(NOMINAL), changes), folder / str(number), options.duration)
-        cold = diagnosed(bag, environment)[0] if not rows else None
-        rounds = [diagnosed(bag, environment) for _ in range(options.rounds)]
-        rows.append(
-            {"hidden": name, "found": rounds[0][1], "cold": cold, "warm": [seconds for seconds, _ in rounds]}
-        )
-        print(rows[-1], file=sys.stderr, flush=True)
+        firsts = {code: diagnosed(bag, environment) for code, environment in codes.items()}
+        rounds = [
+            {code: diagnosed(bag, environment)[0] for code, environment in codes.items()}
+            for _ in range(options.rounds)
+        ]
+        for code, (seconds, found) in firsts.items():
+            warm = [one[code] for one in rounds]
+            cold = None if number else seconds
+            rows.append({"hidden": name, "code": code, "found": found, "cold": cold, "warm": warm})
+            print(rows[-1], file=sys.stderr, flush=True)
     return rows
 
 
 def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
     """Page of the results."""
+    beside = f" --beside {header['beside']}" if header["beside"] else ""
     lines = [
         "# Time of a diagnosis",
         "",
         f"{header['date']}, {header['machine']}; `rthm diagnose` of {header['duration']:g} s of {NOMINAL}, "
         "wall time of the whole command: start, reading, every kind tried. First use: nothing is compiled.",
-        "Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time`.",
+        *(["Another version of the code was timed in turn with today's."] if beside else []),
+        f"Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time{beside}`.",
         "",
-        "| hidden | found | first use | later, median | later, each |",
-        "|---|---|---|---|---|",
+        "| hidden | code | found | first use | later, median | later, each |",
+        "|---|---|---|---|---|---|",
     ]
     for row in rows:
         cold = f"{row['cold']:.1f} s" if row["cold"] else ""
         each = ", ".join(f"{seconds:.1f}" for seconds in row["warm"])
-        lines.append(
-            f"| {row['hidden']} | {row['found']} | {cold} | {median(row['warm']):.1f} s | {each} s |"
-        )
+        later = f"{median(row['warm']):.1f} s | {each} s"
+        lines.append(f"| {row['hidden']} | {row['code']} | {row['found']} | {cold} | {later} |")
     return "\n".join(lines) + "\n"
 
 
@@ -110,6 +132,7 @@ def main(words: list[str] | None = None) -> int:
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "machine": f"{os.cpu_count()} cores ({platform.machine()}), Python {platform.python_version()}",
         "duration": options.duration,
+        "beside": options.beside,
     }
     with tempfile.TemporaryDirectory(prefix="diagnosis-") as folder:
         rows = measured(options, Path(folder))

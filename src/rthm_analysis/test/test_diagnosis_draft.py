@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import drafting
 from rthm_analysis.diagnosis.physical.beginning import Baseline
-from rthm_analysis.diagnosis.physical.drafting import drafted
+from rthm_analysis.diagnosis.physical.drafting import draft_of, drafted
 from rthm_analysis.diagnosis.physical.explaining import is_behind
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
@@ -81,7 +81,9 @@ def test_a_draft_finds_what_a_search_finds_for_less() -> None:
     slow, fast = fitting_of(TRUE, 7), fitting_of(TRUE, 7)
     begun = begun_with(fast)
     found = choose(slow, begun_with(slow).retuned)
-    draft = drafted(begun, never)
+    some = draft_of(begun)
+    assert some is not None
+    draft = drafted(begun, some, never)
     assert draft is not None
     assert {t[0].label for t in draft.rounds} == {t[0].label for t in found.rounds}
     assert reduced_chi2(fast, draft.best) < 1.2
@@ -93,7 +95,7 @@ def test_a_draft_finds_what_a_search_finds_for_less() -> None:
 @pytest.mark.usefixtures("short_drafts")
 def test_near_the_noise_nothing_is_drafted() -> None:
     begun = begun_with(fitting_of(PAPER, 8))
-    assert drafted(begun, never) is None
+    assert draft_of(begun) is None
 
 
 def test_a_second_search_that_had_to_end_early_takes_nothing_back() -> None:

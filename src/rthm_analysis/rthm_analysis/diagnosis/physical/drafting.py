@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, reduced_chi2
@@ -30,36 +31,45 @@ IN_WINDOW = 30
 """Samples of a draft in each window at least."""
 
 
-def drafted(begun: Baseline, stop: Callable[[float], bool]) -> Selection | None:
-    """What a search finds in a draft, fitted to everything; None where a draft is not called for, or misled.
+class Draft(NamedTuple):
+    """Fits on one of `every` samples, and the retuned model fitted there."""
+
+    fitting: Fitting
+    every: int
+    retuned: Fitted
+
+
+def drafted(begun: Baseline, draft: Draft, stop: Callable[[float], bool]) -> Selection | None:
+    """What a search finds in a draft, fitted to everything; None where the draft misled.
 
     Parameters
     ----------
     begun : Baseline
         Its fitting has the reduced chi-squared of the retuned model.
+    draft : Draft
+        Of it.
     stop : callable
         As in `choose`.
     """
-    every = _every(begun)
-    draft = draft_of(begun)
-    if draft is None:
-        return None
-    base = draft.fit(begun.retuned.model)
-    draft.reduced_chi2 = reduced_chi2(draft, base)
-    found = choose(draft, base, stop)
-    return _copied(begun, draft, found, every)
+    draft.fitting.rebase(draft.fitting.base)
+    draft.fitting.reduced_chi2 = reduced_chi2(draft.fitting, draft.retuned)
+    return _copied(begun, draft, choose(draft.fitting, draft.retuned, stop))
 
 
-def draft_of(begun: Baseline) -> Fitting | None:
-    """Fits on some of the samples; None where a draft is not called for."""
+def draft_of(begun: Baseline) -> Draft | None:
+    """Fits on some of the samples; None where that is not called for, or the retuned model diverges."""
     fitting, every = begun.fitting, _every(begun)
     if every < 2:
         return None
     kept, windows = fitting.windows.every(every, fitting.experiment.evidence.stamps_ns.size)
-    return Fitting(
+    there = Fitting(
         fitting.experiment.draft(kept), windows, begun.noise.level, fitting.base, fitting.progress,
         reduced_chi2=fitting.reduced_chi2, cores=fitting.cores, asked=fitting.asked, simple=fitting.simple,
     )  # fmt: skip
+    try:
+        return Draft(there, every, there.fit(begun.retuned.model))
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _every(begun: Baseline) -> int:
@@ -71,17 +81,17 @@ def _every(begun: Baseline) -> int:
     return int(min(samples // SAMPLES, shortest // IN_WINDOW, excess // EXCESS))
 
 
-def _copied(begun: Baseline, draft: Fitting, found: Selection, every: int) -> Selection | None:
+def _copied(begun: Baseline, draft: Draft, found: Selection) -> Selection | None:
     """The selection of a draft, with the fits of all samples; None where these say something else."""
     fitting = begun.fitting
     limits = {
-        label: {name: float(size / np.sqrt(every)) for name, size in sizes.items()}
+        label: {name: float(size / np.sqrt(draft.every)) for name, size in sizes.items()}
         for label, sizes in found.limits.items()
     }
     if not found.rounds:
         return Selection(begun.retuned, begun.retuned, [], limits)
     fitting.progress("fitting what was found to all samples")
-    before, fitting.reduced_chi2 = fitting.reduced_chi2, draft.reduced_chi2
+    before, fitting.reduced_chi2 = fitting.reduced_chi2, draft.fitting.reduced_chi2
     try:
         fitting.rebase(found.best.model)
         whole = fitting.fit(found.best.model, most=FINISHING, least=FINE)
@@ -99,7 +109,7 @@ def _copied(begun: Baseline, draft: Fitting, found: Selection, every: int) -> Se
     fitting.reduced_chi2 = reduced_chi2(fitting, whole)
     if not all(rounds):
         return None
-    scores = [replace(one, gain=one.gain * every) for one in found.scores]
+    scores = [replace(one, gain=one.gain * draft.every) for one in found.scores]
     return Selection(begun.retuned, whole, rounds, limits, scores=scores)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
-from rthm_analysis.diagnosis.physical.drafting import draft_of, drafted
+from rthm_analysis.diagnosis.physical.drafting import Draft, draft_of, drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.budget import FURTHER
@@ -40,20 +40,22 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
     effects were found, which they may make needless.
     """
     fitting = begun.fitting
-    plain = near = freed_near = None
+    plain = near = freed_near = draft = None
     hopeless = False
     if not at_noise(fitting, begun.retuned):
         near = in_short_runs(begun, seen, settled, train) if fitting.reduced_chi2 > _lost(begun) else None
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
         freed_near = _freed_near(near)
-        hopeless = _values_are_not_it(begun, freed_near)
+        begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, begun.retuned)
+        draft = draft_of(begun)
+        hopeless = draft is not None and _values_are_not_it(begun, draft, freed_near)
         plain = None if hopeless else plain_fit(fitting, begun, freed_near)
         if plain is not None and reduced_chi2(fitting, plain) < CLOSE:
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    explained, selection = _by_effects(begun, near)
+    explained, selection = _by_effects(begun, near, draft)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
         reached = at_noise(fitting, selection.best)
         if not (hopeless and reached):
@@ -64,18 +66,15 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
     return explained, selection
 
 
-def _values_are_not_it(begun: Baseline, near: Fitted | None) -> bool:
+def _values_are_not_it(begun: Baseline, draft: Draft, near: Fitted | None) -> bool:
     """Whether a draft leaves no doubt that other values of mass, damping and stiffness are not enough."""
-    begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, begun.retuned)
-    draft = draft_of(begun)
-    if draft is None:
-        return False
+    fitting = draft.fitting
     try:
-        nominal, retuned = (draft.fit(one.model) for one in (begun.nominal, begun.retuned))
+        nominal = fitting.fit(begun.nominal.model)
     except np.linalg.LinAlgError:
         return False
-    plain = plain_fit(draft, begun._replace(fitting=draft, nominal=nominal, retuned=retuned), near)
-    return reduced_chi2(draft, plain) > WRONG
+    there = begun._replace(fitting=fitting, nominal=nominal, retuned=draft.retuned)
+    return reduced_chi2(fitting, plain_fit(fitting, there, near)) > WRONG
 
 
 def _simple(
@@ -157,23 +156,26 @@ def _lost(begun: Baseline) -> float:
     return LOST if begun.runs.length is None else np.inf
 
 
-def _by_effects(begun: Baseline, short: Baseline | None) -> tuple[Baseline, Selection]:
+def _by_effects(
+    begun: Baseline, short: Baseline | None, draft: Draft | None = None
+) -> tuple[Baseline, Selection]:
     """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
     fitting, lost = begun.fitting, _lost(begun)
     fitting.reduced_chi2 = reduced_chi2(fitting, begun.retuned)
-    selection = _choice(begun, lambda left: left > lost)
+    selection = _choice(begun, lambda left: left > lost, draft)
     if short is None or fitting.reduced_chi2 <= lost:
         return begun, selection
     return _led_by(short, begun, selection)
 
 
-def _choice(begun: Baseline, stop: Callable[[float], bool]) -> Selection:
+def _choice(begun: Baseline, stop: Callable[[float], bool], draft: Draft | None = None) -> Selection:
     """Effects that were found in a draft, and more where they are near the noise; else in the first place."""
     fitting = begun.fitting
-    draft = drafted(begun, stop)
-    if draft is not None and (fitting.reduced_chi2 > CLOSE or not draft.rounds):
-        return draft
-    return choose(fitting, begun.retuned, stop, begun=draft)
+    draft = draft or draft_of(begun)
+    found = drafted(begun, draft, stop) if draft is not None else None
+    if found is not None and (fitting.reduced_chi2 > CLOSE or not found.rounds):
+        return found
+    return choose(fitting, begun.retuned, stop, begun=found)
 
 
 def _freed_near(short: Baseline | None) -> Fitted | None:

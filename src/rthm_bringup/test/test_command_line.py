@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +14,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from typer.main import get_command
 
+from rthm_bringup.cli.main import application
 from rthm_bringup.cli.output import plain, table
+from rthm_bringup.cli.reference import reference
 from rthm_core.effects.base import BLOCKS, effect, family, kinds
 from rthm_core.spec import read_spec, shipped_names, shipped_spec
 
@@ -142,3 +147,31 @@ def test_every_effect_is_listed_with_its_parameters() -> None:
             one = told[family(block), kind]
             assert one["words"] and list(one["parameters"]) == list(effect(kind, block).parameters)
     assert "F_f sign(v)" in rthm("effects", "coulomb_friction").stdout
+
+
+def test_every_example_of_a_help_is_a_command_that_is_understood() -> None:
+    verbs = get_command(application())
+    for name, verb in verbs.commands.items():
+        examples = [line.strip() for line in (verb.epilog or "").splitlines() if line.startswith("  rthm")]
+        assert examples, name
+        for example in examples:
+            program, its_name, *words = shlex.split(example.partition(" > ")[0])
+            assert (program, its_name) == ("rthm", name)
+            verb.make_context(name, words)
+
+
+def test_a_shell_completes_verbs_options_and_specs() -> None:
+    def offered(words: str, at: int) -> list[str]:
+        asked = os.environ | {"_RTHM_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(at)}
+        return rthm(env=asked).stdout.split()
+
+    assert offered("rthm sim", 1) == ["simulate"]
+    assert "--duration" in offered("rthm run --du", 2)
+    assert {"paper", "paper_noisy"} <= set(offered("rthm run pap", 2))
+
+
+def test_the_reference_page_is_what_the_helps_say() -> None:
+    page = Path(__file__).parents[3] / "docs" / "reference" / "command-line.md"
+    assert page.read_text(encoding="utf-8") == reference(), (
+        "run: python -m rthm_bringup.cli.reference docs/reference/command-line.md"
+    )

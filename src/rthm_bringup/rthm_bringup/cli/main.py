@@ -25,7 +25,6 @@ def application() -> typer.Typer:
         name="rthm",
         help="Real-time hybrid testing: run, simulate and understand a test.",
         no_args_is_help=True,
-        add_completion=False,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"]},
@@ -33,8 +32,14 @@ def application() -> typer.Typer:
     app.callback()(_options)
     for module in pkgutil.iter_modules(verbs.__path__):
         name = module.name.rstrip("_").replace("_", "-")
-        app.command(name)(import_module(f"{verbs.__name__}.{module.name}").verb)
+        verb = import_module(f"{verbs.__name__}.{module.name}")
+        app.command(name, epilog=_examples(verb.EXAMPLES))(verb.verb)
     return app
+
+
+def _examples(commands: tuple[str, ...]) -> str:
+    """The last paragraph of a help, each command on a line of its own."""
+    return "\b\n" + "\n".join(["Examples:", *(f"  {command}" for command in commands)])
 
 
 def _options(

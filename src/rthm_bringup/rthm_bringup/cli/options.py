@@ -15,7 +15,23 @@ Json = Annotated[
     str | None,
     typer.Option("--json", metavar="PATH", help="Write the result as JSON; - is standard output."),
 ]
-SpecName = Annotated[str, typer.Argument(metavar="[SPEC]", help="A spec file, or the name of a shipped one.")]
+
+
+def _spec_names(incomplete: str) -> list[str]:
+    """What a shell offers for the beginning of a spec's name: shipped specs, and files here."""
+    from rthm_core.spec import shipped_names
+
+    folder = Path(incomplete).parent
+    files = [str(file) for ending in ("*.yaml", "*.yml") for file in sorted(folder.glob(ending))]
+    return [name for name in (*shipped_names(), *files) if name.startswith(incomplete)]
+
+
+SpecName = Annotated[
+    str,
+    typer.Argument(
+        metavar="[SPEC]", help="A spec file, or the name of a shipped one.", autocompletion=_spec_names
+    ),
+]
 Amplitude = Annotated[
     float, typer.Option(metavar="A", help="Loads and initial motion times A, as 0.1 for a first try.")
 ]

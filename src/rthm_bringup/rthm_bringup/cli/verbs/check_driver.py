@@ -14,6 +14,11 @@ from rthm_bringup.topics import NAMESPACE
 if TYPE_CHECKING:
     from rthm_bringup.driver.check import Check
 
+EXAMPLES = (
+    "rthm check-driver rig.yaml --seconds 10",
+    "rthm check-driver rig.yaml --measure measured.yaml",
+)
+
 
 def verb(
     spec: SpecName = "paper",

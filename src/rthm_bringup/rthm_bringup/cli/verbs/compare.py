@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from rthm_analysis.comparison import Comparison
 
+EXAMPLES = ("rthm compare ideal.npz out/first --tolerance 2 --out compared.html",)
+
 
 def verb(
     sources: Annotated[
@@ -48,7 +50,6 @@ def verb(
     """Tell two or more tests apart: difference, delay and amplitude by signal, tracking, delays, energy.
 
     Exit status 0; 1 when --tolerance is exceeded; 2 for bad input.
-    Example: ``rthm compare ideal.npz out/first --tolerance 2 --out compared.html``.
     """
     from rthm_analysis.comparison import compare, motions_at
     from rthm_bringup.cli.output import put, status

@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
     from rthm_analysis.diagnosis.result import Fit
 
+EXAMPLES = (
+    "rthm diagnose out/bag",
+    "rthm diagnose out/bag --spec rig.yaml --report diagnosis.html --patched patched.yaml",
+)
+
 
 def verb(
     bag: Bag,

@@ -10,6 +10,11 @@ from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import SpecName
 from rthm_bringup.topics import NAMESPACE
 
+EXAMPLES = (
+    "rthm driver rig.yaml --python my_rig.py:Rig",
+    "rthm driver rig.yaml --udp 192.168.0.20:5000",
+)
+
 
 def verb(
     spec: SpecName = "paper",

@@ -12,6 +12,11 @@ from rthm_bringup.cli.options import Effects, Json
 if TYPE_CHECKING:
     from rthm_core.effects import Effect
 
+EXAMPLES = (
+    "rthm effects",
+    "rthm effects coulomb_friction",
+)
+
 
 def verb(
     kind: Annotated[
@@ -20,10 +25,7 @@ def verb(
     effects: Effects = None,
     json: Json = None,
 ) -> int:
-    """List the effects that a spec may have, or show one with its equation and parameters.
-
-    Example: ``rthm effects coulomb_friction``; how a spec takes it is in docs/reference/spec.md.
-    """
+    """List the effects that a spec may have, or show one with its equation and parameters."""
     from rthm_bringup.cli.output import put
     from rthm_core.effects import load_effects
 

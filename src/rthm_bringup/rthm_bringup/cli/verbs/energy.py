@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
+EXAMPLES = ("rthm energy out/bag",)
+
 
 def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     """Say where the energy of a recorded test came from."""

@@ -9,6 +9,11 @@ import typer
 
 from rthm_bringup.cli.options import Bag, Json
 
+EXAMPLES = (
+    "rthm export out/bag -o tables",
+    "rthm export out/bag -o motion.csv --rate 100",
+)
+
 
 def verb(
     bag: Bag,

@@ -13,6 +13,10 @@ from rthm_bringup.cli.options import Json, spec_named
 if TYPE_CHECKING:
     from rthm_analysis.exchange import Imported
 
+EXAMPLES = (
+    "rthm import decay.csv -o decay --map position:x1=Displacement --unit position=mm --spec rig.yaml",
+)
+
 
 def verb(
     given: Annotated[

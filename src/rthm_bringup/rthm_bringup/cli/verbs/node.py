@@ -11,6 +11,8 @@ from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import SpecName
 from rthm_bringup.topics import NAMESPACE
 
+EXAMPLES = ("rthm node plant rig.yaml --network",)
+
 
 def verb(
     part: Annotated[

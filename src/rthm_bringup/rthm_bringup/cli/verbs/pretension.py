@@ -15,6 +15,8 @@ from rthm_bringup.topics import NAMESPACE
 LOOK, LAST = 0.5, 2.0
 """How long the load cells are read at each step, and at the end, s."""
 
+EXAMPLES = ("rthm pretension rig.yaml -o tensioned.yaml",)
+
 
 def verb(
     spec: SpecName = "paper",

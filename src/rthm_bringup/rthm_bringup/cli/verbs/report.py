@@ -9,6 +9,8 @@ import typer
 
 from rthm_bringup.cli.options import Bag, Effects, Json
 
+EXAMPLES = ("rthm report out/bag --out report.html",)
+
 
 def verb(
     bag: Bag,

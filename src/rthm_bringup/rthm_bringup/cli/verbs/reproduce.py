@@ -9,6 +9,8 @@ import typer
 
 from rthm_bringup.cli.options import Json
 
+EXAMPLES = ("rthm reproduce --out paper",)
+
 
 def verb(
     out: Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Folder for page and pictures.")],

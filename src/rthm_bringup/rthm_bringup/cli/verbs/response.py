@@ -11,6 +11,8 @@ from rthm_bringup.cli.options import Json, SpecName
 if TYPE_CHECKING:
     from rthm_analysis.response import Response
 
+EXAMPLES = ("rthm response paper --omega 0.5:20:40",)
+
 
 def verb(
     omega: Annotated[

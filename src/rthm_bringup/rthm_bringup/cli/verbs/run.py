@@ -15,6 +15,12 @@ from rthm_bringup.topics import NAMESPACE
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
+EXAMPLES = (
+    "rthm run paper --duration 20",
+    "rthm run paper --duration 20 --virtual --out out",
+    "rthm run rig.yaml --duration 60 --plant external --amplitude 0.1",
+)
+
 
 class Plant(StrEnum):
     """Who provides the plant."""

@@ -9,6 +9,8 @@ import typer
 
 from rthm_bringup.cli.options import Json
 
+EXAMPLES = ("rthm runs out --sort error --out out/index.html",)
+
 
 def verb(
     folder: Annotated[
@@ -23,10 +25,7 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """List runs and trajectories of a folder: date, spec, length, outcome, error, problems.
-
-    Example: ``rthm runs out --sort error --out out/index.html``.
-    """
+    """List runs and trajectories of a folder: date, spec, length, outcome, error, problems."""
     from rthm_analysis.runs import runs_in, sorted_runs
     from rthm_analysis.runs.rows import rows
     from rthm_bringup.cli.output import put, table

@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from rthm_core.schedule import Schedule
     from rthm_core.spec import Spec
 
+EXAMPLES = (
+    "rthm simulate paper --duration 20 --out paper.npz",
+    "rthm simulate paper --duration 20 --out paper.npz --sensitivity plant.mass",
+)
+
 
 class System(StrEnum):
     """What is simulated."""

@@ -8,6 +8,11 @@ import typer
 
 from rthm_bringup.cli.options import Json
 
+EXAMPLES = (
+    "rthm specs",
+    "rthm specs paper > mine.yaml",
+)
+
 
 def verb(
     name: Annotated[
@@ -15,10 +20,7 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """List the specs that come with the package, or print one.
-
-    Example: ``rthm specs paper > mine.yaml``, then ``rthm simulate mine.yaml --duration 20 --out mine.npz``.
-    """
+    """List the specs that come with the package, or print one."""
     from rthm_bringup.cli.output import put
     from rthm_core.spec import shipped_names, shipped_text
 

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
     from rthm_analysis.stability import Stability
     from rthm_core.spec import Spec
 
+EXAMPLES = (
+    "rthm stability paper",
+    "rthm stability paper --map timing.tau4=0:0.03:40 actuator.stiffness=5:50:40 --out map.svg",
+)
+
 
 def verb(
     spec: SpecName = "paper",

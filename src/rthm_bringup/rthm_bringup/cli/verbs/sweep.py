@@ -12,6 +12,8 @@ from rthm_bringup.cli.options import Json, SpecName
 if TYPE_CHECKING:
     from rthm_analysis.sweep.sweep import Sweep
 
+EXAMPLES = ("rthm sweep paper --set timing.tau4=0:0.03:20 --set plant.damping=0.05,0.1 --duration 20",)
+
 
 def verb(
     given: Annotated[

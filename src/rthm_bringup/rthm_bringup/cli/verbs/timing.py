@@ -6,6 +6,8 @@ from typing import Any
 
 from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
+EXAMPLES = ("rthm timing out/bag",)
+
 
 def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     """Measure the delays and clocks of a recorded test."""

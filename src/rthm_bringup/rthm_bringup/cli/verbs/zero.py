@@ -11,6 +11,8 @@ from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName, Wait
 from rthm_bringup.topics import NAMESPACE
 
+EXAMPLES = ("rthm zero rig.yaml -o zeroed.yaml",)
+
 
 def verb(
     spec: SpecName = "paper",

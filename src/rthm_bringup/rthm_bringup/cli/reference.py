@@ -1,0 +1,39 @@
+"""The reference page of the command line: ``python -m rthm_bringup.cli.reference FILE`` writes it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from typer import Context
+from typer.main import get_command
+
+from rthm_bringup.cli.main import application
+
+WIDTH = 100
+"""Columns of a help on the page."""
+
+BEFORE = """# The command line
+
+Every verb as `rthm VERB --help` shows it. Written by
+`python -m rthm_bringup.cli.reference docs/reference/command-line.md`; a test keeps it true.
+
+Exit status: 0, done; 1, the answer is no, as of a comparison out of tolerance; 2, bad input, and one
+sentence says what, the value, what is allowed and the way out; 3, the test was aborted; 130, interrupted.
+A shell completes verbs, options and specs after `rthm --install-completion`.
+"""
+
+
+def reference() -> str:
+    """The page, in Markdown."""
+    verbs = get_command(application())
+    parts = [BEFORE]
+    for name, verb in sorted(verbs.commands.items()):  # type: ignore[attr-defined]
+        context = Context(verb, info_name=f"rthm {name}", terminal_width=WIDTH, max_content_width=WIDTH)
+        context.help_option_names = ["-h", "--help"]
+        parts.append(f"## rthm {name}\n\n```text\n{verb.get_help(context)}\n```\n")
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(reference(), encoding="utf-8")

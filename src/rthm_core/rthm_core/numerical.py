@@ -14,7 +14,7 @@ from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
-from rthm_core.substructure import as_built, interface, substructure
+from rthm_core.substructure import as_built, held_dynamics, interface, substructure
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -55,19 +55,15 @@ def numerical(spec: Spec) -> Numerical:
         )
     body, sides = substructure(spec.numerical), interface(spec)
     n, m = body.dofs, sides.actuators
-    grip = np.zeros((n, m))
-    grip[sides.numerical, np.arange(m)] = 1.0
-    inverse_mass = np.linalg.inv(body.mass)
-    a = np.zeros((2 * n, 2 * n))
-    a[:n, n:] = np.eye(n)
-    a[n:, :n] = -inverse_mass @ (body.stiffness + grip * sides.stiffness @ grip.T)
-    a[n:, n:] = -inverse_mass @ (body.damping + grip * sides.damping @ grip.T)
+    a, inverse_mass = held_dynamics(
+        body.mass, body.damping, body.stiffness, sides.numerical, sides.stiffness, sides.damping
+    )
     section = spec.load.numerical
     one = load(section)
     load_dof = spec.numerical.dofs.index(section.dof) if section is not None and section.dof else 0
     b = np.zeros((2 * n, 2 * m + 1))
-    b[n:, :m] = inverse_mass @ (grip * sides.stiffness)
-    b[n:, m : 2 * m] = inverse_mass @ (grip * sides.damping)
+    b[n:, :m] = inverse_mass[:, sides.numerical] * sides.stiffness
+    b[n:, m : 2 * m] = inverse_mass[:, sides.numerical] * sides.damping
     b[n:, 2 * m] = inverse_mass[:, load_dof]
     x1, v1 = np.array(spec.plant.initial_position), np.array(spec.plant.initial_velocity)
     orders = one.orders

@@ -107,3 +107,43 @@ def as_built(spec: Spec, block: str) -> Spec:
     from rthm_core.spec import apply
 
     return apply(spec, wrong)
+
+
+def held_dynamics(
+    mass: Floats, damping: Floats, stiffness: Floats, dofs: Integers, k: Floats, c: Floats
+) -> tuple[Floats, Floats]:
+    """State matrix of a substructure whose springs and dampers at the interface are held at their other ends.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : (..., n, n) arrays
+        kg, N s/m, N/m.
+    dofs : (m,) array
+        Dof at which each of the springs and dampers acts.
+    k, c : (..., m) arrays
+        N/m, N s/m.
+
+    Returns
+    -------
+    (..., 2 n, 2 n) array
+        Of the state [x, v].
+    (..., n, n) array
+        Inverse of the mass.
+
+    Examples
+    --------
+    >>> a, inverse = held_dynamics(
+    ...     *(np.array([[one]]) for one in (2.0, 0.4, 6.0)), np.array([0]), np.array([4.0]), np.array([0.2])
+    ... )
+    >>> a.tolist(), inverse.tolist()
+    ([[0.0, 1.0], [-5.0, -0.30000000000000004]], [[0.5]])
+    """
+    n = mass.shape[-1]
+    interface = np.zeros((n, dofs.size))
+    interface[dofs, np.arange(dofs.size)] = 1.0
+    inverse = np.linalg.inv(mass)
+    dynamics = np.zeros((*mass.shape[:-2], 2 * n, 2 * n))
+    dynamics[..., :n, n:] = np.eye(n)
+    dynamics[..., n:, :n] = -inverse @ (stiffness + (interface * k[..., None, :]) @ interface.T)
+    dynamics[..., n:, n:] = -inverse @ (damping + (interface * c[..., None, :]) @ interface.T)
+    return dynamics, np.asarray(inverse)

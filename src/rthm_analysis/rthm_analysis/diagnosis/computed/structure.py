@@ -13,7 +13,7 @@ import numpy as np
 
 from rthm_core.clock import NS
 from rthm_core.exponential import exponentials
-from rthm_core.substructure import as_built, interface, substructure
+from rthm_core.substructure import as_built, held_dynamics, interface, substructure
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -100,15 +100,18 @@ class Structure:
     def step(self, dt: float) -> Step:
         """Exact step of `dt` seconds."""
         n, m = self.mass.shape[0], self.dof.size
-        grip = np.zeros((n, m))
-        grip[self.dof, np.arange(m)] = 1.0
-        inverse = np.linalg.inv(self.mass)
+        a, inverse = held_dynamics(
+            self.mass,
+            self.damping,
+            self.stiffness,
+            self.dof,
+            self.interface_stiffness,
+            self.interface_damping,
+        )
         whole = np.zeros((2 * n + 2 * m + ORDERS * n,) * 2)
-        whole[:n, n : 2 * n] = np.eye(n)
-        whole[n : 2 * n, :n] = -inverse @ (self.stiffness + grip * self.interface_stiffness @ grip.T)
-        whole[n : 2 * n, n : 2 * n] = -inverse @ (self.damping + grip * self.interface_damping @ grip.T)
-        whole[n : 2 * n, 2 * n : 2 * n + m] = inverse @ (grip * self.interface_stiffness)
-        whole[n : 2 * n, 2 * n + m : 2 * n + 2 * m] = inverse @ (grip * self.interface_damping)
+        whole[: 2 * n, : 2 * n] = a
+        whole[n : 2 * n, 2 * n : 2 * n + m] = inverse[:, self.dof] * self.interface_stiffness
+        whole[n : 2 * n, 2 * n + m : 2 * n + 2 * m] = inverse[:, self.dof] * self.interface_damping
         first = 2 * n + 2 * m
         whole[n : 2 * n, first : first + n] = inverse
         chain = np.arange(first, first + (ORDERS - 1) * n)

@@ -19,7 +19,7 @@ from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_la
 from rthm_core.engine.many.period import notes
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
-from rthm_core.substructure import interface
+from rthm_core.substructure import held_dynamics, interface
 from rthm_core.wide import WIDTH, wide_copy
 
 if TYPE_CHECKING:
@@ -280,14 +280,8 @@ def _body(
     """Initial motion, dynamics, and effect of unit forces at the interface, of one side of every loop."""
     mass, damping, stiffness = (_entry(spec, arrays, f"{side}.{name}", n, n) for name in SIDE[:3])
     x, v = (_entry(spec, arrays, f"{side}.{name}", n) for name in SIDE[3:])
-    grip = np.zeros((n, dofs.size))
-    grip[dofs, np.arange(dofs.size)] = 1.0
-    inverse = np.linalg.inv(mass)
-    dynamics = np.zeros((mass.shape[0], 2 * n, 2 * n))
-    dynamics[:, :n, n:] = np.eye(n)
-    dynamics[:, n:, :n] = -inverse @ (stiffness + (grip * k[:, None, :]) @ grip.T)
-    dynamics[:, n:, n:] = -inverse @ (damping + (grip * c[:, None, :]) @ grip.T)
-    return x, v, dynamics, np.asarray(inverse @ grip)
+    dynamics, inverse = held_dynamics(mass, damping, stiffness, dofs, k, c)
+    return x, v, dynamics, inverse[..., dofs]
 
 
 def _driven(count: int, dynamics: Floats, push: Floats) -> Floats:

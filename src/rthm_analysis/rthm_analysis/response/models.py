@@ -65,8 +65,8 @@ def coupled(spec: Spec, system: str, omega: Floats) -> Complex:
     """Response of the ideal system (9), or of its first-order approximation (25), (26)."""
     body = coupled_body(spec, system)
     model, _ = physical_model(spec, body=body, further=[(NO_LOAD, dof) for dof in range(body.dofs)])
-    a, push = model.whole.a, model.whole.b[:, 1:]  # the first load is the spec's own
-    return np.stack([_transfer(a, push, 1j * w)[: body.dofs] for w in omega])
+    a, inputs = model.whole.a, model.whole.b[:, 1:]  # the first load is the spec's own
+    return np.stack([_transfer(a, inputs, 1j * w)[: body.dofs] for w in omega])
 
 
 def delayed(loop: LinearLoop, ways: Paths, omega: Floats) -> Complex:

@@ -11,13 +11,13 @@ import numpy as np
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
-from rthm_core.engine.curved.kernel import Looks
-from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
-from rthm_core.engine.curved.run import Portion, State, looks_of, outputs, plan, start_state
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import Rows, joined
 from rthm_core.engine.linear.kernel import ROWS
 from rthm_core.engine.linear.preparation import filled
+from rthm_core.engine.nonlinear.kernel import Looks
+from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
+from rthm_core.engine.nonlinear.run import Portion, State, looks_of, outputs, plan, start_state
 from rthm_core.engine.simulate import checked_step, simulate
 from rthm_core.engine.tangents.advance import TangentWork, Term
 from rthm_core.engine.tangents.changes import Tangents, look_pairs, stencil, step_pairs, tangents
@@ -146,7 +146,7 @@ def _checked(spec: Spec, names: tuple[str, ...]) -> tuple[str, ...]:
 class _Prepared(NamedTuple):
     """A loop, what is seen of it, its derivatives, and memory for the changes of its steps."""
 
-    loop: CurvedLoop
+    loop: NonlinearLoop
     looks: Looks
     changes: Tangents
     steps: dict[int, TangentSteps]
@@ -155,8 +155,8 @@ class _Prepared(NamedTuple):
 @kept
 def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> _Prepared | None:
     """What the kernel needs for rows every `step` ns; None where it does not know the loop."""
-    loop = curved_loop(spec, energies=energies)
-    if loop is None or not loop.curved.steady or loop.linear.sensors is not None:
+    loop = nonlinear_loop(spec, energies=energies)
+    if loop is None or not loop.nonlinear.steady or loop.linear.sensors is not None:
         return None
     changes = tangents(spec, loop, names)
     return None if changes is None else _Prepared(loop, looks_of(loop), changes, {})
@@ -233,7 +233,7 @@ def _block(
     groups = (0,) * one.changes.start.shape[1]
     state.memory.count[ROWS] = 0
     run_tangents(
-        loop.curved,
+        loop.nonlinear,
         portion.steps,
         state.work,
         one.looks,

@@ -12,11 +12,11 @@ from rthm_core.compensators import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.engine.coupled.run import simulate_coupled
-from rthm_core.engine.curved.run import curved_blocks
 from rthm_core.engine.general.ledger import ledger
 from rthm_core.engine.general.loop import Loop, rings, run
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, joined
 from rthm_core.engine.linear.run import linear_blocks
+from rthm_core.engine.nonlinear.run import nonlinear_blocks
 from rthm_core.engine.trajectory import Trajectory, of_columns, of_rows
 from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
@@ -117,7 +117,7 @@ def fast_blocks(
 ) -> Iterator[Rows] | None:
     """Rows of a loop by the kernel of linear loops or by that of laws on the plant; None if neither fits."""
     blocks = linear_blocks(spec, end, step, energies=energies, span=span)
-    return curved_blocks(spec, end, step, energies=energies, span=span) if blocks is None else blocks
+    return nonlinear_blocks(spec, end, step, energies=energies, span=span) if blocks is None else blocks
 
 
 def _fast_rows(spec: Spec, end: int, step: int, *, energies: bool) -> Rows | None:

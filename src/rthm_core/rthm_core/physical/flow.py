@@ -141,11 +141,11 @@ def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type:
             rate += mechanics[i, size + m + j] * w[j]
         dy[i] = rate
     if laws is not None:
-        _add_curved(laws, model, pieces, y, u, size + m + loads, t, dy, hold, scratch)
+        _add_nonlinear(laws, model, pieces, y, u, size + m + loads, t, dy, hold, scratch)
 
 
 @inlined
-def _add_curved(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+def _add_nonlinear(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Add what wires and laws that are not linear do; their forces enter through the columns of
     ``model.mechanics`` from `first` on.
     """

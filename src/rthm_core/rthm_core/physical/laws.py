@@ -187,10 +187,10 @@ def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
         moving = t is not None and t.moves
         stiffness[a] = (t.wire if t is not None and moving else spec.k_tot[a]), spec.k_tot[a]
         laws = _wire_effects(spec, spec.actuator.names[a], spec.actuator.pretension[a])
-        curved = any(not law.linear for law, _ in laws)
-        numbers[a] = spec.plant.dofs.index(spec.interface.plant_dof[a]), at if moving else -1, curved
+        nonlinear = any(not law.linear for law, _ in laws)
+        numbers[a] = spec.plant.dofs.index(spec.interface.plant_dof[a]), at if moving else -1, nonlinear
         at += (2 if t is not None and t.inertia > 0.0 else 1) if moving else 0
-        for law, p in laws if curved else []:
+        for law, p in laws if nonlinear else []:
             rows.append((law, p, a, at))
             at += law.states
     empty = np.empty((0, 0))
@@ -210,7 +210,7 @@ def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float,
     return found, at
 
 
-def curved_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, int]]:
+def nonlinear_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, int]]:
     """Law, parameters, actuator and first own state of every law on a wire that is not linear."""
     return [
         (wire_law(code), tuple(p[: len(wire_law(code).parameters)]), int(actuator), int(state))
@@ -227,17 +227,17 @@ def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]]) -> tuple[Integ
     return np.array(numbers, dtype=np.int64).reshape(-1, 4), parameters
 
 
-def law_table(curved: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
+def law_table(nonlinear: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
     """Table of the nonlinear laws: (law, parameters, dof, first own state)."""
-    numbers, parameters = _rows(curved)
-    splits = np.array([SPLITS.index(law.split) for law, _, _, _ in curved], dtype=np.int64).reshape(-1, 1)
-    thresholds = np.full((len(curved), 2), np.inf)
-    for row, (law, p, _, _) in enumerate(curved):
+    numbers, parameters = _rows(nonlinear)
+    splits = np.array([SPLITS.index(law.split) for law, _, _, _ in nonlinear], dtype=np.int64).reshape(-1, 1)
+    thresholds = np.full((len(nonlinear), 2), np.inf)
+    for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
         thresholds[row, : len(limits)] = limits
     return LawTable(
         np.hstack([numbers, splits]),
         parameters,
         thresholds,
-        np.array([law.breakaway(p) for law, p, _, _ in curved], dtype=float),
+        np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),
     )

@@ -26,8 +26,8 @@ from rthm_core.physical.laws import (
     PULLEY,
     LawTable,
     WireTable,
-    curved_wires,
     law_table,
+    nonlinear_wires,
     plant_laws,
     wire_laws,
     wire_table,
@@ -212,14 +212,14 @@ def physical_model(
     law_at = np.cumsum([at, *[law.states for law, _, _ in forces]])
     sensor_at = int(law_at[-1])
     size = sensor_at + (0 if body else sensor_states(spec))
-    curved = [
+    nonlinear = [
         (law, p, dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if not law.linear
     ]
-    parts = _Assembly(spec, plant, m, size, len(loads), len(curved))
+    parts = _Assembly(spec, plant, m, size, len(loads), len(nonlinear))
     parts.add_plant()
     for i, dof in enumerate(load_dofs):
         parts.b_w[:, i] = parts.push(dof)
-    for i, (_, _, dof, _) in enumerate(curved):
+    for i, (_, _, dof, _) in enumerate(nonlinear):
         parts.b_p[:, i] = parts.push(dof)
     for (law, p, dof), z in zip(forces, law_at, strict=False):
         if law.linear:
@@ -239,7 +239,7 @@ def physical_model(
         (law, p, "plant", dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if law.states
     ]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
-    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in curved_wires(wires) if law.states]
+    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in nonlinear_wires(wires) if law.states]
     model = PhysicalModel(
         plant.dofs,
         m,
@@ -251,7 +251,7 @@ def physical_model(
         np.array(load_dofs, dtype=np.int64),
         listed,
         wires,
-        law_table(curved) if curved or wires.numbers[:, NONLINEAR].any() else None,
+        law_table(nonlinear) if nonlinear or wires.numbers[:, NONLINEAR].any() else None,
         measured,
     )
     return model, resting

@@ -264,10 +264,10 @@ def _moving(train: Ticks, nominal: Structure, sizes: Scales) -> tuple[Name, ...]
 def replay(ticks: Ticks, one: Structure) -> Floats:
     """F_d (n, m) of a free run, started from the recorded state and, after a gap, started anew; N."""
     step = one.step(ticks.period / NS)
-    push = np.nan_to_num(ticks.held) @ step.held.T + np.einsum("nkj,kij->ni", ticks.load, step.load)
+    driven = np.nan_to_num(ticks.held) @ step.held.T + np.einsum("nkj,kij->ni", ticks.load, step.load)
     state, goes_on = ticks.z2.copy(), np.zeros(ticks.time.size, dtype=bool)
     goes_on[ticks.steps + 1] = True
     matrix = step.state.T
     for row in np.flatnonzero(goes_on):
-        state[row] = state[row - 1] @ matrix + push[row - 1]
+        state[row] = state[row - 1] @ matrix + driven[row - 1]
     return one.force(ticks.held, state)

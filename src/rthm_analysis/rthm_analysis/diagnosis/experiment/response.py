@@ -64,9 +64,9 @@ class Response:
         assert self.spec.plant is not None
         n, m = self.closed.inverse_mass.shape[0], self.closed.wires.shape[0]
         arrays = loaded(self.closed, self.spec, dof if side == "numerical" else None)
-        push = arrays.b[:, 0 if side == "numerical" else m + self.spec.plant.dofs.index(dof)]
-        swing = 1j * frequency * np.eye(push.size) - self.a
-        state = np.linalg.lstsq(swing, push.astype(complex), rcond=None)[0]
+        input_vector = arrays.b[:, 0 if side == "numerical" else m + self.spec.plant.dofs.index(dof)]
+        swing = 1j * frequency * np.eye(input_vector.size) - self.a
+        state = np.linalg.lstsq(swing, input_vector.astype(complex), rcond=None)[0]
         force = wire_forces(self.closed) @ state
         command = state[self.closed.wires[:, DOF]] + force / self.closed.stiffness[:, 0]
         rate = frequency * np.abs(command)

@@ -14,12 +14,12 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics
-from rthm_analysis.diagnosis.replay.rates import curved_wire, product, rate, settle_wires
+from rthm_analysis.diagnosis.replay.rates import nonlinear_wire, product, rate, settle_wires
 from rthm_analysis.diagnosis.replay.switching import (
+    break_away,
     first_pieces,
     first_switch,
-    loosen,
-    margins,
+    guards,
     sharpened,
     switch,
 )
@@ -236,7 +236,7 @@ def replay_mechanics(
                 n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                 laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
             )  # fmt: skip
-            if rows and loosen(laws, breakaway, pieces, hold):
+            if rows and break_away(laws, breakaway, pieces, hold):
                 rate(
                     n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                     laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
@@ -250,14 +250,14 @@ def replay_mechanics(
             if rows and still < MOST_SWITCHES:
                 share, law = first_switch(n, laws, thresholds, pieces, y, point)
                 if law >= 0:
-                    before, after = margins(n, laws, thresholds, pieces, law, y, point)
+                    before, after = guards(n, laws, thresholds, pieces, law, y, point)
                     for _ in range(2):
                         _step(
                             n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                             laws, parameters, thresholds, y, motor, load, g, done, whole, t, share * h, u, w,
                             pieces, stages, point, hold, z,
                         )  # fmt: skip
-                        _, here = margins(n, laws, thresholds, pieces, law, y, point)
+                        _, here = guards(n, laws, thresholds, pieces, law, y, point)
                         closer = sharpened(share, before, here, after)
                         if abs(closer - share) < 1e-6:
                             break
@@ -286,7 +286,7 @@ def replay_mechanics(
                     if wires[actuator, NONLINEAR]:
                         for i in range(2 * n, ny):
                             seen[i] = y[i]
-                        out[s, 2 * n + actuator] = curved_wire(
+                        out[s, 2 * n + actuator] = nonlinear_wire(
                             actuator, n, wires, stiffness, drive, wire_laws, wire_parameters,
                             seen, u, z, scratch, False,
                         )  # fmt: skip

@@ -34,7 +34,7 @@ def product(row, y, u):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def curved_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, dy, commit):  # type: ignore[no-untyped-def]
+def nonlinear_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, dy, commit):  # type: ignore[no-untyped-def]
     """Force of a nonlinear wire; `z` is scratch, and gets into `y` the settled states when `commit`."""
     k, dof = stiffness[actuator, 0], wires[actuator, DOF]
     x, v = y[dof], y[n + dof]
@@ -121,7 +121,7 @@ def rate(
         dy[i] = total
     for actuator in range(m):
         if wires[actuator, NONLINEAR]:
-            force = curved_wire(
+            force = nonlinear_wire(
                 actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, dy, False
             )
             for i in range(y.size):
@@ -150,6 +150,6 @@ def settle_wires(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z
     """Bring path-dependent states of the wires up to the present motion."""
     for actuator in range(u.size):
         if wires[actuator, NONLINEAR]:
-            curved_wire(
+            nonlinear_wire(
                 actuator, n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch, True
             )

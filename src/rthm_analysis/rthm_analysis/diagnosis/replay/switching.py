@@ -8,7 +8,7 @@ from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT
 
 
 @inlined
-def margins(n, laws, thresholds, pieces, row, y, end):  # type: ignore[no-untyped-def]
+def guards(n, laws, thresholds, pieces, row, y, end):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its piece at the start and at the end of a step; negative: it has."""
     split, piece = laws[row, SPLIT], pieces[row]
     if split == FRICTION and piece != 0:
@@ -23,7 +23,7 @@ def first_switch(n, laws, thresholds, pieces, y, end):  # type: ignore[no-untype
     """Share of a step after which the first law leaves its piece, and that law; (1, -1): none does."""
     share, law = 1.0, -1
     for row in range(laws.shape[0]):
-        before, after = margins(n, laws, thresholds, pieces, row, y, end)
+        before, after = guards(n, laws, thresholds, pieces, row, y, end)
         if after < 0.0:
             at = before / (before - after) if before > 0.0 else 0.0
             if at < share:
@@ -65,7 +65,7 @@ def switch(n, laws, pieces, y, row):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def loosen(laws, breakaway, pieces, hold):  # type: ignore[no-untyped-def]
+def break_away(laws, breakaway, pieces, hold):  # type: ignore[no-untyped-def]
     """Let go what is held by more than its breakaway force; whether anything was."""
     loose = False
     for row in range(laws.shape[0]):

@@ -246,9 +246,9 @@ def backlash(s: Scene) -> Iterator[InitialGuess]:
 
 def slack(s: Scene) -> Iterator[InitialGuess]:
     """Tensions that are lost for 0.5 to 30 % of the time."""
-    push = -s.force
+    reaction = -s.force
     for share in (0.005, 0.02, 0.06, 0.15, 0.3):
-        level = float(np.quantile(push, 1.0 - share))
+        level = float(np.quantile(reaction, 1.0 - share))
         if level > 0.0:
             start = _start(s, "wire", "slack", (), pretension=level)
             start.scales["pretension"] = 0.2 * s.size

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
-from rthm_core.engine.curved.steps import Steps, fill
 from rthm_core.engine.linear.kernel import moved, put, seen
 from rthm_core.engine.many.period import (
     COMMAND,
@@ -32,6 +31,7 @@ from rthm_core.engine.many.period import (
     repeat,
     row_of,
 )
+from rthm_core.engine.nonlinear.steps import Steps, fill
 from rthm_core.link import NEVER
 from rthm_core.schedule import INITIAL
 

@@ -284,9 +284,9 @@ def _body(
     return x, v, dynamics, inverse[..., dofs]
 
 
-def _driven(count: int, dynamics: Floats, push: Floats) -> Floats:
+def _driven(count: int, dynamics: Floats, input_matrix: Floats) -> Floats:
     """Dynamics of [state, held inputs], the loop last."""
-    size, held = dynamics.shape[1], push.shape[2]
+    size, held = dynamics.shape[1], input_matrix.shape[2]
     a = np.zeros((count, size + held, size + held))
-    a[:, :size, :size], a[:, size // 2 : size, size:] = dynamics, push
+    a[:, :size, :size], a[:, size // 2 : size, size:] = dynamics, input_matrix
     return np.ascontiguousarray(np.moveaxis(a, 0, 2))

@@ -15,7 +15,7 @@ from numba.cpython.unsafe.tuple import tuple_setitem
 from numba.extending import overload
 
 from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
-from rthm_core.engine.curved.steps import terms_of
+from rthm_core.engine.nonlinear.steps import terms_of
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several, wide_empty
 

@@ -4,6 +4,6 @@
 ``changes``  of the loop's matrices, held forces and start
 ``steps``    tangents over a step without a switch
 ``advance``  up to the next switch, and across it
-``kernel``   compiled: what ``curved`` executes, with tangents beside it
+``kernel``   compiled: what ``nonlinear`` executes, with tangents beside it
 ===========  ==================================================================================
 """

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rthm_core.compiled import Floats, inlined
-from rthm_core.engine.curved.advance import MOST_SWITCHES, begin_step, end_step, step_by
-from rthm_core.engine.curved.steps import fill, terms_of
-from rthm_core.engine.curved.switch import first_left, product
+from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_step, step_by
+from rthm_core.engine.nonlinear.steps import fill, terms_of
+from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
 from rthm_core.physical.switching import switched
@@ -64,9 +64,13 @@ def _forces(forces, pieces, first, dz):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _shift(curved, tangents, number, law, piece, z, dz, rate, shift):  # type: ignore[no-untyped-def]
+def _shift(nonlinear, tangents, number, law, piece, z, dz, rate, shift):  # type: ignore[no-untyped-def]
     """How much later a law leaves its piece, for each parameter."""
-    velocity, holds, size = curved.laws.numbers[law, PLACE] + curved.n, curved.holds[number, law], rate.size
+    velocity, holds, size = (
+        nonlinear.laws.numbers[law, PLACE] + nonlinear.n,
+        nonlinear.holds[number, law],
+        rate.size,
+    )
     slope, sign = rate[velocity], 1.0
     if piece == 0:
         slope, sign = 0.0, 1.0 if product(holds, z) > 0.0 else -1.0
@@ -83,67 +87,67 @@ def _shift(curved, tangents, number, law, piece, z, dz, rate, shift):  # type: i
 
 
 @inlined
-def _cross(curved, work, tangents, own, number, law, z, dz, t):  # type: ignore[no-untyped-def]
+def _cross(nonlinear, work, tangents, own, number, law, z, dz, t):  # type: ignore[no-untyped-def]
     """Let a law switch at `t`, where it leaves its piece, and the tangents jump."""
-    first, size = z.size - curved.push.shape[1], curved.systems.shape[1]
+    first, size = z.size - nonlinear.input_matrix.shape[1], nonlinear.systems.shape[1]
     for i in range(size):
-        own.rate[i] = product(curved.systems[number, i], z)
+        own.rate[i] = product(nonlinear.systems[number, i], z)
     piece = work.pieces[law]
-    _shift(curved, tangents, number, law, piece, z, dz, own.rate, own.shift)
-    hold = product(curved.holds[number, law], z)
-    work.pieces[law] = switched(curved.laws, curved.n, law, piece, z, hold)
-    following = begin_step(curved, z, t, work.pieces)
+    _shift(nonlinear, tangents, number, law, piece, z, dz, own.rate, own.shift)
+    hold = product(nonlinear.holds[number, law], z)
+    work.pieces[law] = switched(nonlinear.laws, nonlinear.n, law, piece, z, hold)
+    following = begin_step(nonlinear, z, t, work.pieces)
     _forces(tangents.forces, work.pieces, first, dz)
     for i in range(size):
-        jump = own.rate[i] - product(curved.systems[following, i], z)
+        jump = own.rate[i] - product(nonlinear.systems[following, i], z)
         for group in range(own.shift.shape[0]):
             put_numbers(dz, (i, group), numbers(dz, (i, group)) + jump * numbers(own.shift, (group,)))
     if work.pieces[law] == 0:  # at rest, whatever the parameter
         for group in range(own.shift.shape[0]):
-            velocity = curved.laws.numbers[law, PLACE] + curved.n
+            velocity = nonlinear.laws.numbers[law, PLACE] + nonlinear.n
             put_numbers(dz, (velocity, group), everywhere(0.0))
 
 
 @inlined
-def advance_tangents(curved, steps, work, tangents, own, z, dz, after, k, t):  # type: ignore[no-untyped-def]
+def advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, t):  # type: ignore[no-untyped-def]
     """Advance z and its tangents dz over length `k`, from time `t` (s) on; `after` is scratch."""
-    size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
-    first, done, length, switches = z.size - curved.push.shape[1], 0.0, whole, 0
+    size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
+    first, done, length, switches = z.size - nonlinear.input_matrix.shape[1], 0.0, whole, 0
     while done < whole:
-        number = begin_step(curved, z, t + done, work.pieces)
+        number = begin_step(nonlinear, z, t + done, work.pieces)
         _forces(tangents.forces, work.pieces, first, dz)
         slot = number * lengths + k if length == whole else steps.filled.size - 1
         if length != whole or not steps.filled[slot]:
-            fill(curved.systems[number], curved.fastest, steps, slot, length)
+            fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
             steps.filled[slot] = 1
         for j in range(size, z.size):
             work.end[j] = z[j]
         step_by(steps.matrices[slot, 0], z, z.size, work.end)
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
-            law, share, terms = first_left(curved, work, number, z, length)
+            law, share, terms = first_left(nonlinear, work, number, z, length)
         by_series(
-            curved.systems[number], tangents.systems[number], share * length,
-            terms_of(curved.fastest * length), z, dz, own.one, own.other, after[:size],
+            nonlinear.systems[number], tangents.systems[number], share * length,
+            terms_of(nonlinear.fastest * length), z, dz, own.one, own.other, after[:size],
         )  # fmt: skip
         copy_numbers(after, dz, size)
-        end_step(curved, work, number, z, law, share, terms, length)
+        end_step(nonlinear, work, number, z, law, share, terms, length)
         for i in range(size):
             z[i] = work.end[i]
         done = whole if law < 0 else done + share * length
         if law >= 0:
-            _cross(curved, work, tangents, own, number, law, z, dz, t + done)
+            _cross(nonlinear, work, tangents, own, number, law, z, dz, t + done)
             switches += 1
         length = whole - done
-    begin_step(curved, z, t + whole, work.pieces)
+    begin_step(nonlinear, z, t + whole, work.pieces)
     _forces(tangents.forces, work.pieces, first, dz)
 
 
 @inlined
-def change_of_step(curved, steps, tangents, own, number, k):  # type: ignore[no-untyped-def]
+def change_of_step(nonlinear, steps, tangents, own, number, k):  # type: ignore[no-untyped-def]
     """Change of the matrix of a step over length `k`, into ``own.change``."""
     length = steps.lengths[k]
     fill_change(
-        curved.systems[number], tangents.systems[number], length, terms_of(curved.fastest * length),
+        nonlinear.systems[number], tangents.systems[number], length, terms_of(nonlinear.fastest * length),
         own.unit, own.zero, own.one, own.other, own.change,
     )  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rthm_core.compiled import Flags, Floats, Integers
-from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
+from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
 from rthm_core.physical.laws import CODE, FRICTION, SPLIT, plant_law
 from rthm_core.spec import apply, number_at
@@ -34,7 +34,7 @@ Stencil = list[tuple["Spec", float]]
 
 
 class Tangents(NamedTuple):
-    """Derivatives with respect to parameters, of what `Curved`, `Looks` and `CurvedLoop` hold.
+    """Derivatives with respect to parameters, of what `Nonlinear`, `Looks` and `NonlinearLoop` hold.
 
     The last two axes, Q groups of 8 lanes, are the parameters; the lane after the last of them is the motion
     itself. There matrices and limits are zero, since these do not change, and all else is as it is.
@@ -86,13 +86,13 @@ def stencil(spec: Spec, name: str) -> Stencil:
     return [(apply(spec, {name: value + step}), 0.5 / step), (below, -0.5 / step)]
 
 
-def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | None:
+def tangents(spec: Spec, loop: NonlinearLoop, names: Sequence[str]) -> Tangents | None:
     """Derivatives of a loop; None where a small change of a parameter changes what the loop is made of."""
     shapes, derivatives = [one.shape for one in _arrays(loop)], []
     for name in names:
         weighted = []
         for beside, weight in stencil(spec, name):
-            changed = curved_loop(beside, energies=loop.forms.size > 0)
+            changed = nonlinear_loop(beside, energies=loop.forms.size > 0)
             arrays = () if changed is None else _arrays(changed)
             if [one.shape for one in arrays] != shapes:
                 return None
@@ -102,7 +102,7 @@ def tangents(spec: Spec, loop: CurvedLoop, names: Sequence[str]) -> Tangents | N
     return Tangents(*(_lanes(parts, own) for *parts, own in zip(*derivatives, motion, strict=True)))
 
 
-def _motion(loop: CurvedLoop) -> list[Floats]:
+def _motion(loop: NonlinearLoop) -> list[Floats]:
     """Lane of the motion, in the order of `Tangents`."""
     themselves = ("forces", "bias", "start", "first_sample", "first_reference")
     arrays = zip(Tangents._fields, _arrays(loop), strict=True)
@@ -117,14 +117,14 @@ def _lanes(derivatives: Sequence[Floats], motion: Floats) -> Floats:
     return wide_copy(stacked.reshape(*motion.shape, groups, WIDTH))
 
 
-def _arrays(loop: CurvedLoop) -> tuple[Floats, ...]:
+def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
     """What of a loop depends on parameters, in the order of `Tangents`."""
-    curved, linear = loop.curved, loop.linear
+    nonlinear, linear = loop.nonlinear, loop.linear
     return (
-        curved.systems,
-        curved.holds,
-        _forces(curved.laws.numbers, curved.laws.parameters),
-        curved.laws.breakaway,
+        nonlinear.systems,
+        nonlinear.holds,
+        _forces(nonlinear.laws.numbers, nonlinear.laws.parameters),
+        nonlinear.laws.breakaway,
         loop.sample.T,
         loop.force.T,
         loop.reference.T,
@@ -163,9 +163,9 @@ class Pairs(NamedTuple):
     changes: Floats
 
 
-def step_pairs(loop: CurvedLoop, changes: Tangents, slots: int) -> Pairs:
+def step_pairs(loop: NonlinearLoop, changes: Tangents, slots: int) -> Pairs:
     """Memory for the matrices of so many steps, which are made when they are needed."""
-    systems = np.abs(loop.curved.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
+    systems = np.abs(loop.nonlinear.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
     n = systems.shape[0]
     states = np.eye(n, dtype=bool)
     for _ in range(n):

@@ -1,4 +1,4 @@
-"""The compiled kernel of a loop and its tangents: what `curved.kernel` runs, with derivatives beside it.
+"""The compiled kernel of a loop and its tangents: what `nonlinear.kernel` runs, with derivatives beside it.
 
 Clocks do not depend on physics, so that both follow one program. The motion is a lane of its tangents (see
 `Tangents`), and is advanced with them; a step in which a law switches is made by itself.
@@ -9,17 +9,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, copy_into, inlined
-from rthm_core.engine.curved.advance import Work, set_of
-from rthm_core.engine.curved.kernel import (
+from rthm_core.engine.nonlinear.advance import Work, set_of
+from rthm_core.engine.nonlinear.event_free import nothing_switches
+from rthm_core.engine.nonlinear.kernel import (
     Looks,
     Operations,
     Outputs,
     add_moments,
     write_works,
 )
-from rthm_core.engine.curved.loop import Curved
-from rthm_core.engine.curved.quiet import nothing_switches
-from rthm_core.engine.curved.steps import Steps
+from rthm_core.engine.nonlinear.loop import Nonlinear
+from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step
 from rthm_core.engine.tangents.changes import Pairs, Tangents
 from rthm_core.engine.tangents.steps import by_pairs, copy_numbers, put_pairs
@@ -109,8 +109,8 @@ def _write(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _quiet(  # type: ignore[no-untyped-def]
-    curved, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups
+def _event_free(  # type: ignore[no-untyped-def]
+    nonlinear, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups
 ):
     """Tangents `after` a step from dz on, with the motions `end` and y as lanes; whether it may be taken,
     which it may not where anything switches.
@@ -119,13 +119,15 @@ def _quiet(  # type: ignore[no-untyped-def]
     if not steps.filled[slot]:
         return False
     if not changes.filled[slot]:
-        change_of_step(curved, steps, tangents, own, number, k)
+        change_of_step(nonlinear, steps, tangents, own, number, k)
         put_pairs(steps.matrices[slot, 0], own.change, pairs, slot)
         changes.filled[slot] = 1
-    by_pairs(pairs.columns, pairs.values, pairs.changes, slot, y, dz, groups, curved.systems.shape[1], after)
+    by_pairs(
+        pairs.columns, pairs.values, pairs.changes, slot, y, dz, groups, nonlinear.systems.shape[1], after
+    )
     if not nothing_switches(
-        curved.systems, curved.holds, number, curved.laws.numbers, curved.n, curved.laws.breakaway, y,
-        work.pieces, end,
+        nonlinear.systems, nonlinear.holds, number, nonlinear.laws.numbers, nonlinear.n,
+        nonlinear.laws.breakaway, y, work.pieces, end,
     ):  # fmt: skip
         return False
     if steps.works.shape[0]:
@@ -135,7 +137,7 @@ def _quiet(  # type: ignore[no-untyped-def]
 
 @compiled_in_place
 def run_tangents(
-    curved: Curved,
+    nonlinear: Nonlinear,
     steps: Steps,
     work: Work,
     looks: Looks,
@@ -160,7 +162,7 @@ def run_tangents(
     dz, after, dsamples, dreferences = own.dz, own.after, own.samples, own.references
     s_mask, r_mask = dsamples.shape[0] - 1, dreferences.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
-    size, m, motion = curved.systems.shape[1], looks.k_tot.size, divmod(parameters, WIDTH)
+    size, m, motion = nonlinear.systems.shape[1], looks.k_tot.size, divmod(parameters, WIDTH)
     held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
     y, end = dz[:, motion[0], motion[1]], after[:, motion[0], motion[1]]
     for p in range(passes):
@@ -168,13 +170,15 @@ def run_tangents(
         for e in range(operations.what.size):
             what, k = operations.what[e], operations.length[later, e]
             if k >= 0:
-                number = set_of(curved.bits, work.pieces)
-                if _quiet(curved, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups):
+                number = set_of(nonlinear.bits, work.pieces)
+                if _event_free(
+                    nonlinear, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups
+                ):
                     dz, after, y, end = after, dz, end, y
                 else:
                     begin = (operations.time[e] + p * operations.period) * 1e-9 - steps.lengths[k]
                     copy_into(z, y)
-                    advance_tangents(curved, steps, work, tangents, own, z, dz, after, k, begin)
+                    advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, begin)
                     add_moments(looks.forms, work.moments, work.sums)
                     copy_into(y, z)
                     _hold(dz, after, size, z.size - size, groups)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
-from rthm_core.engine.curved.advance import Work, advance
-from rthm_core.engine.curved.loop import Curved
-from rthm_core.engine.curved.quiet import quiet_step
-from rthm_core.engine.curved.steps import Steps
 from rthm_core.engine.linear.kernel import Memory
+from rthm_core.engine.nonlinear.advance import Work, advance
+from rthm_core.engine.nonlinear.event_free import event_free_step
+from rthm_core.engine.nonlinear.loop import Nonlinear
+from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.worked import energy
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
@@ -131,8 +131,8 @@ def write_works(forms, sums, z, out):  # type: ignore[no-untyped-def]
 
 
 @compiled_in_place
-def run_curved(
-    curved: Curved,
+def run_nonlinear(
+    nonlinear: Nonlinear,
     steps: Steps,
     work: Work,
     looks: Looks,
@@ -146,29 +146,29 @@ def run_curved(
     samples, references, count = memory
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
-    size, m = curved.systems.shape[1], looks.k_tot.size
+    size, m = nonlinear.systems.shape[1], looks.k_tot.size
     held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
     matrices, filled, lengths, tables = steps.matrices, steps.filled, steps.lengths, steps.works
     sums = work.sums
-    quick = curved.steady and (tables.shape[0] > 0 or not counting)
-    systems, holds, bits, places = curved.systems, curved.holds, curved.bits, curved.laws.numbers
-    breakaway, pieces, end = curved.laws.breakaway, work.pieces, work.end[:size]
+    quick = nonlinear.steady and (tables.shape[0] > 0 or not counting)
+    systems, holds, bits, places = nonlinear.systems, nonlinear.holds, nonlinear.bits, nonlinear.laws.numbers
+    breakaway, pieces, end = nonlinear.laws.breakaway, work.pieces, work.end[:size]
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
             what, k = operations.what[e], operations.length[later, e]
             now = operations.time[e] + p * operations.period
-            quiet = quick and k >= 0
-            if quiet:
-                quiet = quiet_step(
-                    systems, holds, bits, places, curved.n, breakaway, matrices, filled, lengths, tables,
+            event_free = quick and k >= 0
+            if event_free:
+                event_free = event_free_step(
+                    systems, holds, bits, places, nonlinear.n, breakaway, matrices, filled, lengths, tables,
                     k, z, pieces, end, sums,
                 )  # fmt: skip
-            if quiet:
+            if event_free:
                 for i in range(size):
                     z[i] = end[i]
             elif k >= 0:
-                advance(curved, steps, work, z, k, now * 1e-9 - lengths[k])
+                advance(nonlinear, steps, work, z, k, now * 1e-9 - lengths[k])
                 add_moments(looks.forms, work.moments, sums)
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == SAMPLE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rthm_core.compiled import inlined
-from rthm_core.engine.curved.steps import at, series
+from rthm_core.engine.nonlinear.steps import at, series
 from rthm_core.physical.laws import FRICTION, NONE, PLACE, POSITION, SPLIT
 from rthm_core.physical.switching import between, margin, narrowed
 
@@ -18,45 +18,45 @@ def product(row, z):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _margin(curved, number, row, piece, z):  # type: ignore[no-untyped-def]
+def _margin(nonlinear, number, row, piece, z):  # type: ignore[no-untyped-def]
     """Margin of a law, with the force that holds its dof if it sticks."""
     hold = 0.0
-    if piece == 0 and curved.laws.numbers[row, SPLIT] == FRICTION:
-        hold = product(curved.holds[number, row], z)
-    return margin(curved.laws, curved.n, row, piece, z, hold)
+    if piece == 0 and nonlinear.laws.numbers[row, SPLIT] == FRICTION:
+        hold = product(nonlinear.holds[number, row], z)
+    return margin(nonlinear.laws, nonlinear.n, row, piece, z, hold)
 
 
 @inlined
-def _turning(curved, number, row, z):  # type: ignore[no-untyped-def]
+def _turning(nonlinear, number, row, z):  # type: ignore[no-untyped-def]
     """What vanishes where the margin of a law is least: velocity, or acceleration, of its dof."""
-    velocity = curved.laws.numbers[row, PLACE] + curved.n
+    velocity = nonlinear.laws.numbers[row, PLACE] + nonlinear.n
     value = z[velocity]
-    if curved.laws.numbers[row, SPLIT] != POSITION:
-        value = product(curved.systems[number, velocity], z)
+    if nonlinear.laws.numbers[row, SPLIT] != POSITION:
+        value = product(nonlinear.systems[number, velocity], z)
     return value
 
 
 @inlined
-def _dips(curved, number, row, piece, z, end):  # type: ignore[no-untyped-def]
+def _dips(nonlinear, number, row, piece, z, end):  # type: ignore[no-untyped-def]
     """Whether a law may have left its piece and come back to it within the step."""
-    split = curved.laws.numbers[row, SPLIT]
+    split = nonlinear.laws.numbers[row, SPLIT]
     if split == POSITION:
-        return _turning(curved, number, row, z) * _turning(curved, number, row, end) < 0.0
-    if split == NONE or piece == 0 or piece * _turning(curved, number, row, end) <= 0.0:
+        return _turning(nonlinear, number, row, z) * _turning(nonlinear, number, row, end) < 0.0
+    if split == NONE or piece == 0 or piece * _turning(nonlinear, number, row, end) <= 0.0:
         return False
-    return piece * _turning(curved, number, row, z) < 0.0
+    return piece * _turning(nonlinear, number, row, z) < 0.0
 
 
 @inlined
-def _least(curved, work, number, row, terms):  # type: ignore[no-untyped-def]
+def _least(nonlinear, work, number, row, terms):  # type: ignore[no-untyped-def]
     """Share of the step at which the margin of a law is least; the state there is left in ``work.end``."""
     low, high = 0.0, 1.0
     at(work.terms, terms, 1.0, work.end)
-    sign = 1.0 if _turning(curved, number, row, work.end) > 0.0 else -1.0
+    sign = 1.0 if _turning(nonlinear, number, row, work.end) > 0.0 else -1.0
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
         at(work.terms, terms, middle, work.end)
-        if sign * _turning(curved, number, row, work.end) > 0.0:
+        if sign * _turning(nonlinear, number, row, work.end) > 0.0:
             high = middle
         else:
             low = middle
@@ -64,50 +64,50 @@ def _least(curved, work, number, row, terms):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _root(curved, work, number, row, terms, high):  # type: ignore[no-untyped-def]
+def _root(nonlinear, work, number, row, terms, high):  # type: ignore[no-untyped-def]
     """First share of the step at which a law has left its piece, which it has at `high` (Illinois method)."""
     piece, low, at_low = work.pieces[row], 0.0, 0.0
     at(work.terms, terms, high, work.end)
-    at_high = _margin(curved, number, row, piece, work.end)
+    at_high = _margin(nonlinear, number, row, piece, work.end)
     for _ in range(100):
         if high - low <= 1e-14:
             break
         middle = between(low, high, at_low, at_high)
         at(work.terms, terms, middle, work.end)
-        value = _margin(curved, number, row, piece, work.end)
+        value = _margin(nonlinear, number, row, piece, work.end)
         low, high, at_low, at_high = narrowed(low, high, at_low, at_high, middle, value)
     return high
 
 
 @inlined
-def expand(curved, work, number, z, length):  # type: ignore[no-untyped-def]
+def expand(nonlinear, work, number, z, length):  # type: ignore[no-untyped-def]
     """Series of the motion over the step just tried; its number of terms."""
-    factor, first = 1.0, z.size - curved.push.shape[1]
+    factor, first = 1.0, z.size - nonlinear.input_matrix.shape[1]
     for r in range(work.polynomial.shape[0]):
         for j in range(work.polynomial.shape[1]):
-            work.polynomial[r, j] = work.polynomial[r, j] * factor if not curved.steady else z[first + j]
+            work.polynomial[r, j] = work.polynomial[r, j] * factor if not nonlinear.steady else z[first + j]
         factor *= 3.0
-    return series(curved.systems[number], curved.fastest, length, z, work.polynomial, work.terms)
+    return series(nonlinear.systems[number], nonlinear.fastest, length, z, work.polynomial, work.terms)
 
 
 @inlined
-def first_left(curved, work, number, z, length):  # type: ignore[no-untyped-def]
+def first_left(nonlinear, work, number, z, length):  # type: ignore[no-untyped-def]
     """First law that leaves its piece within the step just tried (-1: none), the share of the step at which
     it does, and the number of terms of the series (0: not needed).
     """
     terms, law, share = 0, -1, 1.0
     for row in range(work.pieces.size):
         piece, end = work.pieces[row], 1.0
-        left = _margin(curved, number, row, piece, work.end) < 0.0
-        if not left and not _dips(curved, number, row, piece, z, work.end):
+        left = _margin(nonlinear, number, row, piece, work.end) < 0.0
+        if not left and not _dips(nonlinear, number, row, piece, z, work.end):
             continue
         if terms == 0:
-            terms = expand(curved, work, number, z, length)
+            terms = expand(nonlinear, work, number, z, length)
         if not left:
-            end = _least(curved, work, number, row, terms)
-            left = _margin(curved, number, row, piece, work.end) < 0.0
+            end = _least(nonlinear, work, number, row, terms)
+            left = _margin(nonlinear, number, row, piece, work.end) < 0.0
         if left:
-            root = _root(curved, work, number, row, terms, end)
+            root = _root(nonlinear, work, number, row, terms, end)
             if root < share or law < 0:
                 law, share = row, root
         at(work.terms, terms, 1.0, work.end)

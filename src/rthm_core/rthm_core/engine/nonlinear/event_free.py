@@ -6,7 +6,7 @@ Arrays are handed over one by one, which compiles to less than tuples of them.
 from __future__ import annotations
 
 from rthm_core.compiled import inlined
-from rthm_core.engine.curved.switch import product
+from rthm_core.engine.nonlinear.switch import product
 from rthm_core.engine.worked import worked
 from rthm_core.physical.laws import PLACE
 from rthm_core.wide import numbers, put_numbers
@@ -50,7 +50,7 @@ def nothing_switches(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def quiet_step(  # type: ignore[no-untyped-def]
+def event_free_step(  # type: ignore[no-untyped-def]
     systems, holds, bits, places, n, breakaway, matrices, filled, lengths, works, k, z, pieces, end, sums
 ):
     """States (N,) `end` after a step over length `k` from ``z = [y, held, g]`` on; whether it may be taken,

@@ -13,8 +13,8 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, inlined
 from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
-from rthm_core.engine.curved.steps import MOST_TERMS, ORDERS, at, fill
-from rthm_core.engine.curved.switch import expand, first_left, product
+from rthm_core.engine.nonlinear.steps import MOST_TERMS, ORDERS, at, fill
+from rthm_core.engine.nonlinear.switch import expand, first_left, product
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
@@ -128,20 +128,20 @@ def set_of(bits, pieces):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def begin_step(curved, z, t, pieces):  # type: ignore[no-untyped-def]
+def begin_step(nonlinear, z, t, pieces):  # type: ignore[no-untyped-def]
     """Forces at the start of a step, into `z`; what is held by more than its breakaway force comes loose.
     Returns the number of the set that sticks.
     """
-    first = z.size - curved.push.shape[1]
+    first = z.size - nonlinear.input_matrix.shape[1]
     for _ in range(2 * pieces.size + 1):
-        _forces(curved.laws, curved.n, z, t, pieces, z[first:])
-        number, loose, hold = set_of(curved.bits, pieces), -1, 0.0
+        _forces(nonlinear.laws, nonlinear.n, z, t, pieces, z[first:])
+        number, loose, hold = set_of(nonlinear.bits, pieces), -1, 0.0
         if number == 0:
             break
         for row in range(pieces.size):
-            if curved.bits[row] and pieces[row] == 0:
-                held = product(curved.holds[number, row], z)
-                if abs(held) > curved.laws.breakaway[row]:
+            if nonlinear.bits[row] and pieces[row] == 0:
+                held = product(nonlinear.holds[number, row], z)
+                if abs(held) > nonlinear.laws.breakaway[row]:
                     loose, hold = row, held
         if loose < 0:
             break
@@ -197,9 +197,9 @@ def _stage(matrix, base, first, polynomial, y):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
+def _collocate(nonlinear, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
     """Step with forces that change, to ``work.end``; whether the iteration settled and the degree does."""
-    first, g, end = z.size - curved.push.shape[1], work.g, work.end
+    first, g, end = z.size - nonlinear.input_matrix.shape[1], work.g, work.end
     for j in range(g.shape[1]):
         for stage in range(4):
             g[stage, j] = z[first + j] + work.slope[j] * length * stage / 3.0
@@ -212,9 +212,9 @@ def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped
         for stage in range(3):
             _stage(matrices[stage], work.base[stage], first, work.polynomial, work.y)
             after = t + length * (stage + 1) / 3.0
-            _forces(curved.laws, curved.n, work.y, after, work.pieces, end[first:])
+            _forces(nonlinear.laws, nonlinear.n, work.y, after, work.pieces, end[first:])
             for j in range(g.shape[1]):
-                change = max(change, abs(end[first + j] - g[stage + 1, j]) * curved.weight[j])
+                change = max(change, abs(end[first + j] - g[stage + 1, j]) * nonlinear.weight[j])
                 g[stage + 1, j] = end[first + j]
         settled = change <= SETTLED * work.scale[0]
         if settled:
@@ -223,27 +223,27 @@ def _collocate(curved, work, matrices, z, t, length):  # type: ignore[no-untyped
         end[i] = work.y[i]
     for j in range(g.shape[1]):
         work.slope[j] = (5.5 * g[3, j] - 9.0 * g[2, j] + 4.5 * g[1, j] - g[0, j]) / length if settled else 0.0
-    return settled and _neglected(curved.weight, g) <= TOLERANCE * work.scale[0]
+    return settled and _neglected(nonlinear.weight, g) <= TOLERANCE * work.scale[0]
 
 
 @inlined
-def _try(curved, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
+def _try(nonlinear, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
     """Step of `length` from `z` to ``work.end``; whether it is good enough."""
-    first, end = z.size - curved.push.shape[1], work.end
-    for j in range(curved.systems.shape[1], z.size):
+    first, end = z.size - nonlinear.input_matrix.shape[1], work.end
+    for j in range(nonlinear.systems.shape[1], z.size):
         end[j] = z[j]
-    if not curved.steady:
+    if not nonlinear.steady:
         for j in range(first, z.size):
-            work.scale[0] = max(work.scale[0], abs(z[j]) * curved.weight[j - first])
-        return _collocate(curved, work, matrices, z, t, length)
+            work.scale[0] = max(work.scale[0], abs(z[j]) * nonlinear.weight[j - first])
+        return _collocate(nonlinear, work, matrices, z, t, length)
     step_by(matrices[0], z, z.size, end)
     return True
 
 
 @inlined
-def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-def]
+def _count(nonlinear, work, terms, z, share, length):  # type: ignore[no-untyped-def]
     """Add the moments over a share of the step whose series is known."""
-    first, point = z.size - curved.push.shape[1], work.end
+    first, point = z.size - nonlinear.input_matrix.shape[1], work.end
     for node in range(GAUSS_NODES.size):
         s = share * GAUSS_NODES[node]
         at(work.terms, terms, s, point)
@@ -260,40 +260,42 @@ def _count(curved, work, terms, z, share, length):  # type: ignore[no-untyped-de
 
 
 @inlined
-def end_step(curved, work, number, z, law, share, terms, length):  # type: ignore[no-untyped-def]
+def end_step(nonlinear, work, number, z, law, share, terms, length):  # type: ignore[no-untyped-def]
     """Count the moments of what is done of a step, and put its end into ``work.end`` if it is not there."""
     if work.moments.size:
-        terms = terms if terms else expand(curved, work, number, z, length)
-        _count(curved, work, terms, z, share, length)
+        terms = terms if terms else expand(nonlinear, work, number, z, length)
+        _count(nonlinear, work, terms, z, share, length)
     if law >= 0 or work.moments.size:
         at(work.terms, terms, share, work.end)
 
 
 @inlined
-def advance(curved, steps, work, z, k, t):  # type: ignore[no-untyped-def]
+def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
     """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on."""
-    size, whole, lengths = curved.systems.shape[1], steps.lengths[k], steps.lengths.size
+    size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
     done, length, switches = 0.0, whole, 0
     while done < whole:
-        number = begin_step(curved, z, t + done, work.pieces)
+        number = begin_step(nonlinear, z, t + done, work.pieces)
         slot = number * lengths + k if length == whole else steps.filled.size - 1
         if length != whole or not steps.filled[slot]:
-            fill(curved.systems[number], curved.fastest, steps, slot, length)
+            fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
             steps.filled[slot] = 1
-        if not _try(curved, work, steps.matrices[slot], z, t + done, length) and length > SMALLEST:
+        if not _try(nonlinear, work, steps.matrices[slot], z, t + done, length) and length > SMALLEST:
             length *= 0.5
             continue
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
-            law, share, terms = first_left(curved, work, number, z, length)
-        end_step(curved, work, number, z, law, share, terms, length)
+            law, share, terms = first_left(nonlinear, work, number, z, length)
+        end_step(nonlinear, work, number, z, law, share, terms, length)
         if law >= 0:
-            hold = product(curved.holds[number, law], work.end)
+            hold = product(nonlinear.holds[number, law], work.end)
             piece = work.pieces[law]
-            work.pieces[law] = switched(curved.laws, curved.n, law, piece, work.end, hold)
+            work.pieces[law] = switched(nonlinear.laws, nonlinear.n, law, piece, work.end, hold)
             switches += 1
         for i in range(size):
             z[i] = work.end[i]
         done = whole if law < 0 and done + length >= whole else done + share * length
         length = min(whole - done, 2.0 * length) if law < 0 else whole - done
-    _forces(curved.laws, curved.n, z, t + whole, work.pieces, z[z.size - curved.push.shape[1] :])
+    _forces(
+        nonlinear.laws, nonlinear.n, z, t + whole, work.pieces, z[z.size - nonlinear.input_matrix.shape[1] :]
+    )

@@ -37,7 +37,7 @@ MOST_STICKING = 3
 """Most dofs with dry friction for which every set that can stick has matrices of its own."""
 
 
-class Curved(NamedTuple):
+class Nonlinear(NamedTuple):
     """Loop for compiled code; d is the length of [y, held, g], S the number of sets of sticking dofs.
 
     Attributes
@@ -52,7 +52,7 @@ class Curved(NamedTuple):
         With places and own states as positions in y.
     n : int
         Distance from a position to its velocity in y.
-    push : (N, G) array
+    input_matrix : (N, G) array
         Effect of g.
     weight : (G,) array
         Its largest.
@@ -69,21 +69,21 @@ class Curved(NamedTuple):
     bits: Integers
     laws: LawTable
     n: int
-    push: Floats
+    input_matrix: Floats
     weight: Floats
     fastest: float
     steady: bool
     pieces: Integers
 
 
-class CurvedLoop(NamedTuple):
+class NonlinearLoop(NamedTuple):
     """The loop, what it is looked at through, and its start.
 
     Attributes
     ----------
     linear : LinearLoop
         Both sides without the laws; with its commands in two parts where works are counted.
-    curved : Curved
+    nonlinear : Nonlinear
     start : (N + M,) array
         State and held inputs.
     sample, force, reference : (., N + M) arrays
@@ -95,7 +95,7 @@ class CurvedLoop(NamedTuple):
     """
 
     linear: LinearLoop
-    curved: Curved
+    nonlinear: Nonlinear
     start: Floats
     sample: Floats
     force: Floats
@@ -104,7 +104,7 @@ class CurvedLoop(NamedTuple):
     forms: Floats
 
 
-def curved_loop(spec: Spec, *, energies: bool) -> CurvedLoop | None:
+def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     """Matrices of a loop in which laws on the plant may be not linear; None where anything else is not."""
     physical = build(spec)
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
@@ -116,11 +116,11 @@ def curved_loop(spec: Spec, *, energies: bool) -> CurvedLoop | None:
     if ledger is not None:
         before += ledger.loop.plant.a.shape[0] - linear.plant.a.shape[0]
         linear = ledger.loop
-    curved = _curved(physical, laws, before, _joint(linear))
+    nonlinear = _nonlinear(physical, laws, before, _joint(linear))
     sides = (linear.plant, linear.numerical)
     start = np.concatenate([*(side.state(0.0) for side in sides), *(side.held for side in sides)])
-    forms = np.empty((0, 0, 0)) if ledger is None else _forms(ledger, linear, curved)
-    return CurvedLoop(linear, curved, start, *_looks(linear), forms)
+    forms = np.empty((0, 0, 0)) if ledger is None else _forms(ledger, linear, nonlinear)
+    return NonlinearLoop(linear, nonlinear, start, *_looks(linear), forms)
 
 
 def _places(loop: LinearLoop) -> list[Integers]:
@@ -138,33 +138,33 @@ def _joint(loop: LinearLoop) -> Floats:
     return joint
 
 
-def _curved(physical: Physical, laws: LawTable, before: int, joint: Floats) -> Curved:
+def _nonlinear(physical: Physical, laws: LawTable, before: int, joint: Floats) -> Nonlinear:
     """The laws on a loop whose plant's mechanics stand from place `before` on."""
     model, numbers = physical.model, laws.numbers.copy()
     numbers[:, [PLACE, STATE]] += before
     laws, size, count = laws._replace(numbers=numbers), joint.shape[0], numbers.shape[0]
-    push = np.zeros((size, count + int(numbers[:, STATES].sum())))
+    input_matrix = np.zeros((size, count + int(numbers[:, STATES].sum())))
     ny = model.mechanics.shape[0]
-    push[before : before + ny, :count] = model.mechanics[:, model.mechanics.shape[1] - count :]
+    input_matrix[before : before + ny, :count] = model.mechanics[:, model.mechanics.shape[1] - count :]
     own = [state for row in numbers for state in range(row[STATE], row[STATE] + row[STATES])]
-    push[own, count + np.arange(len(own))] = 1.0
+    input_matrix[own, count + np.arange(len(own))] = 1.0
     rubbing = np.flatnonzero(numbers[:, SPLIT] == FRICTION)
     bits = np.zeros(count, dtype=np.int64)
     bits[rubbing] = 1 << np.arange(rubbing.size)
-    free = np.hstack([joint, push])
+    free = np.hstack([joint, input_matrix])
     sets = [rubbing[[bool(s >> i & 1) for i in range(rubbing.size)]] for s in range(1 << rubbing.size)]
     systems, holds = zip(*(_sticking(free, laws, model.n, rows) for rows in sets), strict=True)
     fastest = max(np.abs(np.linalg.eigvals(one[:, :size])).max(initial=0.0) for one in systems)
     steady = all(law.constant and law.split == "friction" for law in map(plant_law, numbers[:, CODE]))
     pieces = physical.state.pieces[:count].copy()
-    return Curved(
+    return Nonlinear(
         np.stack(systems),
         np.stack(holds),
         bits,
         laws,
         model.n,
-        push,
-        np.abs(push).max(axis=0),
+        input_matrix,
+        np.abs(input_matrix).max(axis=0),
         float(fastest),
         steady,
         pieces,
@@ -200,14 +200,14 @@ def _looks(loop: LinearLoop) -> tuple[Floats, Floats, Floats, Integers]:
     return sample, force, reference, np.concatenate([x1v1, two[: loop.numerical.y.size]])
 
 
-def _forms(ledger: LinearLedger, loop: LinearLoop, curved: Curved) -> Floats:
+def _forms(ledger: LinearLedger, loop: LinearLoop, nonlinear: Nonlinear) -> Floats:
     """Powers and energy over [y, held, g]: a law's power is its force times the velocity of its dof."""
     one, two, commands, held = _places(loop)
     order = np.argsort(np.concatenate([one, commands, two, held]))
-    size, d = order.size, curved.systems.shape[2]
+    size, d = order.size, nonlinear.systems.shape[2]
     forms = np.zeros((ledger.forms.shape[0], d, d))
     forms[:, :size, :size] = ledger.forms[:, order][:, :, order]
-    for row, place in enumerate(curved.laws.numbers[:, PLACE] + curved.n):
+    for row, place in enumerate(nonlinear.laws.numbers[:, PLACE] + nonlinear.n):
         forms[EFFECTS, place, size + row] += 0.5
         forms[EFFECTS, size + row, place] += 0.5
     return forms

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rthm_core.engine.curved.run import curved_blocks
+from rthm_core.engine.nonlinear.run import nonlinear_blocks
 from rthm_core.engine.simulate import simulate, simulate_any, simulate_blocks
 from rthm_core.spec import apply, shipped_spec
 
@@ -49,7 +49,7 @@ def changed(*parts, name="paper"):
 @pytest.mark.parametrize("case", CASES)
 def test_fast_way_agrees_with_the_engine_for_any_loop(case):
     spec = changed(*CASES[case])
-    assert curved_blocks(spec, 1_000_000, 1_000_000, energies=False) is not None
+    assert nonlinear_blocks(spec, 1_000_000, 1_000_000, energies=False) is not None
     fast, counted = (simulate(spec, 8.0, 0.0017, energies=counting) for counting in (False, True))
     slow = simulate_any(spec, 8_000_000_000, 1_700_000)
     for name in ("plant_position", "numerical_position"):
@@ -96,4 +96,4 @@ def test_blocks_joined_are_the_whole(case, energies):
 
 def test_a_wire_that_is_not_linear_takes_the_other_way():
     wire = {"block": "wire", "actuator": "a1", "kind": "hardening", "coefficient": 100.0}
-    assert curved_blocks(changed(wire, RUB), 1_000_000, 1_000_000, energies=False) is None
+    assert nonlinear_blocks(changed(wire, RUB), 1_000_000, 1_000_000, energies=False) is None

@@ -8,10 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.curved.advance import Work, work
-from rthm_core.engine.curved.kernel import Looks, Operations, Outputs, run_curved
-from rthm_core.engine.curved.loop import CurvedLoop, curved_loop
-from rthm_core.engine.curved.steps import LONGEST, ORDERS, Steps
 from rthm_core.engine.digits import LONGEST as LONGEST_LENGTH
 from rthm_core.engine.digits import digit_lengths, digit_works, in_digits
 from rthm_core.engine.kept import kept
@@ -19,6 +15,10 @@ from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.linear.kernel import ROWS, Memory
 from rthm_core.engine.linear.ledger import LinearLedger, work_tables
 from rthm_core.engine.linear.preparation import filled
+from rthm_core.engine.nonlinear.advance import Work, work
+from rthm_core.engine.nonlinear.kernel import Looks, Operations, Outputs, run_nonlinear
+from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
+from rthm_core.engine.nonlinear.steps import LONGEST, ORDERS, Steps
 from rthm_core.engine.program import (
     STEP,
     Program,
@@ -56,13 +56,13 @@ class State(NamedTuple):
 
 
 @kept
-def _loop(spec: Spec, energies: bool) -> CurvedLoop | None:
-    return curved_loop(spec, energies=energies)
+def _loop(spec: Spec, energies: bool) -> NonlinearLoop | None:
+    return nonlinear_loop(spec, energies=energies)
 
 
-def looks_of(loop: CurvedLoop) -> Looks:
+def looks_of(loop: NonlinearLoop) -> Looks:
     """What is seen of a loop."""
-    upper = np.triu_indices(loop.curved.systems.shape[2])
+    upper = np.triu_indices(loop.nonlinear.systems.shape[2])
     double = np.where(upper[0] == upper[1], 1.0, 2.0)
     forms = np.empty((0, 0)) if not loop.forms.size else loop.forms[:, upper[0], upper[1]] * double
     none = Sensors(np.zeros((0, 5)), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.uint64))
@@ -79,26 +79,26 @@ def looks_of(loop: CurvedLoop) -> Looks:
     )
 
 
-def _works(loop: CurvedLoop, lengths_ns: Integers | None) -> Floats:
+def _works(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
     """Tables of the works for every set of sticking dofs and length, or for every digit of a length; empty
     where they are not counted or forces change within a step.
     """
-    size, d = loop.curved.systems.shape[1:]
-    if not (loop.forms.size and loop.curved.steady):
+    size, d = loop.nonlinear.systems.shape[1:]
+    if not (loop.forms.size and loop.nonlinear.steady):
         return np.empty((0, 0, 0))
     ledgers = [
         LinearLedger(loop.linear, np.vstack([system, np.zeros((d - size, d))]), loop.forms)
-        for system in loop.curved.systems
+        for system in loop.nonlinear.systems
     ]
     if lengths_ns is None:
         return wide_copy(np.concatenate([digit_works(one)[:-1] for one in ledgers]))
     return wide_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
 
 
-def _steps(loop: CurvedLoop, lengths_ns: Integers, works: Floats) -> Steps | None:
+def _steps(loop: NonlinearLoop, lengths_ns: Integers, works: Floats) -> Steps | None:
     """Memory for the matrices of all lengths; None where it would be too much."""
-    sets, n, d = loop.curved.systems.shape
-    g, steady = loop.curved.push.shape[1], loop.curved.steady
+    sets, n, d = loop.nonlinear.systems.shape
+    g, steady = loop.nonlinear.input_matrix.shape[1], loop.nonlinear.steady
     rows, stages, slots = (
         d if steady else d + (ORDERS - 1) * g,
         1 if steady else 3,
@@ -142,10 +142,10 @@ def _operations(
     return Operations(chosen.what, chosen.time, numbers, chosen.sample, chosen.reference, period), lengths
 
 
-def _longest(loop: CurvedLoop) -> int:
+def _longest(loop: NonlinearLoop) -> int:
     """Longest step in ns."""
     smooth = SMOOTH if loop.forms.size else LONGEST
-    fastest = max(loop.curved.fastest, 1e-3)
+    fastest = max(loop.nonlinear.fastest, 1e-3)
     return max(int(smooth / fastest * 1e9), 1000)
 
 
@@ -174,11 +174,11 @@ def _digit_steps(spec: Spec, energies: bool) -> Steps | None:
     return None if loop is None else _steps(loop, digit_lengths(), _works(loop, None))
 
 
-def start_state(loop: CurvedLoop, samples: int, references: int) -> State:
+def start_state(loop: NonlinearLoop, samples: int, references: int) -> State:
     """Start of a loop that looks back on so many samples and references."""
-    _, n, d = loop.curved.systems.shape
-    g = loop.curved.push.shape[1]
-    orders = 1 if loop.curved.steady else ORDERS
+    _, n, d = loop.nonlinear.systems.shape
+    g = loop.nonlinear.input_matrix.shape[1]
+    orders = 1 if loop.nonlinear.steady else ORDERS
     z = np.concatenate([loop.start, np.zeros(g)])
     past = Memory(
         filled(loop.linear.first_sample, samples),
@@ -186,7 +186,7 @@ def start_state(loop: CurvedLoop, samples: int, references: int) -> State:
         np.zeros(3, dtype=np.int64),
     )
     counting = bool(loop.forms.size)
-    return State(z, work(n, d, g, orders, loop.curved.pieces, counting=counting), past)
+    return State(z, work(n, d, g, orders, loop.nonlinear.pieces, counting=counting), past)
 
 
 class Portion(NamedTuple):
@@ -206,7 +206,7 @@ class Plan(NamedTuple):
     portions: Iterator[Portion]
 
 
-def plan(spec: Spec, loop: CurvedLoop, end: int, step: int, *, energies: bool, span: int) -> Plan | None:
+def plan(spec: Spec, loop: NonlinearLoop, end: int, step: int, *, energies: bool, span: int) -> Plan | None:
     """What gives rows every `step` ns up to `end` ns, in portions of about `span` ns; None where there is no
     fast way for it.
     """
@@ -222,14 +222,14 @@ def plan(spec: Spec, loop: CurvedLoop, end: int, step: int, *, energies: bool, s
     return Plan(reach // schedule.td1, reach // schedule.td2, portions)
 
 
-def curved_blocks(
+def nonlinear_blocks(
     spec: Spec, end: int, step: int, *, energies: bool, span: int = CHUNK_NS
 ) -> Iterator[Rows] | None:
     """Rows of a loop with laws that are not linear, every `step` ns up to `end` ns, in blocks of about `span`
     ns; None where there is no fast way for it.
     """
     loop = _loop(spec, energies)
-    if loop is None or not loop.curved.pieces.size:
+    if loop is None or not loop.nonlinear.pieces.size:
         return None
     found = plan(spec, loop, end, step, energies=energies, span=span)
     if found is None:
@@ -251,7 +251,9 @@ def _repeated(one: _Prepared, end: int, step: int, span: int) -> Iterator[Portio
         yield Portion(chosen, one.steps, left, count)
 
 
-def _irregular(schedule: Schedule, loop: CurvedLoop, steps: Steps, end: int, step: int) -> Iterator[Portion]:
+def _irregular(
+    schedule: Schedule, loop: NonlinearLoop, steps: Steps, end: int, step: int
+) -> Iterator[Portion]:
     since = 0
     for begin in range(0, end + 1, CHUNK_NS):
         stop = min(begin + CHUNK_NS, end + 1)
@@ -267,7 +269,7 @@ def _irregular(schedule: Schedule, loop: CurvedLoop, steps: Steps, end: int, ste
         yield Portion(numbered, steps, 1, rows_within(begin, stop, step))
 
 
-def outputs(loop: CurvedLoop, rows: int) -> Outputs:
+def outputs(loop: NonlinearLoop, rows: int) -> Outputs:
     """Rows to be written."""
     m, n2, both = loop.linear.k_tot.size, loop.linear.numerical.y.size, loop.motion.size
     plant, numerical, reference = (np.empty((rows, width)) for width in (both - n2 + m, n2, m))
@@ -275,12 +277,12 @@ def outputs(loop: CurvedLoop, rows: int) -> Outputs:
     return Outputs(plant, numerical, reference, works)
 
 
-def _block(loop: CurvedLoop, portion: Portion, state: State) -> Rows:
+def _block(loop: NonlinearLoop, portion: Portion, state: State) -> Rows:
     """Run a portion and leave its last row, which is beyond the block: a full block would end the run."""
     out = outputs(loop, portion.rows + 1)
     state.memory.count[ROWS] = 0
-    run_curved(
-        loop.curved,
+    run_nonlinear(
+        loop.nonlinear,
         portion.steps,
         state.work,
         looks_of(loop),

@@ -24,8 +24,8 @@ from rthm_core.engine.tangents.changes import Tangents, look_pairs, stencil, ste
 from rthm_core.engine.tangents.kernel import TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
+from rthm_core.simd import WIDTH, simd_copy, simd_empty
 from rthm_core.spec import parameters
-from rthm_core.wide import WIDTH, wide_copy, wide_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import EffectSpec, Spec
@@ -181,20 +181,20 @@ def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
     changes = one.changes
     _, n, d, *groups = changes.systems.shape
     nothing = np.zeros((d, *groups))
-    dz = wide_copy(nothing)
+    dz = simd_copy(nothing)
     dz[: changes.start.shape[0]] = changes.start
     return TangentWork(
         dz,
-        wide_copy(dz),
-        wide_copy(filled(changes.first_sample, samples)),
-        wide_copy(filled(changes.first_reference, references)),
+        simd_copy(dz),
+        simd_copy(filled(changes.first_sample, samples)),
+        simd_copy(filled(changes.first_reference, references)),
         np.zeros(n),
-        wide_copy(nothing[0]),
-        Term(np.zeros(n), wide_copy(nothing[:n])),
-        Term(np.zeros(n), wide_copy(nothing[:n])),
+        simd_copy(nothing[0]),
+        Term(np.zeros(n), simd_copy(nothing[:n])),
+        Term(np.zeros(n), simd_copy(nothing[:n])),
         np.zeros(d),
-        wide_copy(nothing),
-        wide_empty(d, n, *groups),
+        simd_copy(nothing),
+        simd_empty(d, n, *groups),
     )
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from rthm_core.compiled import inlined
-from rthm_core.wide import everywhere, numbers
+from rthm_core.simd import everywhere, numbers
 
 
 @inlined
 def worked(tables, k, z):  # type: ignore[no-untyped-def]
-    """Works (8,), a wide value, over a step from `z` on.
+    """Works (8,), a SIMD value, over a step from `z` on.
 
     Table `k` of `tables` (K, d (d + 1) / 2, 8) has the coefficients of the products of every two elements.
     """

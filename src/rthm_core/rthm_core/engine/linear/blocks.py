@@ -12,7 +12,7 @@ from rthm_core.engine.linear.kernel import ROWS, Counting, run
 from rthm_core.engine.linear.ledger import COLUMNS
 from rthm_core.engine.linear.loop import LinearLoop
 from rthm_core.engine.linear.preparation import Prepared, Start, widths
-from rthm_core.wide import wide_empty
+from rthm_core.simd import simd_empty
 
 CHUNK_NS = 10_000_000_000
 """Span of time that is held at once where a run is given in blocks, or where nothing repeats."""
@@ -34,7 +34,7 @@ class Rows(NamedTuple):
 def empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
     """Rows to be written."""
     plant, numerical, reference = (np.empty((count, width)) for width in widths(loop))
-    return Rows(plant, numerical, reference, wide_empty(count if energies else 0, COLUMNS))
+    return Rows(plant, numerical, reference, simd_empty(count if energies else 0, COLUMNS))
 
 
 def run_program(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Any, ...]:

@@ -17,7 +17,7 @@ from rthm_core.compiled import FUSED, Floats, Integers, fused, inlined
 from rthm_core.engine.worked import worked
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import numbers, put_numbers
+from rthm_core.simd import numbers, put_numbers
 
 SMALL = 6
 """Longest state that is kept in registers."""
@@ -194,7 +194,7 @@ def _joined(joint: Floats, begin: int, part: Vector) -> int:
 def _worked(
     tables: Floats, k: int, joint: Floats, plant: Vector, command: Vector, numerical: Vector, held: Vector
 ) -> Any:
-    """Works (8,), a wide value, by table `k` from the joint state."""
+    """Works (8,), a SIMD value, by table `k` from the joint state."""
     d = _joined(joint, _joined(joint, 0, plant), command)
     _joined(joint, _joined(joint, d, numerical), held)
     return worked(tables, k, joint)

@@ -18,8 +18,8 @@ from rthm_core.exponential import exponentials
 from rthm_core.numerical import numerical
 from rthm_core.physical.drive import Drive, drive, settled
 from rthm_core.physical.side import build
+from rthm_core.simd import simd_copy
 from rthm_core.substructure import as_built
-from rthm_core.wide import wide_copy
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -153,6 +153,6 @@ def packed(forms: Floats) -> Floats:
     """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the works, and the energy if it is there."""
     upper = np.triu_indices(forms.shape[-1])
     double = np.where(upper[0] == upper[1], 1.0, 2.0)
-    tables = wide_copy(np.zeros((forms.shape[0], upper[0].size, COLUMNS)))
+    tables = simd_copy(np.zeros((forms.shape[0], upper[0].size, COLUMNS)))
     tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., upper[0], upper[1]] * double, 1, 2)
     return tables

@@ -14,7 +14,7 @@ from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.engine.program import Program
 from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import wide_copy
+from rthm_core.simd import simd_copy
 
 PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
 
@@ -88,7 +88,7 @@ def prepared(
         work_tables(ledger, moves, with_energy=False),
         work_tables(ledger, rows, with_energy=True),
     ]
-    return Prepared(operations, tables, wide_copy(np.concatenate(works)))
+    return Prepared(operations, tables, simd_copy(np.concatenate(works)))
 
 
 def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:

@@ -19,8 +19,8 @@ from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_la
 from rthm_core.engine.many.period import notes
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
+from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.substructure import held_dynamics, interface
-from rthm_core.wide import WIDTH, wide_copy
 
 if TYPE_CHECKING:
     from rthm_core.engine.program import Program
@@ -195,7 +195,7 @@ def _side_by_side(
     for portion, begin in zip(_portions(stacked, count), range(0, count, LANES), strict=True):
         steps1 = lane_steps(portion.a1, np.asarray(lengths1 * 1e-9, dtype=float), n1)
         steps2 = lane_steps(portion.a2, np.asarray(lengths2 * 1e-9, dtype=float), n2)
-        interface_steps = steps1 if np.array_equal(seen, np.arange(n1)) else wide_copy(steps1[:, :, seen])
+        interface_steps = steps1 if np.array_equal(seen, np.arange(n1)) else simd_copy(steps1[:, :, seen])
         steps, out = (steps1, interface_steps, steps2), found[begin : begin + LANES]
         run_lanes(portion, dofs, steps, operations, end // period + 1, out, like, memory)
     return _ensemble(found, step, n1, n2, m)
@@ -240,7 +240,7 @@ def _portions(stacked: Lanes, count: int) -> Iterator[Lanes]:
 
     def parted(part: Floats) -> Floats:
         portions = part[..., chosen].reshape(*part.shape[:-1], -1, GROUPS, WIDTH)
-        return wide_copy(np.moveaxis(portions, -3, 0))
+        return simd_copy(np.moveaxis(portions, -3, 0))
 
     return (Lanes(*parts) for parts in zip(*map(parted, stacked), strict=True))
 

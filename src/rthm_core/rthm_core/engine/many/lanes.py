@@ -1,6 +1,6 @@
 """Kernels over several loops at once: the last two axes of every array are the loops, `GROUPS` times `WIDTH`.
 
-All of them execute the same program, so that one decision serves them all and arithmetic is done in wide
+All of them execute the same program, so that one decision serves them all and arithmetic is done in SIMD
 registers.
 """
 
@@ -17,7 +17,7 @@ from numba.extending import overload
 from rthm_core.compiled import Floats, Integers, compiled, compiled_in_place, inlined
 from rthm_core.engine.nonlinear.steps import terms_of
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several, wide_empty
+from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, several, simd_empty
 
 GROUPS = 8
 """How many groups execute an operation one after the other; what they need stays in the nearest memory."""
@@ -68,10 +68,10 @@ def scratch(samples: int, references: int, m: int, columns: int) -> Scratch:
     """Memory that reaches back so many samples and references, for rows of so many columns."""
     lengths = [1 << (reach + 1).bit_length() for reach in (samples, references)]
     return Scratch(
-        wide_empty(lengths[0], 2 * m, GROUPS, WIDTH),
-        wide_empty(lengths[1], m, GROUPS, WIDTH),
-        wide_empty(1, columns, GROUPS, WIDTH),
-        wide_empty(BUFFER, columns, GROUPS, WIDTH),
+        simd_empty(lengths[0], 2 * m, GROUPS, WIDTH),
+        simd_empty(lengths[1], m, GROUPS, WIDTH),
+        simd_empty(1, columns, GROUPS, WIDTH),
+        simd_empty(BUFFER, columns, GROUPS, WIDTH),
     )
 
 
@@ -125,7 +125,7 @@ def _exponential(a: Floats, t: float, x: Floats, grown: Floats, work: Floats) ->
 
 def lane_steps(a: Floats, lengths: Floats, states: int) -> Floats:
     """Step matrices (K, n, states, Q, 8), transposed, over each of the lengths (s)."""
-    steps = wide_empty(lengths.size, a.shape[0], states, a.shape[2], WIDTH)
+    steps = simd_empty(lengths.size, a.shape[0], states, a.shape[2], WIDTH)
     _fill_steps(a, lengths, steps)
     return steps
 

@@ -26,7 +26,7 @@ from rthm_core.physical.laws import (
     plant_rate,
 )
 from rthm_core.physical.switching import loose_piece, switched
-from rthm_core.wide import WIDTH, wide_copy
+from rthm_core.simd import WIDTH, simd_copy
 
 TOLERANCE = 1e-8
 """What the neglected degree of a force may be, relative to the largest force that a law has had."""
@@ -94,7 +94,7 @@ def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: 
         np.full(1, 1e-2),
         pieces.copy(),
         np.zeros(d * (d + 1) // 2 if counting else 0),
-        wide_copy(np.zeros(WIDTH)),
+        simd_copy(np.zeros(WIDTH)),
     )
 
 

@@ -9,7 +9,7 @@ from rthm_core.compiled import inlined
 from rthm_core.engine.nonlinear.switch import product
 from rthm_core.engine.worked import worked
 from rthm_core.physical.laws import PLACE
-from rthm_core.wide import numbers, put_numbers
+from rthm_core.simd import numbers, put_numbers
 
 
 @inlined

@@ -28,7 +28,7 @@ from rthm_core.engine.program import (
 )
 from rthm_core.physical.sensors import Sensors
 from rthm_core.schedule import Schedule
-from rthm_core.wide import wide_copy
+from rthm_core.simd import simd_copy
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -91,8 +91,8 @@ def _works(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
         for system in loop.nonlinear.systems
     ]
     if lengths_ns is None:
-        return wide_copy(np.concatenate([digit_works(one)[:-1] for one in ledgers]))
-    return wide_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
+        return simd_copy(np.concatenate([digit_works(one)[:-1] for one in ledgers]))
+    return simd_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
 
 
 def _steps(loop: NonlinearLoop, lengths_ns: Integers, works: Floats) -> Steps | None:

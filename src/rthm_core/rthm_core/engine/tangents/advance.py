@@ -15,7 +15,7 @@ from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
 from rthm_core.physical.switching import switched
-from rthm_core.wide import everywhere, numbers, put_numbers
+from rthm_core.simd import everywhere, numbers, put_numbers
 
 
 class Term(NamedTuple):

@@ -17,8 +17,8 @@ from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
 from rthm_core.physical.laws import CODE, FRICTION, SPLIT, plant_law
+from rthm_core.simd import WIDTH, simd_copy, simd_empty
 from rthm_core.spec import apply, number_at
-from rthm_core.wide import WIDTH, wide_copy, wide_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -114,7 +114,7 @@ def _lanes(derivatives: Sequence[Floats], motion: Floats) -> Floats:
     groups = len(derivatives) // WIDTH + 1
     missing = groups * WIDTH - len(derivatives) - 1
     stacked = np.stack([*derivatives, motion, *([np.zeros_like(motion)] * missing)], axis=-1)
-    return wide_copy(stacked.reshape(*motion.shape, groups, WIDTH))
+    return simd_copy(stacked.reshape(*motion.shape, groups, WIDTH))
 
 
 def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
@@ -172,7 +172,7 @@ def step_pairs(loop: NonlinearLoop, changes: Tangents, slots: int) -> Pairs:
         states = states | (states.astype(int) @ (systems[:, :n] != 0.0) > 0)
     columns = _numbered(np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0]))
     values = np.empty((slots, *columns.shape, 2))
-    return Pairs(columns, values, wide_empty(*values.shape, *changes.systems.shape[-2:]))
+    return Pairs(columns, values, simd_empty(*values.shape, *changes.systems.shape[-2:]))
 
 
 def look_pairs(rows: Floats, changes: Floats) -> Pairs:
@@ -180,7 +180,7 @@ def look_pairs(rows: Floats, changes: Floats) -> Pairs:
     columns = _numbered((rows != 0.0) | np.any(changes != 0.0, axis=(2, 3)).T)
     which = np.minimum(2 * np.arange(columns.shape[0])[:, None] + [0, 1], rows.shape[0] - 1)
     taken = columns.astype(int)[:, :, None], which[:, None]
-    return Pairs(columns, np.ascontiguousarray(rows.T[taken][None]), wide_copy(changes[taken][None]))
+    return Pairs(columns, np.ascontiguousarray(rows.T[taken][None]), simd_copy(changes[taken][None]))
 
 
 def _numbered(rows: Flags) -> Unsigned:

@@ -25,7 +25,7 @@ from rthm_core.engine.tangents.changes import Pairs, Tangents
 from rthm_core.engine.tangents.steps import by_pairs, copy_numbers, put_pairs
 from rthm_core.engine.worked import worked
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.wide import WIDTH, numbers, put_numbers, put_numbers_from
+from rthm_core.simd import WIDTH, numbers, put_numbers, put_numbers_from
 
 
 class TangentSteps(NamedTuple):

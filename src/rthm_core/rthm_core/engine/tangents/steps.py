@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba.cpython.unsafe.tuple import tuple_setitem
 
 from rthm_core.compiled import inlined
-from rthm_core.wide import everywhere, numbers, put_numbers, several
+from rthm_core.simd import everywhere, numbers, put_numbers, several
 
 
 @inlined

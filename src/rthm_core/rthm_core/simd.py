@@ -1,8 +1,8 @@
-"""`WIDTH` numbers at once in compiled code: a kind of value with arithmetic in wide registers, whatever a
+"""`WIDTH` numbers at once in compiled code: a kind of value with arithmetic in SIMD registers, whatever a
 compiler makes of loops.
 
-The numbers lie side by side along the last axis of an array, which is as long as the value is wide. On a
-processor with shorter registers the compiler uses several of them.
+The numbers lie side by side along the last axis of an array, which is as long as the value is
+wide. On a processor with shorter registers the compiler uses several of them.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ WIDTH = 8
 _NUMBERS = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
-def wide_empty(*shape: int) -> Floats:
-    """Array without values, none of whose wide ones lies across two lines of the nearest memory: reading such
-    a one takes twice as long.
+def simd_empty(*shape: int) -> Floats:
+    """Array without values, none of whose SIMD values will lie across two lines of the nearest memory: such a
+    one takes twice as long to read.
     """
     size = math.prod(shape)
     memory = np.empty(size + WIDTH)
@@ -37,24 +37,24 @@ def wide_empty(*shape: int) -> Floats:
     return memory[begin : begin + size].reshape(shape)
 
 
-def wide_copy(values: Floats) -> Floats:
+def simd_copy(values: Floats) -> Floats:
     """Copy of an array at such a place."""
-    copy = wide_empty(*values.shape)
+    copy = simd_empty(*values.shape)
     copy[...] = values
     return copy
 
 
-class Wide(types.Type):
+class Simd(types.Type):
     """Type of `WIDTH` numbers."""
 
     def __init__(self) -> None:
-        super().__init__(f"Wide({WIDTH})")
+        super().__init__(f"Simd({WIDTH})")
 
 
-wide = Wide()
+simd = Simd()
 
 
-@register_model(Wide)
+@register_model(Simd)
 class _Model(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _NUMBERS)
@@ -74,7 +74,7 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 def _check(array: Any, index: Any) -> None:
     if array.layout != "C" or array.dtype != types.float64 or array.ndim != len(index) + 1:
-        raise TypingError(f"{array} holds no wide values at {index}: they lie side by side in memory.")
+        raise TypingError(f"{array} holds no SIMD values at {index}: they lie side by side in memory.")
 
 
 @intrinsic  # type: ignore[untyped-decorator]
@@ -85,7 +85,7 @@ def numbers(typing: Any, array: Any, index: Any) -> Any:
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load(_place(context, builder, signature, arguments), align=8)
 
-    return wide(array, index), code
+    return simd(array, index), code
 
 
 @intrinsic  # type: ignore[untyped-decorator]
@@ -122,13 +122,13 @@ def everywhere(typing: Any, number: Any) -> Any:
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return _spread(builder, arguments[0])
 
-    return wide(types.float64), code
+    return simd(types.float64), code
 
 
 @intrinsic  # type: ignore[untyped-decorator]
 def several(typing: Any, like: Any) -> Any:
-    """Tuple of wide zeros, as long as `like`."""
-    tuple_type: Any = types.UniTuple(wide, len(like))  # type: ignore[attr-defined]
+    """Tuple of SIMD zeros, as long as `like`."""
+    tuple_type: Any = types.UniTuple(simd, len(like))  # type: ignore[attr-defined]
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return context.make_tuple(builder, tuple_type, [ir.Constant(_NUMBERS, [0.0] * WIDTH)] * len(like))
@@ -144,7 +144,7 @@ def _spread(builder: Any, number: Any) -> Any:
 
 
 def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
-    """Let compiled code apply an operation to wide values, or to one and a number.
+    """Let compiled code apply an operation to SIMD values, or to one and a number.
 
     A product and a sum may be rounded once, where the processor can do that.
     """
@@ -153,18 +153,18 @@ def _arithmetic(operation: Callable[..., Any], instruction: str) -> None:
     def _typed(context: Any) -> Any:
         def result(one: Any, other: Any) -> Any:
             pair = (one, other)
-            if wide in pair and all(kind in (wide, types.float64) for kind in pair):
-                return wide
+            if simd in pair and all(kind in (simd, types.float64) for kind in pair):
+                return simd
             return None
 
         return result
 
-    @lower_builtin(operation, wide, wide)  # type: ignore[untyped-decorator]
-    @lower_builtin(operation, wide, types.float64)  # type: ignore[untyped-decorator]
-    @lower_builtin(operation, types.float64, wide)  # type: ignore[untyped-decorator]
+    @lower_builtin(operation, simd, simd)  # type: ignore[untyped-decorator]
+    @lower_builtin(operation, simd, types.float64)  # type: ignore[untyped-decorator]
+    @lower_builtin(operation, types.float64, simd)  # type: ignore[untyped-decorator]
     def _code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         operands = [
-            value if kind == wide else _spread(builder, value)
+            value if kind == simd else _spread(builder, value)
             for kind, value in zip(signature.args, arguments, strict=True)
         ]
         return getattr(builder, instruction)(*operands, flags=("contract",))

@@ -7,7 +7,7 @@ import pytest
 from numba.core.errors import TypingError
 
 from rthm_core.compiled import compiled_in_place
-from rthm_core.wide import WIDTH, everywhere, numbers, put_numbers, several, wide_copy, wide_empty
+from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, several, simd_copy, simd_empty
 
 
 @compiled_in_place
@@ -55,10 +55,10 @@ def test_numbers_that_do_not_lie_side_by_side_are_refused(out):
         doubled(np.zeros((2, WIDTH)), out)
 
 
-def test_arrays_for_wide_values_begin_at_a_line_of_memory():
+def test_arrays_for_simd_values_begin_at_a_line_of_memory():
     kept = [np.empty(odd) for odd in range(1, 40, 2)]  # so that what follows begins anywhere
     values = np.arange(3.0 * 5 * WIDTH).reshape(5, 3, WIDTH).swapaxes(0, 1)
-    for array in (wide_empty(7, WIDTH), wide_empty(0, WIDTH), wide_copy(values), *map(wide_copy, kept)):
+    for array in (simd_empty(7, WIDTH), simd_empty(0, WIDTH), simd_copy(values), *map(simd_copy, kept)):
         assert array.flags.c_contiguous
         assert array.ctypes.data % (8 * WIDTH) == 0 or array.size == 0
-    assert np.array_equal(wide_copy(values), values)
+    assert np.array_equal(simd_copy(values), values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from glob import escape, glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,9 +22,8 @@ def _spec_names(incomplete: str) -> list[str]:
     """What a shell offers for the beginning of a spec's name: shipped specs, and files here."""
     from rthm_core.spec import shipped_names
 
-    folder = Path(incomplete).parent
-    files = [str(file) for ending in ("*.yaml", "*.yml") for file in sorted(folder.glob(ending))]
-    return [name for name in (*shipped_names(), *files) if name.startswith(incomplete)]
+    shipped = [name for name in shipped_names() if name.startswith(incomplete)]
+    return shipped + sorted(glob(f"{escape(incomplete)}*.y*ml"))
 
 
 SpecName = Annotated[

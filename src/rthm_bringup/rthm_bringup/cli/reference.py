@@ -27,11 +27,13 @@ A shell completes verbs, options and specs after `rthm --install-completion`.
 def reference() -> str:
     """The page, in Markdown."""
     verbs = get_command(application())
+    whole = Context(
+        verbs, info_name="rthm", terminal_width=WIDTH, max_content_width=WIDTH, **verbs.context_settings
+    )
     parts = [BEFORE]
     for name, verb in sorted(verbs.commands.items()):  # type: ignore[attr-defined]
-        context = Context(verb, info_name=f"rthm {name}", terminal_width=WIDTH, max_content_width=WIDTH)
-        context.help_option_names = ["-h", "--help"]
-        parts.append(f"## rthm {name}\n\n```text\n{verb.get_help(context)}\n```\n")
+        own = verb.get_help(Context(verb, parent=whole, info_name=name))
+        parts.append(f"## rthm {name}\n\n```text\n{own}\n```\n")
     return "\n".join(parts)
 
 

@@ -26,7 +26,7 @@ STEPS = 150
 """Steps in which the likeliest sizes of the parts of a spectrum are found."""
 
 FAINTEST = 1e-6
-"""Part of a band's power below which no fitted spectrum is taken: weights stay numbers."""
+"""Part of a band's power below which no fitted spectrum is taken: its logarithm stays a number."""
 
 MOVES = 4.0
 """Power of the recording over that of the residual from which a band shows the rig's motion."""
@@ -176,18 +176,14 @@ def _likeliest(parts: Floats, power: Floats, lines: Floats, moving: Flags) -> tu
     of which is for the worse (Févotte and Idier 2011).
     """
     worth = _worth(lines)
+    floor = np.where(moving, power, FAINTEST * power)
     sizes = np.median(power) / parts.max(axis=2) / parts.shape[1]
     for _ in range(STEPS):
-        fitted = _fitted(sizes, parts, power, moving)
+        fitted = np.maximum(np.einsum("kp,kpb->kb", sizes, parts), floor)
         up = np.einsum("kpb,kb->kp", parts, worth * power / fitted**2)
         sizes = sizes * np.sqrt(up / np.einsum("kpb,kb->kp", parts, worth / fitted))
-    fitted = _fitted(sizes, parts, power, moving)
+    fitted = np.maximum(np.einsum("kp,kpb->kb", sizes, parts), floor)
     return 2.0 * np.sum(worth * (np.log(fitted) + power / fitted), axis=1), sizes
-
-
-def _fitted(sizes: Floats, parts: Floats, power: Floats, moving: Flags) -> Floats:
-    fitted = np.einsum("kp,kpb->kb", sizes, parts)
-    return np.maximum(fitted, np.where(moving, power, FAINTEST * power))
 
 
 def _worth(lines: Floats) -> Floats:

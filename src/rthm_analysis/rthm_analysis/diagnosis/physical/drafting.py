@@ -51,7 +51,6 @@ def drafted(begun: Baseline, draft: Draft, stop: Callable[[float], bool]) -> Sel
     stop : callable
         As in `choose`.
     """
-    draft.fitting.rebase(draft.fitting.base)
     draft.fitting.reduced_chi2 = reduced_chi2(draft.fitting, draft.retuned)
     return _copied(begun, draft, choose(draft.fitting, draft.retuned, stop))
 

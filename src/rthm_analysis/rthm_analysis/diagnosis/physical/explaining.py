@@ -47,7 +47,7 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
         freed_near = _freed_near(near)
-        begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, begun.retuned)
+        fitting.reduced_chi2 = reduced_chi2(fitting, begun.retuned)
         draft = draft_of(begun)
         hopeless = draft is not None and _values_are_not_it(begun, draft, freed_near)
         plain = None if hopeless else plain_fit(fitting, begun, freed_near)
@@ -74,7 +74,8 @@ def _values_are_not_it(begun: Baseline, draft: Draft, near: Fitted | None) -> bo
     except np.linalg.LinAlgError:
         return False
     there = begun._replace(fitting=fitting, nominal=nominal, retuned=draft.retuned)
-    return reduced_chi2(fitting, plain_fit(fitting, there, near)) > WRONG
+    with fitting.based_on(fitting.base):  # the draft goes on with what it had
+        return reduced_chi2(fitting, plain_fit(fitting, there, near)) > WRONG
 
 
 def _simple(

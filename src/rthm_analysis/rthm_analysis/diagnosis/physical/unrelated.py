@@ -53,12 +53,14 @@ def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
     if power.max() > STEADY * float(np.median(power)):
         return False
     whole = float(np.square(error).sum())
-    return not any(_missed(_parts(cause) * known, error) < (1.0 - RELATED) * whole for cause in causes)
+    return not any(
+        _missed(_parts(cause) * known, error, blocks) < (1.0 - RELATED) * whole for cause in causes
+    )
 
 
-def _missed(parts: Floats, error: Floats) -> float:
-    """Squared error (s,) that parts (p, s) do not foretell, each second stretch fitted to those between."""
-    edges = np.arange(BLOCKS + 1) * error.size // BLOCKS
+def _missed(parts: Floats, error: Floats, blocks: Integers) -> float:
+    """Squared error (s,) that parts (p, s) do not foretell, every second block (s,) by those between."""
+    edges = np.searchsorted(blocks, np.arange(BLOCKS + 1))
     normal = np.zeros((2, parts.shape[0], parts.shape[0]))
     moment = np.zeros((2, parts.shape[0]))
     for block, (begin, end) in enumerate(pairwise(edges.tolist())):

@@ -18,7 +18,13 @@ from rthm_analysis.diagnosis.search.judging import (
     relevant,
 )
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
-from rthm_analysis.diagnosis.search.promising import promising, screened, smallest_seen, tones, worth_a_look
+from rthm_analysis.diagnosis.search.promising import (
+    promising,
+    screened,
+    smallest_seen,
+    still_promising,
+    tones,
+)
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.replacing import compared
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, screen
@@ -112,7 +118,7 @@ def _scores(
     fitting.progress("looking for more" if selection.rounds else "looking for physics that was left out")
     if before and fitting.reduced_chi2 <= CLOSE:
         present = {tried[0].label for tried in selection.rounds}
-        others = [s.start for s in worth_a_look(before) if s.start.label not in present]
+        others = [s.start for s in still_promising(before) if s.start.label not in present]
         return screen(fitting, selection.best, known, [*others, *tones(fitting, selection.best)])
     scores = screened(fitting, selection.best, known)
     if not selection.limits:

@@ -90,7 +90,7 @@ def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     return chosen
 
 
-def worth_a_look(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
+def still_promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """Best start of each kind at each place, of a round before, that may be worth a fit by now."""
     return [one for one in best_of_each(screened, 1) if one.gain > STILL * ENOUGH]
 

@@ -13,7 +13,13 @@ LARGEST_STEP = 1.2
 
 
 def moved(model: Model, sums: Sums, damping: float) -> Floats:
-    """Values after a damped step; what is positive moves by factors, and stays positive."""
+    """Values after a damped step; what is positive moves by factors, and stays positive.
+
+    Raises
+    ------
+    LinAlgError
+        If the model diverges. LAPACK would write that to standard output, where answers go.
+    """
     values, directions = model.values, _directions(model)
     positive = np.array([p.positive for p in model.parameters])
     whole = directions.T @ (sums.hessian.sum(0) + np.diag(sums.precision)) @ directions
@@ -23,6 +29,8 @@ def moved(model: Model, sums: Sums, damping: float) -> Floats:
     whole += np.diag(damping * diagonal + 1e-12 * max(float(diagonal.max(initial=0.0)), 1e-300))
     whole[stuck], whole[:, stuck] = 0.0, 0.0
     whole[stuck, stuck] = 1.0
+    if not (np.isfinite(whole).all() and np.isfinite(gradient).all()):
+        raise np.linalg.LinAlgError("a diverging model has no next step")
     step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
     factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
     stepped = np.where(positive, values * factor, values + step * np.diag(directions))

@@ -13,7 +13,6 @@ from benchmarks.concealed.loop import SEEN, TRUE, W1, Recording
 from benchmarks.concealed.open.bag import write_plain_bag
 from benchmarks.concealed.open.catalogue import RECIPES, class_of
 from benchmarks.concealed.open.draft import Draft
-from benchmarks.concealed.open.scale import FORCE, LENGTH, SPEED, Scale
 from benchmarks.concealed.open.truth import Hidden
 from benchmarks.concealed.open.visibility import enough
 
@@ -73,10 +72,6 @@ def _bounded(draft: Draft, log: Recording) -> bool:
     return bool(np.isfinite(log.plant).all() and least < np.abs(x1).max() < LARGEST)
 
 
-def _channels(scale: Scale) -> np.ndarray:
-    return np.array([scale.factor(d) for d in (LENGTH, SPEED, LENGTH, FORCE)])
-
-
 def _write(folder: Path, name: str, seed: int, draft: Draft, log: Recording, seen: float) -> OpenCase:
     folder.mkdir(parents=True, exist_ok=True)
     scale, setting = draft.setting.scale, draft.setting
@@ -99,6 +94,6 @@ def _write(folder: Path, name: str, seed: int, draft: Draft, log: Recording, see
         "seed": seed, "name": name, "class": class_of(name), "rig": setting.rig, "plain": setting.plain,
         "samples": len(log.plant), "visibility": seen, "spec": scale.spec(draft.spec),
         "effects": draft.effects, "told": told, "loaded": setting.loaded, "velocity": setting.velocity,
-        "noise": (draft.noise_size * _channels(scale)).tolist(),
+        "noise": (draft.noise_size * scale.channels).tolist(),
     }  # fmt: skip
     return OpenCase(bag, spec, name, draft.hidden, draft.allowed, draft.tolerated, truth)

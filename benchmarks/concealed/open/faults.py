@@ -20,10 +20,11 @@ def gain(column: int, factor: float) -> Edit:
 
 
 def swapped(one: int, other: int) -> Edit:
-    """Exchange two channels."""
+    """Exchange two channels, number by number at the rig's scale."""
 
     def edit(log: Recording, draft: Draft) -> None:
-        log.plant[:, [one, other]] = log.plant[:, [other, one]]
+        ratio = draft.setting.scale.channels[one] / draft.setting.scale.channels[other]
+        log.plant[:, [one, other]] = log.plant[:, [other, one]] * np.array([1.0 / ratio, ratio])
 
     return edit
 

@@ -60,6 +60,11 @@ class Scale:
         """What a quantity of this dimension is multiplied by."""
         return float(self.length ** of[0] * self.time ** of[1] * self.mass ** of[2])
 
+    @property
+    def channels(self) -> np.ndarray:
+        """What x1, v1, u and F are multiplied by."""
+        return np.array([self.factor(d) for d in (LENGTH, SPEED, LENGTH, FORCE)])
+
     def spec(self, spec: dict[str, Any]) -> dict[str, Any]:
         """Return a spec in the rig's units; its effects are left out."""
         out: dict[str, Any] = {}

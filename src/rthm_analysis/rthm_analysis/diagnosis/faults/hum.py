@@ -11,10 +11,11 @@ from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.smooth import channel_at
 from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
 from rthm_analysis.diagnosis.replay.evidence import UNITS, Channel, Evidence
+from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
+    from rthm_core.compiled import Flags, Floats
     from rthm_core.spec import Spec
 
 MAINS = (50.0, 60.0)
@@ -50,6 +51,11 @@ SHORTEST = 20.0
 STEADY = 3.0
 """Largest over smallest amplitude in the thirds of a recording."""
 
+OWN = 0.7
+"""Part of the samples that are readings of their own, below which only these are looked at: what repeats or
+interpolates them shows every slow motion again beside each multiple of their rate.
+"""
+
 
 @dataclass(frozen=True)
 class Line:
@@ -62,22 +68,32 @@ class Line:
 
 def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     """Find hum in each channel and take it out, its slow changes of amplitude included."""
-    time, step = evidence.time, float(np.median(np.diff(evidence.time)))
     natural = _natural(spec)
     faults: list[Fault] = []
-    seen = evidence
+    seen = readings_only(evidence)
     for column, channel in enumerate(seen.channels):
+        values = seen.measured[:, column]
+        rows = _rows(values)
+        time = seen.time[rows]
         for mains in MAINS:
+            step = float(np.median(np.diff(time)))
             aliased = _aliased(mains, 1.0 / step)
             if step * mains > SLOWEST or aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
                 continue
-            line = _line(seen, column, aliased, mains)
-            if line is None or _is_motion(seen, column, line, step):
+            line = _line(time, filled(values)[rows], aliased, mains)
+            if line is None or _is_motion(seen, column, line):
                 continue
             faults.append(_fault(channel, line))
-            values = evidence.measured[:, column]
-            evidence = with_column(evidence, column, values - _wave(time, filled(values), line.frequency))
+            values = values.copy()
+            values[rows] -= _wave(time, filled(values)[rows], line.frequency)
+            evidence = with_column(evidence, column, values)
     return evidence, faults
+
+
+def _rows(values: Floats) -> Flags:
+    """Samples (s,) to look at: all but where most are no readings of their own."""
+    known = np.isfinite(values)
+    return known if known.mean() < OWN else np.ones_like(known)
 
 
 def _natural(spec: Spec) -> float:
@@ -96,9 +112,8 @@ def _aliased(frequency: float, rate: float) -> float:
     return min(folded, rate - folded)
 
 
-def _line(evidence: Evidence, column: int, near: float, mains: float) -> Line | None:
-    """Steady line of a channel near a frequency; None where nothing stands out."""
-    values, time = filled(evidence.measured[:, column]), evidence.time
+def _line(time: Floats, values: Floats, near: float, mains: float) -> Line | None:
+    """Steady line of a signal near a frequency; None where nothing stands out."""
     frequencies, power = _power(values, time)
     inside = np.abs(frequencies - near) <= WANDERS + 1.0 / time[-1]
     beside = (np.abs(frequencies - near) <= AROUND) & (np.abs(frequencies - near) > 2.0 * WANDERS)
@@ -173,7 +188,7 @@ def _mean(values: Floats, width: int) -> Floats:
     return np.concatenate([mean[width // 2 :], np.full(width // 2, mean[-1])])
 
 
-def _is_motion(evidence: Evidence, column: int, line: Line, step: float) -> bool:
+def _is_motion(evidence: Evidence, column: int, line: Line) -> bool:
     """Whether another channel shows what a motion with this line would make there."""
     channel, omega = evidence.channels[column], 2.0 * np.pi * line.frequency
     shows = [(evidence.load[:, i], 0.0) for i in range(evidence.load.shape[1])]

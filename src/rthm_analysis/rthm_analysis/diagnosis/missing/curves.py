@@ -74,6 +74,11 @@ class CurveFit:
         """Force (s,) along the recording beside the model as it stands, N."""
         return self.feature.shapes @ self.sizes + self.beside
 
+    @property
+    def largest(self) -> float:
+        """Force that it hardly ever exceeds, N."""
+        return float(np.quantile(np.abs(self.force), 0.995))
+
 
 class Regression:
     """What a model leaves of the whole recording, and the response of its channels to any force.

@@ -40,9 +40,14 @@ def is_clear(one: CurveFit) -> bool:
     return min(one.gain, one.held_out_gain) > CLEAR
 
 
+def is_confirmed(one: CurveFit) -> bool:
+    """Whether a curve may be told: clear, and a good part of the mismatch on unseen data."""
+    return one.held_out_share > CONFIRMED and is_clear(one)
+
+
 def told(curves: list[CurveFit]) -> CurveFit | None:
     """Curve that is told: over the fewest variables that explain as much as any; None where unconfirmed."""
-    confirmed = [one for one in curves if one.held_out_share > CONFIRMED and is_clear(one)]
+    confirmed = [one for one in curves if is_confirmed(one)]
     if not confirmed:
         return None
     best = max(one.gain for one in confirmed)
@@ -107,7 +112,7 @@ def _words(
     ranges = ", ".join(f"{bare(low)} to {bare(high)} {UNITS[v]}" for v, (low, high) in domain.items())
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
-    size = bare(float(np.quantile(np.abs(one.force), 0.995)), 2)
+    size = bare(one.largest, 2)
     share = percent(min(one.held_out_share, 1.0))
     return (
         f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."

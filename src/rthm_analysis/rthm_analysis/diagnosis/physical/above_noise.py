@@ -12,6 +12,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.missing.describe import is_confirmed
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import Selection
@@ -124,11 +125,12 @@ class Laws:
 
     def _jumps(self, friction: EffectInstance) -> bool:
         """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and
-        none shows that it is not there all the time.
+        none shows that it is not there all the time, or is as large.
         """
         force = float(self.model.effect_values(self.model.added.index(friction))[friction.law.jump])
         there = self._there(friction)
-        if any(found(c) > OF_IT for c in there if c.feature.depends_on == ("v", "t")):
+        changing = [c for c in there if c.feature.depends_on == ("v", "t")]
+        if any(found(c) > OF_IT or (is_confirmed(c) and c.largest > JUMP * force) for c in changing):
             return False
         for curve in there:
             if curve.feature.depends_on == ("v",):
@@ -139,12 +141,13 @@ class Laws:
     def _is_whole(self, one: EffectInstance) -> bool:
         """Whether curves over any of its variables, or all where it has none, find little in what is left.
 
-        Friction without its jump may be any of the forces against the motion; so it is only by itself.
+        Friction without its jump may be any of the forces against the motion; so it is only by itself, and
+        without a curve beside it.
         """
-        if one.law.jump and len(self.model.added) > 1:
-            return False
         of_it = set(one.law.depends_on)
         shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
+        if one.law.jump and (len(self.model.added) > 1 or any(map(is_confirmed, shared))):
+            return False
         return max(map(found, shared), default=0.0) < OF_IT
 
     def _there(self, one: EffectInstance) -> list[CurveFit]:

@@ -12,6 +12,11 @@ from rthm_analysis.diagnosis.result import Retuned, Value
 from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
 from rthm_core.effects import effect
 
+CLOCKS = 2e-4
+"""Part of a value by which another is still the same: clocks that are off by 1e-4 make stiffness or mass look
+so much off.
+"""
+
 
 def stds_of(fitted: Fitted) -> dict[str, float]:
     """Standard deviation of each parameter of a model."""
@@ -47,7 +52,9 @@ def settled_by_plant(physical: Physical, name: str, one: EffectInstance) -> dict
 
 
 def retuned_values(physical: Physical) -> dict[str, Retuned]:
-    """New values of properties that the recording asks for, in the unit of the spec."""
+    """New values of properties that the recording asks for, in the unit of the spec; none that clocks may
+    make.
+    """
     best, found = physical.selection.best, {}
     stds = stds_of(best)
     scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
@@ -65,7 +72,9 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
         if entry is not None:
             name = entry[0] if _is_single(physical, entry[0]) else p.key
             found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
-    return found
+    return {
+        name: one for name, one in found.items() if abs(one.value - one.nominal) > CLOCKS * abs(one.nominal)
+    }
 
 
 def _is_single(physical: Physical, key: str) -> bool:

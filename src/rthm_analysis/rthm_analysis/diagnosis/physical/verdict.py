@@ -42,6 +42,11 @@ ALL = 0.999
 WORSE = 1.2
 """Error of a signal on unseen data with names, over that without, from which they are no explanation."""
 
+NOTHING = 0.95
+"""Error of a signal on unseen data, over its standard deviation, from which a model that does not move at all
+would be as good.
+"""
+
 TRAINED = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
@@ -142,13 +147,15 @@ class Judgement:
 
     @property
     def _worse(self) -> bool:
-        """Whether a signal is further from unseen data with the names than without, whatever the noise."""
+        """Whether a signal is further from unseen data with the names than without, or than where nothing
+        moves, whatever the noise.
+        """
         physical = self.physical
         for channel, level in enumerate(physical.noise.level):
             before, after = (
                 nrmse(physical, self.runs[name].predicted, channel) for name in ("retuned", "explained")
             )
-            if after > max(WORSE * before, FLOOR * level / spread(physical, channel)):
+            if after > max(min(WORSE * before, NOTHING), FLOOR * level / spread(physical, channel)):
                 return True
         return False
 

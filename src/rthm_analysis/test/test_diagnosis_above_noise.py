@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -63,6 +63,14 @@ def test_friction_is_known_by_its_jump_whatever_else_depends_on_the_velocity() -
 @pytest.mark.parametrize("jump", [{"change": 1.9}, {"change": 0.3, "std": 1.0}, {"change": -1.2}])
 def test_a_jump_that_a_free_curve_takes_away_or_does_not_tell_is_no_friction(jump: dict[str, float]) -> None:
     assert not told(0.97, [curve("v", 0.9, **jump)], **FRICTION)
+
+
+def test_friction_that_changes_as_much_as_it_is_large_is_no_friction() -> None:
+    some = {"gain": 400.0, "excess": 1e3, "held_out_gain": 400.0, "held_out_excess": 1e3}
+    changing = replace(curve("v", 0.4), feature=Feature(("v", "t"), np.ones((1, 1))), **some)
+    small, large = (replace(changing, sizes=np.array([size])) for size in (0.5, 1.5))
+    assert told(0.99, [curve("v", 0.0), small], **FRICTION)
+    assert not told(0.99, [curve("v", 0.0), large], **FRICTION)
 
 
 def test_a_constant_force_beside_friction_owes_more_than_friction_alone() -> None:

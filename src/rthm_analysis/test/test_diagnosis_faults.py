@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.faults import mend
+from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.naming import BLOCKS
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_core.spec import Spec, apply
 
 from .faulty import (
@@ -173,6 +174,25 @@ def test_hum_is_measured_and_taken_out(loop: Evidence, column: int, size: float,
     assert fault.value == pytest.approx(size, rel=0.1)
     left = mended.evidence.measured[:, column] - loop.measured[:, column]
     assert left.std() < 0.15 * wave.std()
+
+
+@pytest.mark.parametrize("way", ["repeated", "interpolated"])
+def test_a_slow_sensor_has_no_hum_where_its_readings_come_at_the_rate_of_the_mains(way: str) -> None:
+    count, step = 12_000, 14_947_751
+    time = 1e-9 * step * np.arange(count)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=count)
+    x = np.sin(2.0 * np.pi * 0.11 * time) + noise
+    held = np.repeat(x[::4], 4) if way == "repeated" else np.interp(time, time[::4], x[::4])
+    stamps = step * np.arange(count, dtype=np.int64)
+    channels = (Channel("position", "x1"),)
+    seen = Evidence(
+        stamps, stamps[:0], np.zeros((0, 0)), np.zeros((count, 1)), channels, held[:, None], "force"
+    )
+    spec = apply(PLAIN, {"plant.mass": [1.0], "plant.damping": [0.0], "plant.stiffness": [0.5]})
+    assert find_hum(seen, spec)[1] == []
+    wave = 0.01 * np.sin(2.0 * np.pi * 50.02 * time)
+    (fault,) = find_hum(replace(seen, measured=(x + wave)[:, None]), spec)[1]
+    assert fault.kind == "hum"
 
 
 @pytest.mark.parametrize("drift", [4e-4, -6e-4])

@@ -9,13 +9,15 @@ from typing import cast
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.physical import diagnose_physical, verdict
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.judged import Simulated
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Part
-from rthm_core.spec import Spec
+from rthm_core.spec import Spec, apply
 
 from .plain import DAMPING, STIFFNESS, plant, recorded, wandering
 
@@ -44,6 +46,24 @@ def test_a_stiffness_that_is_off_over_forty_periods_is_retuned() -> None:
     assert abs(value.value - 0.985 * STIFFNESS) < 4.0 * value.std
 
 
+@pytest.mark.parametrize(("off", "told"), [(1e-4, False), (1e-3, True)])
+def test_values_within_what_clocks_are_good_for_are_the_same(off: float, told: bool) -> None:
+    quiet = recorded(force=0.0, start=2.0, stiffness=(1.0 + off) * STIFFNESS, damping=0.2)
+    part = part_of(quiet, apply(plant(2.0, stiffness=0.05), {"plant.damping": [0.2]}))
+    assert not part.unexplained and bool(part.retuned) == told
+
+
+def test_a_name_that_predicts_no_better_than_rest_is_not_earned(monkeypatch: pytest.MonkeyPatch) -> None:
+    errors = {"retuned": 3.0, "explained": 1.0}
+    monkeypatch.setattr(verdict, "nrmse", lambda physical, predicted, channel: errors[predicted])
+    monkeypatch.setattr(verdict, "spread", lambda physical, channel: 1.0)
+    physical = SimpleNamespace(noise=SimpleNamespace(level=[0.01]))
+    runs = {name: Simulated(cast("Fitted", None), cast("np.ndarray", name)) for name in errors}
+    assert Judgement(cast("Physical", physical), runs)._worse
+    errors["explained"] = 0.5
+    assert not Judgement(cast("Physical", physical), runs)._worse
+
+
 def test_few_samples_of_each_period_are_no_mismatch() -> None:
     often = recorded(force=0.0, start=2.0, duration=60.0)
     few = slice(None, None, 20)
@@ -62,7 +82,7 @@ def test_a_stiffness_that_is_off_is_retuned_with_few_samples_of_each_period() ->
 
 
 def test_no_more_changes_of_a_model_are_told_than_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, said in (("_worse", False), ("_is_enough_at_noise", True)):
+    for name, said in (("_worse", False), ("_are_seen", True), ("_is_enough_at_noise", True)):
         monkeypatch.setattr(Judgement, name, said)
 
     def earned(spec: Spec, *freed: str) -> bool:

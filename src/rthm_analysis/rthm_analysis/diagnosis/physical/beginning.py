@@ -168,14 +168,19 @@ def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
 
 
 def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
-    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
+    """Fit of what the spec calls uncertain, the data counting the less the further they stay away.
+
+    Where nothing known drives the plant, its mass is taken as it is.
+    """
     fitting.progress("retuning what is uncertain")
     fitting.reduced_chi2 = reduced_chi2(fitting, nominal)
-    model = nominal.model
-    retuned = best_of_starts(
-        fitting, replace(model, parameters=(*model.parameters, *uncertain(model.nominal)))
-    )
-    return fitted_near(fitting, retuned)
+    model, forced = nominal.model, fitting.experiment.evidence.is_forced
+    unsure = [p for p in uncertain(model.nominal) if forced or p.key != "plant.mass"]
+    retuned = best_of_starts(fitting, replace(model, parameters=(*model.parameters, *unsure)))
+    near = fitted_near(fitting, retuned)
+    if near is not retuned and reduced_chi2(fitting, near) < CLOSE:
+        fitting.rebase(near.model)
+    return near
 
 
 def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:

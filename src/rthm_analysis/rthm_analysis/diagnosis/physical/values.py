@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
@@ -53,7 +55,7 @@ def settled_by_plant(physical: Physical, name: str, one: EffectInstance) -> dict
 
 def retuned_values(physical: Physical) -> dict[str, Retuned]:
     """New values of properties that the recording asks for, in the unit of the spec; none that clocks may
-    make.
+    make. Where nothing known drives the plant, they are as uncertain as its mass, at least.
     """
     best, found = physical.selection.best, {}
     stds = stds_of(best)
@@ -72,6 +74,9 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
         if entry is not None:
             name = entry[0] if _is_single(physical, entry[0]) else p.key
             found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
+    if not physical.evidence.is_forced:
+        mass = physical.spec.uncertainty.plant.mass
+        found = {k: replace(one, std=float(np.hypot(one.std, one.value * mass))) for k, one in found.items()}
     return {
         name: one for name, one in found.items() if abs(one.value - one.nominal) > CLOCKS * abs(one.nominal)
     }

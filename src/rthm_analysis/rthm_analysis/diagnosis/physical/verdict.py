@@ -29,7 +29,7 @@ from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.choosing import MOST_EFFECTS
 from rthm_analysis.diagnosis.search.judging import FLOOR
-from rthm_analysis.diagnosis.search.replacing import is_identified
+from rthm_analysis.diagnosis.search.replacing import is_identified, is_seen
 
 LITTLE, MOST = 0.1, 0.5
 """Part of a squared error that is mismatch and not a noise that was taken for too small; part of a mismatch
@@ -139,6 +139,12 @@ class Judgement:
         return not all(is_identified(selection.best, index) for index in range(len(selection.rounds)))
 
     @property
+    def _are_seen(self) -> bool:
+        """Whether of each effect the recording tells at least one value."""
+        selection = self.physical.selection
+        return all(is_seen(selection.best, index) for index in range(len(selection.rounds)))
+
+    @property
     def _changes(self) -> int:
         """How many effects, and values that the spec calls exact, the model changes."""
         selection, unsure = self.physical.selection, {p.key for p in uncertain(self.physical.spec)}
@@ -207,13 +213,13 @@ class Judgement:
         """Whether the effects that were added may be named.
 
         Never a curve put together from pieces, several sensors that are wrong at once, what makes a signal
-        worse, more changes of the model than are looked for, or anything but the plant's where the motors are
-        not understood.
+        worse, kinds of which no value is told, more changes of the model than are looked for, or anything but
+        the plant's where the motors are not understood.
         """
         selection = self.physical.selection
         if not self.names or selection.in_pieces or selection.blames_several or self._worse:
             return False
-        if self._changes > MOST_EFFECTS:
+        if self._changes > MOST_EFFECTS or not self._are_seen:
             return False
         if self.is_driven_wrong and not (self.at_noise and selection.in_plant):
             return False

@@ -88,6 +88,13 @@ class Evidence:
         """Of the samples, s."""
         return self.stamps_ns / NS
 
+    @cached_property
+    def is_forced(self) -> bool:
+        """Whether anything known drives the plant: nobody can tell all its matrices from their multiples in a
+        motion that dies away by itself.
+        """
+        return self.driven_by == "command" or bool(np.any(self.load))
+
     def first(self, samples: int) -> Evidence:
         """The first part of it."""
         return replace(

@@ -23,6 +23,7 @@ from rthm_analysis.diagnosis.search.judging import (
     reduced_chi2,
 )
 from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_core.effects.possible import identified
 from rthm_core.errors import InputError
 from rthm_core.quantity import Quantity
 
@@ -79,12 +80,26 @@ def plainer(fitting: Fitting, selection: Selection) -> Selection:
 def is_identified(fitted: Fitted, index: int) -> bool:
     """Whether the data tell the main parameters of an added effect, within what is possible."""
     model, one = fitted.model, fitted.model.added[index]
+    values, stds = _main(fitted, index)
+    ends = any(
+        _ends(one, key, model.parameters[i]) for key, i in model.places(index).items() if key in values
+    )
+    return not ends and one.law.identified(values, stds)
+
+
+def is_seen(fitted: Fitted, index: int) -> bool:
+    """Whether the data tell any of the main parameters of an added effect."""
+    values, stds = _main(fitted, index)
+    return not values or any(identified({key: values[key]}, {key: stds[key]}) for key in values)
+
+
+def _main(fitted: Fitted, index: int) -> tuple[dict[str, float], dict[str, float]]:
+    """Main parameters of an added effect that were fitted, and their standard deviations."""
+    model, one = fitted.model, fitted.model.added[index]
     places = {key: i for key, i in model.places(index).items() if key not in one.law.secondary}
     variances = np.diag(fitted.sums.covariance())
     stds = {key: float(np.sqrt(max(variances[i], 0.0))) for key, i in places.items()}
-    values = {key: model.parameters[i].value for key, i in places.items()}
-    ends = any(_ends(one, key, model.parameters[i]) for key, i in places.items())
-    return not ends and one.law.identified(values, stds)
+    return {key: model.parameters[i].value for key, i in places.items()}, stds
 
 
 def _ends(one: EffectInstance, key: str, parameter: Parameter) -> bool:

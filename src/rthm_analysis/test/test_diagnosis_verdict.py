@@ -46,6 +46,15 @@ def test_a_stiffness_that_is_off_over_forty_periods_is_retuned() -> None:
     assert abs(value.value - 0.985 * STIFFNESS) < 4.0 * value.std
 
 
+def test_a_motion_that_dies_away_by_itself_does_not_tell_the_mass() -> None:
+    spec = plant(0.4, mass=0.05, damping=0.5, stiffness=0.05)
+    part = part_of(recorded(force=0.0, start=0.4, duration=80.0, stiffness=1.03 * STIFFNESS), spec)
+    assert not part.physics and not part.unexplained and "plant.mass" not in part.retuned
+    stiffness = part.retuned["plant.stiffness"]
+    assert stiffness.value == pytest.approx(1.03 * STIFFNESS, rel=1e-3)
+    assert stiffness.std == pytest.approx(0.05 * STIFFNESS, rel=0.1)
+
+
 @pytest.mark.parametrize(("off", "told"), [(1e-4, False), (1e-3, True)])
 def test_values_within_what_clocks_are_good_for_are_the_same(off: float, told: bool) -> None:
     quiet = recorded(force=0.0, start=2.0, stiffness=(1.0 + off) * STIFFNESS, damping=0.2)

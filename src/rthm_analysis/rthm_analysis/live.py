@@ -12,7 +12,7 @@ from rthm_analysis.energy import EnergyLedger, Rows
 from rthm_analysis.recording.raw import RawTopic
 from rthm_analysis.recording.table import Table, joint_table, link_table
 from rthm_core.clock import NS
-from rthm_core.energy import TERMS
+from rthm_core.energy import TERMS, with_error
 from rthm_core.spec import Spec
 
 JOINT_STATE, TIME_REFERENCE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/TimeReference"
@@ -114,6 +114,6 @@ class LiveLedger:
         assert self._last is not None and self._first is not None
         work = dict(zip(TERMS, self._last.work[-1].tolist(), strict=True))
         total = float(self._last.total[-1])
-        terms = work | {"E_err": work["E_num"] + work["E_ff"] + work["E_fx"], "E_total": total}
+        terms = with_error(work) | {"E_total": total}
         balance = total - float(self._first[0]) - sum(work.values())
         return int(self._last.stamp_ns[-1]), terms | {"balance_error": balance}

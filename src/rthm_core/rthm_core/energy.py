@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 TERMS = ("E_num", "E_ff", "E_fx", "E_damping", "E_load", "E_effects")
-"""Works in the order in which the ledger keeps them."""
+"""Terms of work in the order in which the ledger keeps them."""
 
 OF_THE_LOOP = TERMS[:3]
 """Those that a loop without delays, holds and motors would not have; their sum is E_err."""

@@ -1,4 +1,4 @@
-"""The ledger of works closes for any loop that stays finite."""
+"""The ledger of work closes for any loop that stays finite."""
 
 import numpy as np
 from hypothesis import given, settings
@@ -30,6 +30,6 @@ def test_ledger_closes_for_random_stable_loops(mass, stiffness, k_tot, delays, t
 
 def test_hybrid_energies_are_those_that_the_first_order_terms_foretell():
     """At the paper's delays E_fx drains and E_ff and E_num introduce, as the signs of (26b) say."""
-    works = simulate(shipped_spec("paper"), 20.0, 0.0012).energies
-    assert works["E_fx"][-1] < 0.0 < works["E_ff"][-1]
-    assert works["E_num"][-1] > 0.0
+    work = simulate(shipped_spec("paper"), 20.0, 0.0012).energies
+    assert work["E_fx"][-1] < 0.0 < work["E_ff"][-1]
+    assert work["E_num"][-1] > 0.0

@@ -20,9 +20,8 @@ TERMS = tuple(TERM_COLOURS)
 
 def _energies(one: Candidate) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
     run = simulate(loop(one), DURATION, STEP)
-    work = run.energies
-    error = {"E_err": work["E_num"] + work["E_ff"] + work["E_fx"]}
-    return run.t, {term: (work | error)[term] for term in TERMS}, float(np.abs(run.balance_error).max())
+    work = run.all_energies()
+    return run.t, {term: work[term] for term in TERMS}, float(np.abs(run.balance_error).max())
 
 
 def compute() -> Numbers:

@@ -20,7 +20,7 @@ from rthm_analysis.reproduce.style import (
     over_time,
     panels,
 )
-from rthm_core.engine import Trajectory, simulate
+from rthm_core.engine import simulate
 from rthm_core.spec import Spec
 
 if TYPE_CHECKING:
@@ -39,11 +39,6 @@ NOISE = {"noise.position": 1e-4, "noise.velocity": 2e-3, "noise.motor": 1e-5, "n
 def compensated(way: str, one: Candidate = CHOSEN, **changes: object) -> Spec:
     """The paper's loop with a compensator."""
     return loop(one, **{"actuator.compensator": way} | changes)
-
-
-def _works(run: Trajectory) -> dict[str, np.ndarray]:
-    work = run.energies
-    return {**work, "E_err": work["E_num"] + work["E_ff"] + work["E_fx"]}
 
 
 def _force_noise(way: str) -> float:
@@ -65,8 +60,8 @@ def compute() -> Numbers:
     for way, _ in WAYS:
         run = simulate(compensated(way), DURATION, STEP)
         columns[f"x1 {way} [m]"] = run.plant_position[:, 0]
-        energies |= {f"{term} {way} [J]": work for term, work in _works(run).items()}
-        values |= _spread(way, _works(run))
+        energies |= {f"{term} {way} [J]": work for term, work in run.all_energies().items()}
+        values |= _spread(way, run.all_energies())
         difference = np.abs(run.plant_position - ideal.plant_position).max()
         values[f"largest difference from the ideal system, {way} [m]"] = float(difference)
         values[f"force noise, {way} [N]"] = _force_noise(way)
@@ -77,7 +72,7 @@ def compute() -> Numbers:
 
 def _spread(way: str, chosen: dict[str, np.ndarray]) -> dict[str, float]:
     """Work after the test, and their least and largest over all sets, J."""
-    others = [_works(simulate(compensated(way, one), DURATION, DURATION)) for one in OTHERS]
+    others = [simulate(compensated(way, one), DURATION, DURATION).all_energies() for one in OTHERS]
     values = {}
     for term in TERMS:
         ends = [float(one[term][-1]) for one in (chosen, *others)]

@@ -62,8 +62,7 @@ def _stability(spec: Spec) -> dict[str, float]:
 
 
 def _energies(hybrid: Trajectory) -> dict[str, float]:
-    last = {name: float(values[-1]) for name, values in hybrid.energies.items()}
-    last["E_err"] = last["E_num"] + last["E_ff"] + last["E_fx"]
+    last = {name: float(values[-1]) for name, values in hybrid.all_energies().items()}
     return last | {"balance_error": float(np.abs(hybrid.balance_error).max())}
 
 

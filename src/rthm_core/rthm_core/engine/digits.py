@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled
-from rthm_core.engine.linear.ledger import LinearLedger, packed, works_over
+from rthm_core.engine.linear.ledger import LinearLedger, packed, work_over
 from rthm_core.engine.program import STEP, Program
 from rthm_core.exponential import exponentials
 
@@ -53,14 +53,14 @@ def in_digits(operations: Program, since: int) -> Program:
     return Program(what, at, numbers, numbers, operations.sample[which], operations.reference[which])
 
 
-def digit_works(ledger: LinearLedger) -> Floats:
-    """Tables of the works over each of `digit_lengths`, and last one with the energy of the present state.
+def work_over_digits(ledger: LinearLedger) -> Floats:
+    """Tables of the work over each of `digit_lengths`, and last one with the energy of the present state.
 
-    ``W(s + t) = W(t) + E(t)' W(s) E(t)`` for the forms W of the works and the step E.
+    ``W(s + t) = W(t) + E(t)' W(s) E(t)`` for the forms W of the work and the step E.
     """
     d, terms = ledger.joint.shape[0], ledger.forms.shape[0] - 1
     forms = np.zeros((PLACES, BASE, terms, d, d))
-    unit = works_over(ledger, 1)
+    unit = work_over(ledger, 1)
     for place in range(PLACES):
         steps = exponentials(ledger.joint, np.left_shift(1, BITS * place + np.arange(BITS)))
         for bit, step in enumerate(steps):

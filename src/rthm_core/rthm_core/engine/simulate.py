@@ -53,7 +53,7 @@ def simulate(
         The loop with its delays; the same without delays, holds and actuator; or the first-order
         approximation (25) and (26).
     energies : bool
-        Whether the works are counted.
+        Whether the work is counted.
     schedule : Schedule, optional
         When which sample is used in the loop, as it was in a recorded test; by the spec when absent. Its
         clocks are those of the spec.

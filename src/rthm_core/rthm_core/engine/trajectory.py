@@ -25,7 +25,7 @@ class Trajectory:
     force_reference, actuator_force : (N, m) arrays
         F_d in use by the controller, and the force in the wire.
     energies : dict of (N,) arrays
-        Works and E_total of the contract, section 1; empty when they were not counted.
+        Work and E_total of the contract, section 1; empty when they were not counted.
     """
 
     t: Floats
@@ -39,7 +39,7 @@ class Trajectory:
 
     @property
     def balance_error(self) -> Floats:
-        """E_total - E_total(0) - sum of the works, in J (N,)."""
+        """E_total - E_total(0) - sum of the work, in J (N,)."""
         return np.asarray(
             self.energies["E_total"]
             - self.energies["E_total"][0]
@@ -62,18 +62,18 @@ def of_rows(spec: Spec, rows: Rows, step: int, first_row: int = 0) -> Trajectory
         rows.numerical[:, n2:],
         rows.reference,
         rows.plant[:, 2 * n1 :],
-        dict(zip((*TERMS, "E_total"), rows.works.T, strict=False)) if rows.works.size else {},
+        dict(zip((*TERMS, "E_total"), rows.work.T, strict=False)) if rows.work.size else {},
     )
 
 
 def of_columns(
     rows: Floats, step: int, n1: int, n2: int, m: int, *, energies: bool, first_row: int = 0
 ) -> Trajectory:
-    """Trajectory of rows [x1, v1, x2, v2, F_d, F, works, E_total], `step` ns apart."""
-    x1, v1, x2, v2, reference, force, works, total = np.split(
+    """Trajectory of rows [x1, v1, x2, v2, F_d, F, work, E_total], `step` ns apart."""
+    x1, v1, x2, v2, reference, force, work, total = np.split(
         rows, np.cumsum([n1, n1, n2, n2, m, m, 6]), axis=1
     )
-    found = dict(zip(TERMS, works.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
+    found = dict(zip(TERMS, work.T, strict=True)) | {"E_total": total[:, 0]} if energies else {}
     return Trajectory(
         np.arange(first_row, first_row + rows.shape[0], dtype=float) * (step * 1e-9),
         x1,

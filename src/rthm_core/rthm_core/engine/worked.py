@@ -1,4 +1,4 @@
-"""Works over a step as products of what it begins with, compiled."""
+"""Work over a step as products of what it begins with, compiled."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rthm_core.simd import everywhere, numbers
 
 @inlined
 def worked(tables, k, z):  # type: ignore[no-untyped-def]
-    """Works (8,), a SIMD value, over a step from `z` on.
+    """Work (8,), a SIMD value, over a step from `z` on.
 
     Table `k` of `tables` (K, d (d + 1) / 2, 8) has the coefficients of the products of every two elements.
     """

@@ -9,8 +9,8 @@ import numpy as np
 from rthm_core.compiled import Floats
 from rthm_core.energy import GAUSS_NODES
 from rthm_core.engine.coupled.body import coupled_body, further_load
+from rthm_core.engine.coupled.energies import energies_of
 from rthm_core.engine.coupled.motion import motions
-from rthm_core.engine.coupled.works import energies_of
 from rthm_core.engine.trajectory import Trajectory
 from rthm_core.errors import InputError
 from rthm_core.physical.advance import physical

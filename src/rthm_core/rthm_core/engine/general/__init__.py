@@ -1,7 +1,7 @@
-"""Any loop: one pass over the schedule's events, and the ledger of its works.
+"""Any loop: one pass over the schedule's events, and the ledger of its work.
 
 ==========  ===================================================================================
 ``loop``    the events executed on the three sides
-``ledger``  works of all terms, added up step by smooth step
+``ledger``  work of all terms, added up step by smooth step
 ==========  ===================================================================================
 """

@@ -1,4 +1,4 @@
-"""The ledger of a simulation: works of all terms, added up step by smooth step."""
+"""The ledger of a simulation: work of all terms, added up step by smooth step."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 
 
 class Ledger(NamedTuple):
-    """Works so far, and the motors as the controller believes in them, once for each part of the commands.
+    """Work so far, and the motors as the controller believes in them, once for each part of the commands.
 
     Attributes
     ----------
     on : bool
-        Whether works are counted at all.
+        Whether work is counted at all.
     work : (6,) array
-        Works in J in the order of ``energy.TERMS``.
+        Work in J in the order of ``energy.TERMS``.
     believed : Drive
         h(s) alone.
     q_fx, q_ff, fx, ff : arrays
@@ -199,7 +199,7 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
 
 @called
 def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1, pieces, inputs2):  # type: ignore[no-untyped-def]
-    """Add the works of one smooth step; ``ledger.numerical`` holds z2 and its rate at both ends."""
+    """Add the work of one smooth step; ``ledger.numerical`` holds z2 and its rate at both ends."""
     at, h, two = ledger.at, s1 - s0, ledger.numerical
     n2 = numerical.n
     for node in range(4):
@@ -249,7 +249,7 @@ def _numerical_end(numerical, ledger, s):  # type: ignore[no-untyped-def]
 
 @called
 def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[no-untyped-def]
-    """Add the works of a segment that has just been advanced, step by step."""
+    """Add the work of a segment that has just been advanced, step by step."""
     trace = physical.trace
     if physical.model.laws is None:
         _one_step(physical, ledger, dt)
@@ -301,7 +301,7 @@ def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
 
 @called
 def advance_counting(physical, numerical, ledger, to_ns):  # type: ignore[no-untyped-def]
-    """Advance both sides to `to_ns` and count the works on the way."""
+    """Advance both sides to `to_ns` and count the work on the way."""
     state = physical.state
     copy_into(ledger.at.held, numerical.held)
     while state.time[0] < to_ns:

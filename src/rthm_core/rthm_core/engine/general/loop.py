@@ -103,7 +103,7 @@ def _motor(loop, sent):  # type: ignore[no-untyped-def]
 
 @called
 def _output(loop, row):  # type: ignore[no-untyped-def]
-    """Write true motion, forces and energies: x1, v1, x2, v2, F_d in use, F, six works, E_total."""
+    """Write true motion, forces and energies: x1, v1, x2, v2, F_d in use, F, work of six terms, E_total."""
     model, y1, y2 = loop.physical.model, loop.physical.state.y, loop.numerical.y
     n1, n2, m = model.n, loop.numerical.n, model.m
     for i in range(2 * n1):

@@ -2,7 +2,7 @@
 
 ===============  ==============================================================================
 ``loop``         both sides as matrices, and what passes between them
-``ledger``       works as quadratic forms of the state, in tables
+``ledger``       work as quadratic forms of the state, in tables
 ``preparation``  matrices over every length that a program needs
 ``kernel``       compiled: executes a program
 ``blocks``       rows of a span of time

@@ -21,14 +21,14 @@ CHUNK_NS = 10_000_000_000
 class Rows(NamedTuple):
     """What the kernel writes, N rows each.
 
-    Plant (N, 2 n1 + m), numerical side (N, 2 n2), F_d in use (N, m), works and energy (N, 8), which has no
+    Plant (N, 2 n1 + m), numerical side (N, 2 n2), F_d in use (N, m), work and energy (N, 8), which has no
     rows when they are not counted.
     """
 
     plant: Floats
     numerical: Floats
     reference: Floats
-    works: Floats
+    work: Floats
 
 
 def empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
@@ -39,7 +39,7 @@ def empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
 
 def run_program(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Any, ...]:
     """Run a program from a start, whose memory it changes; the state at its end."""
-    counting = None if one.works is None else Counting(one.works, start.works, start.joint)
+    counting = None if one.work_tables is None else Counting(one.work_tables, start.work, start.joint)
     plant, commands, numerical, held = start.state
     return run(
         one.tables,

@@ -57,7 +57,7 @@ class Tables(NamedTuple):
 class Operations(NamedTuple):
     """Program for the kernel; arrays (2, operations): row 0 is the first pass, row 1 every further one.
 
-    `plant`, `numerical` and `work` say which of the matrices an operation takes, -1: none; where works are
+    `plant`, `numerical` and `work` say which of the matrices an operation takes, -1: none; where work is
     counted, both sides take a step, or none does.
     """
 
@@ -92,7 +92,7 @@ ROWS = 2
 
 
 class Counting(NamedTuple):
-    """Works: coefficients (K, pairs, 8) of the products of the joint state, and the sums so far (8,)."""
+    """Work: coefficients (K, pairs, 8) of the products of the joint state, and the sums so far (8,)."""
 
     tables: Floats
     sums: Floats
@@ -194,7 +194,7 @@ def _joined(joint: Floats, begin: int, part: Vector) -> int:
 def _worked(
     tables: Floats, k: int, joint: Floats, plant: Vector, command: Vector, numerical: Vector, held: Vector
 ) -> Any:
-    """Works (8,), a SIMD value, by table `k` from the joint state."""
+    """Work (8,), a SIMD value, by table `k` from the joint state."""
     d = _joined(joint, _joined(joint, 0, plant), command)
     _joined(joint, _joined(joint, d, numerical), held)
     return worked(tables, k, joint)
@@ -239,8 +239,8 @@ def run(
                     reference_out[row, i] = references[(r - reference_back[e]) & r_mask, i]
                 if counting is not None:
                     k = work_at[later + e]
-                    works = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
-                    put_numbers(work_out, (row,), numbers(counting.sums, ()) + works)
+                    added = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
+                    put_numbers(work_out, (row,), numbers(counting.sums, ()) + added)
                 row += 1
                 if row == reference_out.shape[0]:
                     break
@@ -259,8 +259,8 @@ def run(
             step1, step2 = plant_at[later + e], numerical_at[later + e]
             if counting is not None and step1 >= 0:
                 k = work_at[later + e]
-                works = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
-                put_numbers(counting.sums, (), numbers(counting.sums, ()) + works)
+                added = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
+                put_numbers(counting.sums, (), numbers(counting.sums, ()) + added)
             if step1 >= 0:
                 plant = moved(plant_step, step1, plant, command, scratch1)
             if step2 >= 0:

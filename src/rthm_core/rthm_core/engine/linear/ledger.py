@@ -1,4 +1,4 @@
-"""The works of a linear loop, as tables: every power is a quadratic form of the joint state of both sides,
+"""The work of a linear loop, as tables: every power is a quadratic form of the joint state of both sides,
 and so is its integral over a step.
 """
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 COLUMNS = 8
-"""Six works, the energy, and one that makes the row as long as two registers."""
+"""work of six terms, the energy, and one that makes the row as long as two registers."""
 
 
 class LinearLedger(NamedTuple):
@@ -121,11 +121,11 @@ def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floa
 
 
 def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool) -> Floats:
-    """Works over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
+    """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
     products ``z_i z_j``, i <= j, of the state at its start.
     """
     size = ledger.joint.shape[0]
-    forms = np.array([works_over(ledger, int(length)) for length in lengths_ns]).reshape(-1, 6, size, size)
+    forms = np.array([work_over(ledger, int(length)) for length in lengths_ns]).reshape(-1, 6, size, size)
     if not with_energy:
         return packed(forms)
     ends = exponentials(ledger.joint, lengths_ns)
@@ -133,24 +133,24 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
     return packed(np.concatenate([forms, energy[:, None]], axis=1))
 
 
-def works_over(ledger: LinearLedger, length_ns: int) -> Floats:
-    """Works (6, d, d) over one length as forms of the state at its start."""
+def work_over(ledger: LinearLedger, length_ns: int) -> Floats:
+    """Work (6, d, d) over one length as forms of the state at its start."""
     fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max()) * length_ns * 1e-9
     parts = max(1, math.ceil(fastest))
     nodes, weights = np.polynomial.legendre.leggauss(8)
     at = ((np.arange(parts)[:, None] + 0.5 * (nodes + 1.0)) / parts).ravel()
     weight = np.tile(0.5 * weights / parts, parts) * (length_ns * 1e-9)
     steps = exponentials(ledger.joint, length_ns * at)
-    works = np.zeros((len(TERMS), *ledger.joint.shape))
+    forms = np.zeros((len(TERMS), *ledger.joint.shape))
     for term in range(len(TERMS)):
         if ledger.forms[term].any():
             power = np.swapaxes(steps, 1, 2) @ (ledger.forms[term] @ steps)
-            works[term] = np.tensordot(weight, power, axes=1)
-    return works
+            forms[term] = np.tensordot(weight, power, axes=1)
+    return forms
 
 
 def packed(forms: Floats) -> Floats:
-    """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the works, and the energy if it is there."""
+    """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the work, and the energy if it is there."""
     upper = np.triu_indices(forms.shape[-1])
     double = np.where(upper[0] == upper[1], 1.0, 2.0)
     tables = simd_copy(np.zeros((forms.shape[0], upper[0].size, COLUMNS)))

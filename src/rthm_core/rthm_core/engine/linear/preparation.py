@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.digits import digit_lengths, digit_works
+from rthm_core.engine.digits import digit_lengths, work_over_digits
 from rthm_core.engine.linear.kernel import Memory, Operations, Tables, vector
 from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger, work_tables
 from rthm_core.engine.linear.loop import LinearLoop, Side
@@ -20,11 +20,11 @@ PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical
 
 
 class Prepared(NamedTuple):
-    """A program with its matrices, and the tables of the works if they are counted."""
+    """A program with its matrices, and the tables of the work if they are counted."""
 
     operations: Operations
     tables: Tables
-    works: Floats | None
+    work_tables: Floats | None
 
 
 def _steps(side: Side, lengths_ns: Integers) -> Floats:
@@ -84,11 +84,11 @@ def prepared(
     )
     if ledger is None:
         return Prepared(operations, tables, None)
-    works = [
+    of_work = [
         work_tables(ledger, moves, with_energy=False),
         work_tables(ledger, rows, with_energy=True),
     ]
-    return Prepared(operations, tables, simd_copy(np.concatenate(works)))
+    return Prepared(operations, tables, simd_copy(np.concatenate(of_work)))
 
 
 def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:
@@ -110,7 +110,7 @@ def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:
         loop.k_tot,
     )
     nothing = Operations(none, none, none, none, none, none, 0, none)
-    return Prepared(nothing, tables, None if ledger is None else digit_works(ledger))
+    return Prepared(nothing, tables, None if ledger is None else work_over_digits(ledger))
 
 
 def digit_operations(chosen: Program) -> Operations:
@@ -137,7 +137,7 @@ class Start(NamedTuple):
     memory: Memory
     sensors: Any
     widths: tuple[Any, ...]
-    works: Floats
+    work: Floats
     joint: Floats
 
 
@@ -167,7 +167,7 @@ def copied(start: Start) -> Start:
     """A start that a run may change."""
     state = tuple(v if isinstance(v, tuple) else v.copy() for v in start.state)
     memory = Memory(start.memory.samples.copy(), start.memory.references.copy(), start.memory.count.copy())
-    return start._replace(state=state, memory=memory, works=start.works.copy())
+    return start._replace(state=state, memory=memory, work=start.work.copy())
 
 
 def widths(loop: LinearLoop) -> tuple[int, int, int]:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 class Model(NamedTuple):
-    """A linear loop, and its ledger if works are counted."""
+    """A linear loop, and its ledger if work is counted."""
 
     loop: LinearLoop
     ledger: LinearLedger | None
@@ -85,7 +85,7 @@ def _repeating(spec: Spec, step: int, energies: bool) -> tuple[Prepared, Start] 
 
 
 LARGEST_JOINT = 16
-"""Largest joint state of which works over many different lengths are tabulated."""
+"""Largest joint state of which work over many different lengths is tabulated."""
 
 
 def linear_blocks(
@@ -113,7 +113,7 @@ def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, sp
     start, further = copied(start), without_first_pass(one)
     for begin in range(0, end + 1, passes * period):
         count = rows_within(begin, min(begin + passes * period, end + 1), step)
-        rows = empty_rows(model.loop, count + 1, energies=one.works is not None)
+        rows = empty_rows(model.loop, count + 1, energies=one.work_tables is not None)
         left = min(passes, (end - begin) // period + 1)
         operations = one.operations._replace(time=times + begin) if begin else one.operations
         block, start = run_block(one._replace(operations=operations), start, left, rows)
@@ -145,7 +145,7 @@ def _irregular(spec: Spec, model: Model, end: int, step: int) -> Iterator[Rows]:
 
 
 def prepared_loop(spec: Spec, step: int) -> tuple[Prepared, Start] | None:
-    """What the kernel executes without works, and its start, for measurements; None where nothing repeats."""
+    """What the kernel executes without work, and its start, for measurements; None where nothing repeats."""
     return _repeating(spec, step, False)
 
 

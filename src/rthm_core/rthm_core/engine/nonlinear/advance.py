@@ -63,9 +63,9 @@ class Work(NamedTuple):
     pieces : (L,) array
         In force.
     moments : (d (d + 1) / 2,) array
-        Integrals of the products of [y, held, g] over the last steps; empty where works are not counted.
+        Integrals of the products of [y, held, g] over the last steps; empty where work is not counted.
     sums : (8,) array
-        Works so far.
+        Work so far.
     """
 
     end: Floats

@@ -51,10 +51,24 @@ def nothing_switches(  # type: ignore[no-untyped-def]
 
 @inlined
 def event_free_step(  # type: ignore[no-untyped-def]
-    systems, holds, bits, places, n, breakaway, matrices, filled, lengths, works, k, z, pieces, end, sums
+    systems,
+    holds,
+    bits,
+    places,
+    n,
+    breakaway,
+    matrices,
+    filled,
+    lengths,
+    work_tables,
+    k,
+    z,
+    pieces,
+    end,
+    sums,
 ):
     """States (N,) `end` after a step over length `k` from ``z = [y, held, g]`` on; whether it may be taken,
-    which it may not where anything switches. Works are added to `sums` (8,) where they are counted.
+    which it may not where anything switches. Work is added to `sums` (8,) where they are counted.
     """
     number = 0
     for row in range(pieces.size):
@@ -69,6 +83,6 @@ def event_free_step(  # type: ignore[no-untyped-def]
         end[i] = total
     if not nothing_switches(systems, holds, number, places, n, breakaway, z, pieces, end):
         return False
-    if works.shape[0]:
-        put_numbers(sums, (), numbers(sums, ()) + worked(works, slot, z))
+    if work_tables.shape[0]:
+        put_numbers(sums, (), numbers(sums, ()) + worked(work_tables, slot, z))
     return True

@@ -31,7 +31,7 @@ class Looks(NamedTuple):
     k_tot : (m,) array
         What the controller computes with, N/m.
     forms : (7, d (d + 1) / 2) array
-        Works from the moments, and last the energy; empty where they are not counted.
+        Work from the moments, and last the energy; empty where they are not counted.
     """
 
     sample: Floats
@@ -59,12 +59,12 @@ class Operations(NamedTuple):
 
 
 class Outputs(NamedTuple):
-    """Rows [x1, v1, F], [x2, v2], F_d in use, and works with the energy."""
+    """Rows [x1, v1, F], [x2, v2], F_d in use, and work with the energy."""
 
     plant: Floats
     numerical: Floats
     reference: Floats
-    works: Floats
+    work: Floats
 
 
 @inlined
@@ -89,7 +89,7 @@ def sample(looks, z, stamp, out):  # type: ignore[no-untyped-def]
 
 @inlined
 def command(looks, counting, size, measured_motion, reference, z):  # type: ignore[no-untyped-def]
-    """Put a command into the held inputs of z: in two parts where works are counted."""
+    """Put a command into the held inputs of z: in two parts where work is counted."""
     m = looks.k_tot.size
     for i in range(m):
         force_part = reference[i] / looks.k_tot[i]
@@ -114,7 +114,7 @@ def write_row(looks, z, reference, out, row):  # type: ignore[no-untyped-def]
 
 @inlined
 def add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
-    """Turn the moments into works."""
+    """Turn the moments into work."""
     for pair in range(moments.size):
         for term in range(forms.shape[0] - 1):
             sums[term] += forms[term, pair] * moments[pair]
@@ -122,8 +122,8 @@ def add_moments(forms, moments, sums):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def write_works(forms, sums, z, out):  # type: ignore[no-untyped-def]
-    """Works so far, and the energy of the present state."""
+def write_work(forms, sums, z, out):  # type: ignore[no-untyped-def]
+    """Work so far, and the energy of the present state."""
     last = forms.shape[0] - 1
     for term in range(last):
         out[term] = sums[term]
@@ -148,7 +148,7 @@ def run_nonlinear(
     s, r, row = count[0], count[1], count[2]
     size, m = nonlinear.systems.shape[1], looks.k_tot.size
     held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
-    matrices, filled, lengths, tables = steps.matrices, steps.filled, steps.lengths, steps.works
+    matrices, filled, lengths, tables = steps.matrices, steps.filled, steps.lengths, steps.work_tables
     sums = work.sums
     quick = nonlinear.steady and (tables.shape[0] > 0 or not counting)
     systems, holds, bits, places = nonlinear.systems, nonlinear.holds, nonlinear.bits, nonlinear.laws.numbers
@@ -184,7 +184,7 @@ def run_nonlinear(
             elif what == OUTPUT:
                 write_row(looks, z, references[asked], out, row)
                 if counting:
-                    write_works(looks.forms, sums, z, out.works[row])
+                    write_work(looks.forms, sums, z, out.work[row])
                 row += 1
                 if row == out.plant.shape[0]:
                     break

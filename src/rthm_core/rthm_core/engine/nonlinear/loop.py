@@ -82,7 +82,7 @@ class NonlinearLoop(NamedTuple):
     Attributes
     ----------
     linear : LinearLoop
-        Both sides without the laws; with its commands in two parts where works are counted.
+        Both sides without the laws; with its commands in two parts where work is counted.
     nonlinear : Nonlinear
     start : (N + M,) array
         State and held inputs.

@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import LONGEST as LONGEST_LENGTH
-from rthm_core.engine.digits import digit_lengths, digit_works, in_digits
+from rthm_core.engine.digits import digit_lengths, in_digits, work_over_digits
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.linear.kernel import ROWS, Memory
@@ -37,7 +37,7 @@ LARGEST_TABLE = 8_000_000
 """Most numbers in the matrices of the steps."""
 
 SMOOTH = 0.5
-"""Longest step, times the fastest mode, over which works are counted at once."""
+"""Longest step, times the fastest mode, over which work is counted at once."""
 
 
 class _Prepared(NamedTuple):
@@ -79,8 +79,8 @@ def looks_of(loop: NonlinearLoop) -> Looks:
     )
 
 
-def _works(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
-    """Tables of the works for every set of sticking dofs and length, or for every digit of a length; empty
+def _work_tables(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
+    """Tables of the work for every set of sticking dofs and length, or for every digit of a length; empty
     where they are not counted or forces change within a step.
     """
     size, d = loop.nonlinear.systems.shape[1:]
@@ -91,11 +91,11 @@ def _works(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
         for system in loop.nonlinear.systems
     ]
     if lengths_ns is None:
-        return simd_copy(np.concatenate([digit_works(one)[:-1] for one in ledgers]))
+        return simd_copy(np.concatenate([work_over_digits(one)[:-1] for one in ledgers]))
     return simd_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
 
 
-def _steps(loop: NonlinearLoop, lengths_ns: Integers, works: Floats) -> Steps | None:
+def _steps(loop: NonlinearLoop, lengths_ns: Integers, work_tables: Floats) -> Steps | None:
     """Memory for the matrices of all lengths; None where it would be too much."""
     sets, n, d = loop.nonlinear.systems.shape
     g, steady = loop.nonlinear.input_matrix.shape[1], loop.nonlinear.steady
@@ -110,7 +110,7 @@ def _steps(loop: NonlinearLoop, lengths_ns: Integers, works: Floats) -> Steps | 
         np.empty((slots, stages, rows, n)),
         np.zeros(slots, dtype=np.int64),
         np.asarray(lengths_ns * 1e-9, dtype=float),
-        works,
+        work_tables,
         np.empty((2, rows, n)),
         np.empty((d + 1, n)),
     )
@@ -163,7 +163,7 @@ def _repeating(spec: Spec, step: int, energies: bool) -> _Prepared | None:
     chosen, further = _split(operations, lengths, _longest(loop))
     first = np.where(chosen.time <= 0, 0, further)
     numbered, different = _operations(chosen, first, further, period)
-    steps = _steps(loop, different, _works(loop, different))
+    steps = _steps(loop, different, _work_tables(loop, different))
     return None if steps is None else _Prepared(numbered, steps)
 
 
@@ -171,7 +171,7 @@ def _repeating(spec: Spec, step: int, energies: bool) -> _Prepared | None:
 def _digit_steps(spec: Spec, energies: bool) -> Steps | None:
     """Memory for the steps over every digit of a length."""
     loop = _loop(spec, energies)
-    return None if loop is None else _steps(loop, digit_lengths(), _works(loop, None))
+    return None if loop is None else _steps(loop, digit_lengths(), _work_tables(loop, None))
 
 
 def start_state(loop: NonlinearLoop, samples: int, references: int) -> State:
@@ -273,8 +273,8 @@ def outputs(loop: NonlinearLoop, rows: int) -> Outputs:
     """Rows to be written."""
     m, n2, both = loop.linear.k_tot.size, loop.linear.numerical.y.size, loop.motion.size
     plant, numerical, reference = (np.empty((rows, width)) for width in (both - n2 + m, n2, m))
-    works = np.empty((rows if loop.forms.size else 0, loop.forms.shape[0]))
-    return Outputs(plant, numerical, reference, works)
+    work = np.empty((rows if loop.forms.size else 0, loop.forms.shape[0]))
+    return Outputs(plant, numerical, reference, work)
 
 
 def _block(loop: NonlinearLoop, portion: Portion, state: State) -> Rows:

@@ -30,9 +30,9 @@ class Steps(NamedTuple):
         Which of them are there.
     lengths : (K,) array
         In s.
-    works : (sets lengths, d (d + 1) / 2, 8) array
-        Works over each length from the products of [y, held, g] at its start, where forces are constant;
-        empty where they are not, or works are not counted.
+    work_tables : (sets lengths, d (d + 1) / 2, 8) array
+        Work over each length from the products of [y, held, g] at its start, where forces are constant;
+        empty where they are not, or work is not counted.
     work, term : (2, N + M + orders G, N), (N + M + G + 1, N) arrays
         Scratch.
     """
@@ -40,7 +40,7 @@ class Steps(NamedTuple):
     matrices: Floats
     filled: Integers
     lengths: Floats
-    works: Floats
+    work_tables: Floats
     work: Floats
     term: Floats
 

@@ -16,7 +16,7 @@ from rthm_core.engine.nonlinear.kernel import (
     Operations,
     Outputs,
     add_moments,
-    write_works,
+    write_work,
 )
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.steps import Steps
@@ -58,7 +58,7 @@ def _lane(dz, i, motion):  # type: ignore[no-untyped-def]
 
 @inlined
 def _command(k_tot, change, counting, motion, dsample, dreference, out, groups):  # type: ignore[no-untyped-def]
-    """Tangents of a command: of its two parts where works are counted."""
+    """Tangents of a command: of its two parts where work is counted."""
     m = k_tot.size
     for i in range(m):
         compliance = 1.0 / k_tot[i]
@@ -130,8 +130,8 @@ def _event_free(  # type: ignore[no-untyped-def]
         nonlinear.laws.breakaway, y, work.pieces, end,
     ):  # fmt: skip
         return False
-    if steps.works.shape[0]:
-        put_numbers(work.sums, (), numbers(work.sums, ()) + worked(steps.works, slot, y))
+    if steps.work_tables.shape[0]:
+        put_numbers(work.sums, (), numbers(work.sums, ()) + worked(steps.work_tables, slot, y))
     return True
 
 
@@ -207,7 +207,7 @@ def run_tangents(
                     looks.motion, motion, dz, force, dreferences[asked], out, row, beside, parameters, groups
                 )
                 if counting:
-                    write_works(looks.forms, work.sums, y, out.works[row])
+                    write_work(looks.forms, work.sums, y, out.work[row])
                 row += 1
                 if row == out.plant.shape[0]:
                     break

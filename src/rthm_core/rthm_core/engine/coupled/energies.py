@@ -26,21 +26,21 @@ def energies_of(
     *,
     smooth: bool,
 ) -> dict[str, Floats]:
-    """Works of all terms, by quadrature between the rows, and E_total.
+    """Work of all terms, by quadrature between the rows, and E_total.
 
     What the approximation adds to mass and damping stands for the errors of the loop. Where laws are not
     `smooth`, a force may jump between two rows: the work of the effects is then what the others leave over.
     """
     own = body if system == "hybrid" else coupled_body(spec, "ideal")
     errors = delay_terms(spec) if system == "taylor" else (np.zeros((3, *body.mass.shape)),) * 2
-    works = np.zeros((len(TERMS), rows.x.shape[0]))
+    work = np.zeros((len(TERMS), rows.x.shape[0]))
     for weight, motion in zip(GAUSS_WEIGHTS, between, strict=True):
-        works[:, 1:] += weight * step * 1e-9 * _powers(body, own.damping, errors, motion)
-    works = np.cumsum(works, axis=1)
+        work[:, 1:] += weight * step * 1e-9 * _powers(body, own.damping, errors, motion)
+    work = np.cumsum(work, axis=1)
     total = 0.5 * (_form(own.mass, rows.v, rows.v) + _form(own.stiffness, rows.x, rows.x))
     if not smooth:
-        works[EFFECTS] += total - total[0] - works.sum(axis=0)
-    return dict(zip(TERMS, works, strict=True)) | {"E_total": total}
+        work[EFFECTS] += total - total[0] - work.sum(axis=0)
+    return dict(zip(TERMS, work, strict=True)) | {"E_total": total}
 
 
 def _powers(body: Substructure, damping: Floats, errors: tuple[Floats, Floats], motion: Motion) -> Floats:

@@ -134,6 +134,16 @@ def test_a_sensor_that_knows_no_sign_makes_no_laws_of_the_plant() -> None:
     assert not part.physics and part.unexplained
 
 
+def test_a_velocity_that_is_wrong_now_and_then_is_no_noise_and_no_force() -> None:
+    seen = recorded()
+    measured = seen.measured.copy()
+    for begin in range(100, measured.shape[0], 300):
+        measured[begin : begin + 20, 1] = measured[begin, 1] + 0.2
+    part = part_of(replace(seen, measured=measured))
+    assert not part.physics and not part.described and part.unexplained
+    assert [one.block for one in part.blocks if one.significant] == ["sensor.velocity"]
+
+
 def test_a_kind_of_the_library_is_named_with_its_value() -> None:
     part = part_of(recorded(lambda t, x, v: -20.0 * x**3))
     assert [one.kind for one in part.physics] == ["cubic_stiffness"] and not part.unexplained

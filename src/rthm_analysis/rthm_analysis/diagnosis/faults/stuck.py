@@ -31,10 +31,10 @@ SHORTEST = 7
 """Samples of one value that chance does not make in a signal with noise."""
 
 LONGER = 4.0
-"""Length of a stretch, over that of all but one in a hundred others: coarse sensors repeat values, too."""
+"""Length of a stretch in a signal that repeats values, over that of all but one in a hundred others."""
 
 SINGLE = 0.98
-"""Part of the values that are unlike their neighbours, in a signal that carries noise."""
+"""Part of the values that are unlike their neighbours, in a signal that a sensor tells finely."""
 
 ALTERNATES = 0.5
 """Part of the third differences that change sign, from which a signal carries noise; 0.1 where it is
@@ -88,8 +88,9 @@ def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
     if np.count_nonzero(np.isfinite(values)) < 0.5 * values.size or not np.nanstd(values) > 0.0:
         return []
     begin, length = pieces(values)
-    least = max(SHORTEST, LONGER * float(np.quantile(length, 0.99)))
-    long = np.flatnonzero(length >= least)
+    long = np.flatnonzero(length >= SHORTEST)
+    if not _hardly_repeats(length, long):
+        long = np.flatnonzero(length >= max(SHORTEST, LONGER * float(np.quantile(length, 0.99))))
     if not long.size or length[long].sum() > 0.5 * values.size:
         return []
     noisy = carries_noise(values, length, long)
@@ -100,10 +101,16 @@ def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
 
 def carries_noise(values: Floats, length: np.ndarray, long: np.ndarray) -> bool:
     """Whether hardly a value repeats by chance, and neighbours scatter."""
-    single = np.count_nonzero(length == 1) >= SINGLE * (length.size - long.size)
     third = np.diff(values, 3)
     third = third[np.isfinite(third) & (third != 0.0)]
-    return bool(single and third.size and np.mean(third[1:] * third[:-1] < 0.0) > ALTERNATES)
+    return bool(
+        _hardly_repeats(length, long) and third.size and np.mean(third[1:] * third[:-1] < 0.0) > ALTERNATES
+    )
+
+
+def _hardly_repeats(length: np.ndarray, long: np.ndarray) -> bool:
+    """Whether nearly all values but those of long stretches are unlike their neighbours."""
+    return bool(np.count_nonzero(length == 1) >= SINGLE * (length.size - long.size))
 
 
 def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others: list[Floats]) -> bool:

@@ -10,7 +10,7 @@ from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
-from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
+from rthm_analysis.diagnosis.physical.unrelated import is_rare, possible_causes, unrelated
 from rthm_core.compiled import Floats
 
 SHIFTS = (-2, -1, 0, 1, 2)
@@ -43,7 +43,7 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
         if evidence.channels[k].family == "force":
             error = _without(error, predicted)
         error = _without_own(error, predicted)
-        if np.isfinite(error).mean() < MEASURED:
+        if np.isfinite(error).mean() < MEASURED or is_rare(error[np.isfinite(error)]):
             return before
         colour = colour_of(error, evidence.measured[:, k], before.level)
         slow = colour.is_white and not named and slow_power(error / colour.level)[0] > SLOW

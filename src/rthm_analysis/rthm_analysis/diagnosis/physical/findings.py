@@ -68,7 +68,7 @@ def physical_part(physical: Physical) -> Part:
     curves = _described(judged) if left else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
     if left and not judged.earned and not driven:
-        located |= {"wire"} if wires_are_off(physical) else {"plant"}
+        located |= judged.wrong_sensors or ({"wire"} if wires_are_off(physical) else {"plant"})
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
     return Part(
         blocks=_mismatches(physical, runs, located),

@@ -37,6 +37,10 @@ CLIPPED = 6.0
 """Typical sizes beyond which a difference is a jump, not noise."""
 
 
+TAILS = 0.02
+"""Part of a noise that may be beyond that: of Student's with three degrees of freedom it is 0.007."""
+
+
 @dataclass(frozen=True)
 class Remainder:
     """What is left of one channel.
@@ -129,8 +133,11 @@ def _allowed(white: bool, count: int) -> float:
 
 
 def _clipped(errors: Floats) -> Floats:
-    """Errors without the tails of noise that has heavy ones."""
-    limit = CLIPPED * 1.4826 * float(np.nanmedian(np.abs(errors))) if np.isfinite(errors).any() else 0.0
+    """Errors without the tails of noise that has heavy ones; as they are where these are no tails."""
+    known = np.abs(errors[np.isfinite(errors)])
+    limit = CLIPPED * 1.4826 * float(np.median(known)) if known.size else 0.0
+    if limit and np.count_nonzero(known > limit) > TAILS * known.size:
+        return errors
     return np.clip(errors, -limit, limit)
 
 

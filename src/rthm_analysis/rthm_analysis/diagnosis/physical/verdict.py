@@ -124,6 +124,17 @@ class Judgement:
             quiet = not (one.in_train or one.in_held_out or one.parts.size)
         return (low and quiet) or self._is_noise_of_sensor(channel)
 
+    @cached_property
+    def wrong_sensors(self) -> set[str]:
+        """Blocks of sensors that are off while another channel denies every motion or force that would do it;
+        none where anything else is off as well.
+        """
+        predicted, channels = self.runs["explained"].predicted, self.physical.evidence.channels
+        off = [k for k in range(len(channels)) if not self._channel_at_noise(k)]
+        if not np.isfinite(predicted).all() or not all(denied(self.physical, predicted, k) for k in off):
+            return set()
+        return {f"sensor.{channels[k].family}" for k in off}
+
     def _is_noise_of_sensor(self, channel: int) -> bool:
         """Whether another channel denies that an error is motion or force, and nothing foretells it."""
         physical, predicted = self.physical, self.runs["explained"].predicted

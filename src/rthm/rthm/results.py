@@ -11,8 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rthm.optional import needed
-from rthm_core.effects.base import suggestion
-from rthm_core.errors import InputError
+from rthm_core.errors import InputError, suggestion
 
 if TYPE_CHECKING:
     import pandas

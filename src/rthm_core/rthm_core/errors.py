@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Any
 
+LEAST_BEGUN = 3
+"""Letters from which the beginning of a name stands for it."""
+
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 60
 _SHORT.maxlevel = 2
@@ -59,11 +62,31 @@ def refusal(key: str, value: object, allowed: str, way_out: str = "") -> InputEr
     return InputError(f"{printable(key)} is {shown(value)}, but must be {allowed}; {way_out}.")
 
 
+def nearest(given: str, known: Iterable[str]) -> str | None:
+    """Return the known name that was meant: the one that begins so, or the most alike; None: none is near.
+
+    Examples
+    --------
+    >>> nearest("coulom", ["coulomb_friction", "cubic_stiffness"])
+    'coulomb_friction'
+    >>> nearest("papr", ["paper", "step"])
+    'paper'
+    """
+    given, names = given[:100], list(known)
+    begun = [name for name in names if len(given) >= LEAST_BEGUN and name.startswith(given)]
+    return begun[0] if len(begun) == 1 else next(iter(get_close_matches(given, names, n=1)), None)
+
+
+def suggestion(given: str, known: Iterable[str]) -> str:
+    """Return "write ..." with the known name that was meant; empty when none is near."""
+    meant = nearest(given, known)
+    return f"write {meant}" if meant else ""
+
+
 def unknown(key: str, value: object, known: Iterable[str]) -> InputError:
     """One sentence about a key that nothing knows; `known` are the keys that could stand there."""
     names = list(known)
-    nearest = get_close_matches(key.rpartition(".")[2][:100], names, n=1)
-    way_out = f"write {nearest[0]}" if nearest else "remove it"
+    way_out = suggestion(key.rpartition(".")[2], names) or "remove it"
     return InputError(
         f"{printable(key)} (given as {shown(value)}) is not a key of the spec, "
         f"which knows {', '.join(names)} there; {way_out}."

@@ -20,7 +20,6 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from string import Formatter
@@ -28,7 +27,7 @@ from typing import ClassVar, TypeVar
 
 from rthm_core.effects.guess import Guess, Signals
 from rthm_core.effects.possible import Plainer, Possible, Values, identified
-from rthm_core.errors import RefusedError
+from rthm_core.errors import RefusedError, suggestion
 from rthm_core.quantity import Quantity, Text
 
 EffectParameter = Quantity
@@ -228,9 +227,3 @@ def effect(kind: str, block: str) -> type[Effect]:
         allowed = f"a kind that {block} knows ({', '.join(known)})"
         raise RefusedError(kind, allowed, suggestion(str(kind), known), "kind")
     return found
-
-
-def suggestion(given: str, known: tuple[str, ...] | list[str]) -> str:
-    """Return "write ..." with the nearest known name; empty when none is near."""
-    nearest = get_close_matches(given[:100], known, n=1)
-    return f"write {nearest[0]}" if nearest else ""

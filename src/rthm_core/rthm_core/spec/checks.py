@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.effects.base import PLACES, check_block, effect, family, suggestion
-from rthm_core.errors import MISSING, RefusedError
+from rthm_core.effects.base import PLACES, check_block, effect, family
+from rthm_core.errors import MISSING, RefusedError, suggestion
 from rthm_core.spec.load import MultisineLoad
 
 if TYPE_CHECKING:

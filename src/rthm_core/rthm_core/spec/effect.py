@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from rthm_core.effects.base import LINKS, PLACES, check_block, effect, suggestion
-from rthm_core.errors import MISSING, RefusedError, printable, shown
+from rthm_core.effects.base import LINKS, PLACES, check_block, effect
+from rthm_core.errors import MISSING, RefusedError, printable, shown, suggestion
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
 

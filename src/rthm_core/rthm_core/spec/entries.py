@@ -13,8 +13,7 @@ from typing import Any, ClassVar
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from rthm_core.effects.base import suggestion
-from rthm_core.errors import RefusedError, printable
+from rthm_core.errors import RefusedError, printable, suggestion
 from rthm_core.quantity import Quantity, Text, as_number
 
 LARGEST_WHOLE = 2**53

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from rthm_core.effects.own import KEY, load_effects, placed
-from rthm_core.errors import InputError, printable, shown
+from rthm_core.errors import InputError, nearest, printable, shown
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import with_effects_from
 from rthm_core.spec.schema import Spec
@@ -96,8 +95,8 @@ def _text_of(path: Path) -> str:
 
 def _no_such_file(name: str) -> str:
     shipped = shipped_names()
-    near = get_close_matches(name[:100], shipped, n=1)
-    way_out = f"{near[0]} is one" if near else f"they are {', '.join(shipped)}"
+    near = nearest(name, shipped)
+    way_out = f"{near} is one" if near else f"they are {', '.join(shipped)}"
     return f"there is no such file; give the path of a spec, or a shipped one's name: {way_out}."
 
 

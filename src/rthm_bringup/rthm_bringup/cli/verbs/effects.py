@@ -51,8 +51,7 @@ def _found(kind: str | None) -> Iterator[tuple[str, type[Effect]]]:
 
 
 def _refuse(kind: str) -> None:
-    from rthm_core.effects.base import suggestion
-    from rthm_core.errors import InputError
+    from rthm_core.errors import InputError, suggestion
 
     near = suggestion(kind, sorted({one.kind for _, one in _found(None)}))
     raise InputError(f"there is no effect {kind!r}; {near or 'rthm effects lists all of them'}.")

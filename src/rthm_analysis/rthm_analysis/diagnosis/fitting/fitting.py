@@ -278,6 +278,7 @@ class Fitting:
         least: float = 3e-4,
         *,
         started: bool = False,
+        affordable: bool = False,
     ) -> Fitted:
         """Levenberg-Marquardt from the model's present values.
 
@@ -292,6 +293,8 @@ class Fitting:
             Part of the squared error below which a step gains too little to go on.
         started : bool
             Whether the free runs start exactly where they are said to.
+        affordable : bool
+            Whether to end with the step that spends the budget; only where nothing is done side by side.
         """
         anew = known is None or self.reduced_chi2 > WRONG
         kept = 0 if anew or known is None else known.shape[0]
@@ -315,6 +318,8 @@ class Fitting:
                     model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
                     break
                 damping = max(damping * 10.0, 1e-3)
+            if affordable and self.budget.spent:
+                break
             if before - best < max(0.1, least * best):
                 if small < STEP or least > FINE:
                     settled = least

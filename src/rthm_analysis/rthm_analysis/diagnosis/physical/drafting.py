@@ -93,10 +93,10 @@ def _copied(begun: Baseline, draft: Draft, found: Selection) -> Selection | None
     before, fitting.reduced_chi2 = fitting.reduced_chi2, draft.fitting.reduced_chi2
     try:
         fitting.rebase(found.best.model)
-        whole = fitting.fit(found.best.model, most=FINISHING, least=FINE)
+        whole = fitting.fit(found.best.model, most=FINISHING, least=FINE, affordable=True)
         near = reduced_chi2(fitting, whole) < WRONG
         if near and fitting.experiment.sharpen(whole.model.spec):
-            whole = fitting.fit(whole.model, most=FINISHING, least=FINE)
+            whole = fitting.fit(whole.model, most=FINISHING, least=FINE, affordable=True)
         copied, copy = COPIED if near else 1, partial(_copy, fitting)
         rounds = [
             [one for one in fitting.cores.each_in_parts(copy, tried[:copied]) if np.isfinite(one.error)]

@@ -205,7 +205,7 @@ def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
 def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
     """Fit over the whole recording of what was found in short runs; None where it diverges."""
     try:
-        return fitting.fit(model, most=FINISHING, least=FINE)
+        return fitting.fit(model, most=FINISHING, least=FINE, affordable=True)
     except np.linalg.LinAlgError:
         return None
 

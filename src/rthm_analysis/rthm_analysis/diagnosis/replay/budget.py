@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 190e6
-"""Steps of replays with wires after which a search winds down; on a slow host about 45 s of one core."""
+LIMIT = 150e6
+"""Steps of replays with wires after which a search winds down; on a slow host about 40 s of one core."""
 
 PLAIN = 0.75
 """What a step of a plant without wires takes, over one with them."""
 
-FURTHER = 36e6
+FURTHER = 30e6
 """Steps that a second question, which is asked of a few kinds only, may take in any case."""
 
 PER_REPLAY = 5e3

@@ -110,7 +110,7 @@ def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: 
     be absent, or a tone that does not last.
     """
     begun = unfitted(pieces[-1].start, selection.best, _model(selection, pieces))
-    begun = fit_further(fitting, begun, None, FEW)
+    begun = fit_further(fitting, begun, None, FEW, affordable=True)
     ahead = least - fitting.expected
     if (
         not np.isfinite(begun.error)
@@ -131,7 +131,7 @@ def _rebased(fitting: Fitting, fitted: Fitted, last: InitialGuess) -> Fitted:
     fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
     fitting.experiment.sharpen(fitted.model.spec)
     fitting.rebase(fitted.model)
-    again = finished(fitting, unfitted(last, fitted, fitted.model))
+    again = finished(fitting, unfitted(last, fitted, fitted.model), affordable=True)
     return again.fitted if np.isfinite(again.error) else fitted
 
 

@@ -144,13 +144,19 @@ def _within_reach(fitting: Fitting, tried: list[FittedCandidate]) -> int:
 
 
 def fit_further(
-    fitting: Fitting, tried: FittedCandidate, known: Floats | None, steps: int, least: float = 3e-4
+    fitting: Fitting,
+    tried: FittedCandidate,
+    known: Floats | None,
+    steps: int,
+    least: float = 3e-4,
+    *,
+    affordable: bool = False,
 ) -> FittedCandidate:
-    """Go on fitting for some steps, as long as each brings at least this part."""
+    """Go on fitting for some steps, as long as each brings at least this part, and is `affordable`."""
     if tried.fitted.settled <= least:
         return tried
     try:
-        fitted = fitting.fit(tried.fitted.model, known, steps, least)
+        fitted = fitting.fit(tried.fitted.model, known, steps, least, affordable=affordable)
         return FittedCandidate(tried.start, fitted, float(fitted.left_out.sum()))
     except (InputError, np.linalg.LinAlgError):
         return tried
@@ -159,19 +165,22 @@ def fit_further(
 def finished_by_itself(fitting: Fitting, tried: FittedCandidate) -> FittedCandidate:
     """Fit to the end what may be far from the model before: with its own sensitivities to the initial states.
 
-    The reduced chi-squared stays that of the model before.
+    It goes no further than the budget allows. The reduced chi-squared stays that of the model before.
     """
     before = fitting.reduced_chi2
-    done = finished(fitting, tried)
+    done = finished(fitting, tried, affordable=True)
     if np.isfinite(done.error) and fitting.reduced_chi2 < WRONG:
         with fitting.based_on(done.fitted.model):
-            done = finished(fitting, unfitted(done.start, done.fitted, done.fitted.model))
+            whole = unfitted(done.start, done.fitted, done.fitted.model)
+            done = finished(fitting, whole, affordable=True)
     fitting.reduced_chi2 = before
     return done
 
 
-def finished(fitting: Fitting, tried: FittedCandidate, known: Floats | None = None) -> FittedCandidate:
+def finished(
+    fitting: Fitting, tried: FittedCandidate, known: Floats | None = None, *, affordable: bool = False
+) -> FittedCandidate:
     """Fit an effect that was chosen to its end, from columns that are still known."""
-    done = fit_further(fitting, tried, known, FINISHING, FINISHED)
+    done = fit_further(fitting, tried, known, FINISHING, FINISHED, affordable=affordable)
     fitting.reduced_chi2 = reduced_chi2(fitting, done.fitted)
     return done

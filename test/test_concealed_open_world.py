@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from benchmarks.concealed.foresight import mean_age
 from benchmarks.concealed.open.__main__ import main
 from benchmarks.concealed.open.case import OpenCase, make_open_case
 from benchmarks.concealed.open.catalogue import CLASSES, RECIPES
+from benchmarks.concealed.open.faults import swapped
 from benchmarks.concealed.open.plan import open_plan
 from benchmarks.concealed.open.scale import Scale
 from benchmarks.concealed.open.score import open_score
@@ -104,6 +107,15 @@ def test_the_same_motion_in_other_units_obeys_the_scaled_equation() -> None:
     drag = {"block": "plant", "kind": "quadratic_drag", "coefficient": 3.0}
     v, force = 0.7 * scale.factor((1, -1, 0)), 3.0 * 0.7**2 * scale.factor((1, -2, 1))
     assert scale.effect(drag)["coefficient"] * v**2 == pytest.approx(force)
+
+
+def test_swapped_channels_keep_their_numbers_at_the_scale_of_the_rig() -> None:
+    scale = Scale(length=1e-3, time=1e-2, mass=10.0)
+    before = np.random.default_rng(0).normal(size=(5, 11))
+    log = SimpleNamespace(plant=before.copy())
+    swapped(1, 3)(cast("Any", log), cast("Any", SimpleNamespace(setting=SimpleNamespace(scale=scale))))
+    real = [plant[:, :4] * scale.channels for plant in (before, log.plant)]
+    assert real[1] == pytest.approx(real[0][:, [0, 3, 2, 1]])
 
 
 def test_visible_is_only_what_no_linear_plant_takes_up() -> None:

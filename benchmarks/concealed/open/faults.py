@@ -23,7 +23,8 @@ def swapped(one: int, other: int) -> Edit:
     """Exchange two channels, number by number at the rig's scale."""
 
     def edit(log: Recording, draft: Draft) -> None:
-        ratio = draft.setting.scale.channels[one] / draft.setting.scale.channels[other]
+        scales = draft.setting.scale.channels
+        ratio = scales[one] / scales[other]
         log.plant[:, [one, other]] = log.plant[:, [other, one]] * np.array([1.0 / ratio, ratio])
 
     return edit

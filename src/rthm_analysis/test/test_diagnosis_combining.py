@@ -93,6 +93,21 @@ def test_a_search_whose_work_is_done_asks_no_more() -> None:
     assert "before everything was tried" in fitting.budget.note
 
 
+def test_a_fit_that_is_to_be_affordable_ends_with_the_step_that_spends_the_budget() -> None:
+    fitting = fitting_of(three(0.3, 2.0, 20.0), 3)
+    start = CUBIC.added_to(Model(PAPER))
+
+    def work(most: int, affordable: bool) -> float:
+        before = fitting.budget.used
+        fitting.fit(start, most=most, affordable=affordable)
+        return fitting.budget.used - before
+
+    one_step, whole = work(1, False), work(20, False)
+    assert work(20, True) == whole > one_step
+    fitting.budget.limit = 0.0
+    assert work(20, True) == one_step and work(20, False) == whole
+
+
 def test_the_same_fit_is_the_same_work() -> None:
     used = set()
     for _ in range(2):

@@ -60,8 +60,9 @@ def compute() -> Numbers:
     for way, _ in WAYS:
         run = simulate(compensated(way), DURATION, STEP)
         columns[f"x1 {way} [m]"] = run.plant_position[:, 0]
-        energies |= {f"{term} {way} [J]": work for term, work in run.all_energies().items()}
-        values |= _spread(way, run.all_energies())
+        work = run.all_energies()
+        energies |= {f"{term} {way} [J]": of_term for term, of_term in work.items()}
+        values |= _spread(way, work)
         difference = np.abs(run.plant_position - ideal.plant_position).max()
         values[f"largest difference from the ideal system, {way} [m]"] = float(difference)
         values[f"force noise, {way} [N]"] = _force_noise(way)

@@ -84,7 +84,7 @@ def sensitivities(
     sample : float, optional
         Distance of the rows in s; Td1 when absent.
     energies : bool
-        Whether the work of the trajectory are counted; they have no derivatives.
+        Whether the work of the trajectory is counted; it has no derivatives.
 
     Raises
     ------

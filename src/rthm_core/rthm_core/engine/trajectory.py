@@ -39,7 +39,7 @@ class Trajectory:
 
     @property
     def balance_error(self) -> Floats:
-        """E_total - E_total(0) - sum of the work, in J (N,)."""
+        """E_total - E_total(0) - sum of all work, in J (N,)."""
         return np.asarray(
             self.energies["E_total"]
             - self.energies["E_total"][0]

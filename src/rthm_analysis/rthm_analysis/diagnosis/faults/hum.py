@@ -75,8 +75,8 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         values = seen.measured[:, column]
         rows = _rows(values)
         time = seen.time[rows]
+        step = float(np.median(np.diff(time)))
         for mains in MAINS:
-            step = float(np.median(np.diff(time)))
             aliased = _aliased(mains, 1.0 / step)
             if step * mains > SLOWEST or aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
                 continue

@@ -33,8 +33,8 @@ def freed(fitting: Fitting, model: Model) -> Model:
     """Model with every entry of mass, damping, stiffness and wire free, whatever the spec says of it."""
     evidence, spec = fitting.experiment.evidence, model.nominal
     commanded = evidence.driven_by == "command"
-    loaded = bool(np.any(evidence.load))
-    entries = free_entries(spec, 2.0 * np.pi / period(evidence), commanded=commanded, loaded=loaded)
+    frequency = 2.0 * np.pi / period(evidence)
+    entries = free_entries(spec, frequency, commanded=commanded, forced=evidence.is_forced)
     others = tuple(p for p in model.parameters if p.key not in PROPERTIES)
     return replace(model, parameters=(*others, *entries))
 

@@ -134,11 +134,16 @@ def _allowed(white: bool, count: int) -> float:
 
 def _clipped(errors: Floats) -> Floats:
     """Errors without the tails of noise that has heavy ones; as they are where these are no tails."""
-    known = np.abs(errors[np.isfinite(errors)])
-    limit = CLIPPED * 1.4826 * float(np.median(known)) if known.size else 0.0
-    if limit and np.count_nonzero(known > limit) > TAILS * known.size:
+    known = errors[np.isfinite(errors)]
+    limit = _limit(known)
+    if limit and np.count_nonzero(np.abs(known) > limit) > TAILS * known.size:
         return errors
     return np.clip(errors, -limit, limit)
+
+
+def _limit(values: Floats) -> float:
+    """Size beyond which a value is in the tails; 0 where there are no values."""
+    return CLIPPED * 1.4826 * float(np.median(np.abs(values))) if values.size else 0.0
 
 
 def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
@@ -165,5 +170,5 @@ def _fast_power(errors: Floats) -> float:
     third = np.diff(errors[np.isfinite(errors)], 3)
     if third.size < SAMPLES:
         return 1.0
-    limit = CLIPPED * 1.4826 * float(np.median(np.abs(third)))
+    limit = _limit(third)
     return float(np.mean(np.square(np.clip(third, -limit, limit)))) / 20.0

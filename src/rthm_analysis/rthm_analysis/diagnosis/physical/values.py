@@ -57,29 +57,42 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
     """New values of properties that the recording asks for, in the unit of the spec; none that clocks may
     make. Where nothing known drives the plant, they are as uncertain as its mass, at least.
     """
-    best, found = physical.selection.best, {}
-    stds = stds_of(best)
-    scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
-    gain = physical.nominal.squares - physical.selection.base.squares
-    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
-        scaled = []
-    for p in scaled:
-        values = nominal_values(physical.spec, p.key)
-        for i, nominal in enumerate(values):
-            if nominal:
-                name = p.key if len(values) == 1 else f"{p.key}[{i}]"
-                found[name] = Retuned(nominal, nominal * p.value, abs(nominal) * stds[p.key])
-    for p in best.model.parameters:
-        entry = entry_of(p.key)
-        if entry is not None:
-            name = entry[0] if _is_single(physical, entry[0]) else p.key
-            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
+    found = _scaled_values(physical) | _entry_values(physical)
     if not physical.evidence.is_forced:
         mass = physical.spec.uncertainty.plant.mass
         found = {k: replace(one, std=float(np.hypot(one.std, one.value * mass))) for k, one in found.items()}
     return {
         name: one for name, one in found.items() if abs(one.value - one.nominal) > CLOCKS * abs(one.nominal)
     }
+
+
+def _scaled_values(physical: Physical) -> dict[str, Retuned]:
+    """Values of what the spec calls uncertain, all with one factor; none where these hardly help."""
+    best, found = physical.selection.best, {}
+    stds = stds_of(best)
+    scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
+    gain = physical.nominal.squares - physical.selection.base.squares
+    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
+        return {}
+    for p in scaled:
+        values = nominal_values(physical.spec, p.key)
+        for i, nominal in enumerate(values):
+            if nominal:
+                name = p.key if len(values) == 1 else f"{p.key}[{i}]"
+                found[name] = Retuned(nominal, nominal * p.value, abs(nominal) * stds[p.key])
+    return found
+
+
+def _entry_values(physical: Physical) -> dict[str, Retuned]:
+    """Values of single entries, whatever the spec says of them."""
+    best, found = physical.selection.best, {}
+    stds = stds_of(best)
+    for p in best.model.parameters:
+        entry = entry_of(p.key)
+        if entry is not None:
+            name = entry[0] if _is_single(physical, entry[0]) else p.key
+            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
+    return found
 
 
 def _is_single(physical: Physical, key: str) -> bool:

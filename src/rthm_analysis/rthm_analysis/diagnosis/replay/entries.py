@@ -52,7 +52,7 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
     return spec.model_copy(update={section: getattr(spec, section).model_copy(update=changed)})
 
 
-def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool) -> Iterator[Parameter]:
+def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool) -> Iterator[Parameter]:
     """Every entry of mass, damping and stiffness, and every wire, whatever the spec says of its uncertainty.
 
     Parameters
@@ -62,9 +62,8 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool)
         Where most of the recorded motion is, rad/s: gives entries of zero their scale.
     commanded : bool
         Whether recorded commands drive the plant, so that the wires show.
-    loaded : bool
-        Whether a known force acts; without one nobody can tell all matrices from their multiples, and the
-        first mass is taken as it is.
+    forced : bool
+        Whether anything known drives the plant (`Evidence.is_forced`); else the first mass is taken as it is.
     """
     from rthm_analysis.diagnosis.replay.model import Parameter
 
@@ -80,7 +79,7 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, loaded: bool)
         for i in range(n):
             for j in range(i, n):
                 key, value = f"{name}[{i * n + j}]", float(_values(spec, name)[i * n + j])
-                known = name == "plant.mass" and (i != j or (i == 0 and not (loaded or commanded)))
+                known = name == "plant.mass" and (i != j or (i == 0 and not forced))
                 if known or (i != j and not value):
                     continue
                 low = (

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 COLUMNS = 8
-"""work of six terms, the energy, and one that makes the row as long as two registers."""
+"""Work of six terms, the energy, and one that makes the row as long as two registers."""
 
 
 class LinearLedger(NamedTuple):

@@ -20,7 +20,7 @@ PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical
 
 
 class Prepared(NamedTuple):
-    """A program with its matrices, and the tables of the work if they are counted."""
+    """A program with its matrices, and the tables of the work if it is counted."""
 
     operations: Operations
     tables: Tables

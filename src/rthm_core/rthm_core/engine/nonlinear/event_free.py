@@ -68,7 +68,7 @@ def event_free_step(  # type: ignore[no-untyped-def]
     sums,
 ):
     """States (N,) `end` after a step over length `k` from ``z = [y, held, g]`` on; whether it may be taken,
-    which it may not where anything switches. Work is added to `sums` (8,) where they are counted.
+    which it may not where anything switches. Work is added to `sums` (8,) where it is counted.
     """
     number = 0
     for row in range(pieces.size):

@@ -31,7 +31,7 @@ class Looks(NamedTuple):
     k_tot : (m,) array
         What the controller computes with, N/m.
     forms : (7, d (d + 1) / 2) array
-        Work from the moments, and last the energy; empty where they are not counted.
+        Work from the moments, and last the energy; empty where these are not counted.
     """
 
     sample: Floats

@@ -110,6 +110,19 @@ def test_an_unstable_loop_is_told_before_it_is_simulated(tmp_path: Path) -> None
     assert "nan" not in done.stdout and "beyond every bound" in done.stdout
 
 
+def test_a_plant_that_leaves_every_bound_is_told_when(tmp_path: Path) -> None:
+    effect = {"block": "plant", "kind": "quadratic_stiffness", "dof": "x1", "coefficient": 25.0}
+    spec = apply(shipped_spec("decay"), {"effects": ["pull"], "pull": effect, "plant.initial_position": -0.5})
+    (tmp_path / "pull.yaml").write_text(write_spec(spec))
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", str(tmp_path / "pull.yaml"), "--duration"]
+    command += ["5", "--out", str(tmp_path / "a.npz"), "--json", str(tmp_path / "a.json")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    with np.load(tmp_path / "a.npz") as file:
+        first = file["t"][~np.isfinite(file["plant_position"][:, 0])][0]
+    assert json.loads((tmp_path / "a.json").read_text())["lost_at"] == first
+    assert f"The motion left every bound {first:.4g} s after the start" in done.stdout
+
+
 def test_an_unstable_loop_does_not_move_a_real_machine_unless_asked_to(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "rthm_bringup", "run", str(unstable(tmp_path)), "--plant", "external"]
     done = subprocess.run(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from rthm_core.energy import TERMS
 from rthm_core.engine import simulate
@@ -82,3 +83,23 @@ def test_rows_further_apart_change_no_energy():
     fine, coarse = (simulate(spec, 4.0, sample, "ideal").energies for sample in (0.001, 0.02))
     for term in (*TERMS, "E_total"):
         assert np.abs(fine[term][::20] - coarse[term]).max() < 1e-8
+
+
+def test_a_motion_that_grows_without_bound_ends_where_it_leaves_every_bound():
+    pull = {"block": "plant", "dof": "x1", "kind": "quadratic_stiffness", "coefficient": 25.0}
+    spec = apply(with_effects(shipped_spec("decay"), pull), {"plant.initial_position": -0.5})
+    found = simulate(spec, 10.0, 0.001, energies=False)
+    there = np.isfinite(found.plant_position[:, 0])
+    m, c, k = (value[0] for value in (spec.plant.mass, spec.plant.damping, spec.plant.stiffness))
+
+    def rate(t, y):
+        return [y[1], -(c * y[1] + k * y[0] + 25.0 * y[0] ** 2) / m]
+
+    def far(t, y):
+        return y[0] + 1e6
+
+    far.terminal = True
+    alone_left = solve_ivp(rate, (0.0, 10.0), [-0.5, 0.0], events=far, rtol=1e-10, atol=1e-10).t_events[0][0]
+    left = found.t[there][-1]
+    assert not there[np.argmin(there) :].any()
+    assert left == pytest.approx(alone_left, abs=0.003)

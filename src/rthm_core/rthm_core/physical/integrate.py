@@ -251,10 +251,18 @@ def _step_size(step, h, error):  # type: ignore[no-untyped-def]
     return max(step, h) if error == 0.0 else max(0.5 * step, h * min(4.0, 0.9 * error**-0.2))
 
 
+@inlined
+def _is_finite(y):  # type: ignore[no-untyped-def]
+    for i in range(y.size):
+        if not np.isfinite(y[i]):
+            return False
+    return True
+
+
 @called
 def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def]
     """Advance the mechanics ``state.y`` by `dt` seconds from time `t0` (s); the motor states in ``state.q``
-    stay at its start.
+    stay at its start. A motion that grew without bound is not a number from then on.
     """
     y, start, trial = state.y, work.rows[START], work.rows[TRIAL]
     inputs_at(model, work, state.q, state.inputs, 0.0)
@@ -265,7 +273,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     trace.count[0] = 0
     _record(trace, 0.0, y, work.stages[0], work.stages[0], state.pieces)
     s, still = 0.0, 0
-    while s < dt:
+    while s < dt and _is_finite(y):
         h = min(state.step[0], dt - s)
         if dt - s - h < 1e-3 * h:
             h = dt - s

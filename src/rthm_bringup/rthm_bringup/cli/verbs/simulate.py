@@ -83,23 +83,38 @@ def verb(
     is_judged = test.is_loop and system is System.hybrid
     margin = told_margin(test) if is_judged else ""
     beside = IdealComparison(test, duration, sample) if is_judged else None
+    lost = None
     with progress_bar("simulating", duration) as report, trajectory_file(out) as file:
         blocks, changes = _simulated(test, duration, sample, system, schedule, sensitivity or [])
         for block in blocks:
             file.add(block)
+            lost = _lost_at(block) if lost is None else lost
             if beside is not None:
                 beside.add(block)
             report(float(block.t[-1]))
         for name, change in changes.items():
             file.add_change(name, change)
     result = {"file": str(out), "duration": duration, "system": system.value, "energies": file.energies}
+    result["lost_at"] = lost
     lines = [str(out), *table((name, _joules(value)) for name, value in file.energies.items())]
     if beside is not None:
         outcome = Outcome(margin, beside.errors())
         result["verdict"] = outcome.as_dict()
         lines += ["", *outcome.lines()]
+    if lost is not None:
+        lines.append(
+            f"The motion left every bound {lost:.4g} s after the start; from there on there is none."
+        )
     put(result, lines, json)
     return 0
+
+
+def _lost_at(block: Trajectory) -> float | None:
+    """First instant, s, from which on there is no motion, because it grew without bound; None: there is."""
+    from numpy import flatnonzero, isfinite
+
+    lost = flatnonzero(~isfinite(block.plant_position).all(axis=1))
+    return float(block.t[lost[0]]) if lost.size else None
 
 
 def _joules(value: float) -> str:

@@ -1,0 +1,1 @@
+"""Simulations, with the sensors' noise, diagnosed with the very spec that was simulated."""

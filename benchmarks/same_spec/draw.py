@@ -1,0 +1,116 @@
+"""Specs with an effect of the plant or the wire, from small to dominating, alone and in a loop."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from benchmarks.concealed.amounts import Scene
+from benchmarks.concealed.kinds import CATALOGUE, make_effect
+
+from rthm_core.engine import simulate
+from rthm_core.errors import InputError
+from rthm_core.spec import Spec, apply, shipped_spec, spec_from_parameters
+
+SIZES = (0.05, 0.3, 1.5)
+"""Share of the wire's force (rms) that the effect has; the last dominates."""
+
+PERIODS = (0.001, 0.005)
+"""Td1, s."""
+
+DURATION = 24.0
+"""Length of a recording, s."""
+
+BOUNDED = 2.0
+"""Motion, m, beyond which a draw is no test that anybody would run."""
+
+KINDS = {
+    where: [(block, kind) for block, kind in CATALOGUE if block in where]
+    for where in (("plant",), ("plant", "wire"))
+}
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One spec to simulate and to diagnose with."""
+
+    index: int
+    seed: int
+    block: str
+    kind: str
+    size: float
+    td1: float
+    velocity: bool
+    in_loop: bool
+
+    def row(self) -> dict[str, Any]:
+        """All that says which draw it is."""
+        return asdict(self)
+
+
+def draws(count: int, seed: int) -> list[Draw]:
+    """Draws of all combinations in turn: kind, size, period, channels, alone or in the loop."""
+    rng = np.random.default_rng(seed)
+    made = []
+    for index in range(count):
+        in_loop, velocity = bool(index % 2), bool(index // 2 % 2)
+        kinds = KINDS["plant", "wire"] if in_loop else KINDS["plant",]
+        block, kind = kinds[index // 2 % len(kinds)]
+        size, td1 = float(rng.choice(SIZES)), float(rng.choice(PERIODS))
+        made.append(Draw(index, int(rng.integers(2**31)), block, kind, size, td1, velocity, in_loop))
+    return made
+
+
+def spec_of(draw: Draw) -> Spec:
+    """The spec of a draw, whose motion stays bounded."""
+    rng = np.random.default_rng(draw.seed)
+    while True:
+        base = _base(draw, rng)
+        scene = Scene(_as_concealed(base), _pilot(base), rng)
+        effect = make_effect(draw.block, draw.kind, draw.size, scene)
+        try:
+            spec = apply(base, {"effects": ["one"], "one": effect})
+            if np.abs(_motion(spec)).max() < BOUNDED:
+                return spec
+        except InputError:
+            continue
+
+
+def _base(draw: Draw, rng: np.random.Generator) -> Spec:
+    """A rig without the effect: the paper's, each number up to 1.4 times off, under a multisine."""
+    near = lambda value: float(f"{value * np.exp(rng.uniform(-0.34, 0.34)):.4g}")  # noqa: E731
+    mass, stiffness = near(1.2), near(12.0)
+    plant = {"plant.mass": mass, "plant.stiffness": stiffness, "plant.damping": near(0.3)}
+    start = {"plant.initial_position": near(0.08)}
+    load = {"kind": "multisine", "rms": near(0.6), "low": 1.0, "high": 15.0, "count": 15, "ramp": 2.0}
+    load |= {"seed": int(rng.integers(1000))}
+    changes = plant | start | {f"load.plant.{key}": value for key, value in load.items()}
+    if draw.in_loop:
+        return apply(shipped_spec("paper_noisy"), changes | {"timing.td1": draw.td1})
+    section = {"dofs": ["x1"], "mass": [1.0], "damping": [0.1], "stiffness": [10.0]}
+    section |= {"initial_position": [0.0], "initial_velocity": [0.0]}
+    return apply(spec_from_parameters({"plant": section, "noise": _NOISE}), changes)
+
+
+_NOISE = {"position": 1e-4, "velocity": 2e-3, "force": 0.02, "motor": 1e-5}
+
+
+def _pilot(spec: Spec) -> np.ndarray:
+    """x1, v1, u, F of the rig without the effect; of a plant alone u is at rest and F is its spring's."""
+    run = simulate(spec, DURATION, 0.01, energies=False)
+    x, v = run.plant_position[:, 0], run.plant_velocity[:, 0]
+    if spec.timing is None:
+        return np.stack([x, v, 0.0 * x, spec.plant.stiffness[0] * x], axis=1)
+    force = run.actuator_force[:, 0]
+    return np.stack([x, v, x + force / spec.k_tot[0], force], axis=1)
+
+
+def _motion(spec: Spec) -> np.ndarray:
+    return simulate(spec, DURATION, 0.01, energies=False).plant_position
+
+
+def _as_concealed(spec: Spec) -> dict[str, Any]:
+    """The two sections by which sizes are scaled."""
+    stiffness = list(spec.k_tot) if spec.actuator else [1.0]
+    return {"plant": {"mass": list(spec.plant.mass)}, "actuator": {"stiffness": stiffness}}

@@ -16,6 +16,7 @@ from rthm_analysis.stability.limits import (
     DELAYS,
     PERIODS,
     Limit,
+    check_searchable,
     delay_limit,
     k_tot_limit,
     period_limit,
@@ -58,7 +59,8 @@ def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = No
     Raises
     ------
     InputError
-        When the spec describes no loop, or has a compensator whose linear equations are not known.
+        When the spec describes no loop, has a compensator whose linear equations are not known, or delays
+        too long for a search.
     """
     linear, left_out = linear_part(spec)
     loop, (cycle, error) = linear_loop(linear), period_of(linear)
@@ -80,6 +82,7 @@ SEARCHES = 2 + len(DELAYS) + len(PERIODS)
 
 
 def _limits(spec: Spec, loop: LinearLoop, cycle: Cycle, progress: Progress) -> dict[str, Limit]:
+    check_searchable(cycle)
     found: dict[str, Limit | None] = {"scale": scale_limit(spec, loop, cycle)}
     progress(1.0)
     found["k_tot"] = k_tot_limit(spec, cycle)

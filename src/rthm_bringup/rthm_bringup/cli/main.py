@@ -78,8 +78,11 @@ def _status() -> int:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - whoever read the output has gone
         return FAULT
     except OSError as error:
+        from rthm_core.files import ELSE, WAYS_OUT
+
         place = f"{error.filename}: " if error.filename else ""
-        return _told(f"{place}{error.strerror or error}.", BAD_INPUT)
+        way_out = WAYS_OUT.get(error.errno or 0, ELSE)
+        return _told(f"{place}{error.strerror or error}; {way_out}.", BAD_INPUT)
     except Exception as error:
         if os.environ.get("RTHM_TRACEBACK"):
             raise

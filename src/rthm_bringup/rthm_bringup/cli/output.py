@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rthm_core.files import write_whole
+
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
@@ -24,7 +26,7 @@ def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> No
     if path == "-":
         sys.stdout.write(text)
     else:
-        Path(path).write_text(text, encoding="utf-8")
+        write_whole(path, text)
 
 
 def put_spec(
@@ -34,7 +36,7 @@ def put_spec(
     from rthm_core.spec import write_spec
 
     if not why:
-        file.write_text(write_spec(spec), encoding="utf-8")
+        write_whole(file, write_spec(spec))
     told = {**result, "spec": None if why else str(file), "problem": why or None}
     put(told, [*lines, why or f"spec:   {file}"], path)
     return int(bool(why))

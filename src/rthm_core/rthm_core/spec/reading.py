@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rthm_core.effects.own import KEY, load_effects, placed
-from rthm_core.errors import InputError, nearest, printable, shown
+from rthm_core.errors import InputError, nearest, printable, shown, suggestion
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import with_effects_from
 from rthm_core.spec.schema import Spec
@@ -120,7 +120,8 @@ def shipped_text(name: str) -> str:
     """Text of a shipped spec, comments included."""
     if name not in shipped_names():
         raise InputError(
-            f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; use one of them."
+            f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; "
+            f"{suggestion(name, shipped_names()) or 'use one of them'}."
         )
     return (resources.files(__package__) / "shipped" / f"{name}.yaml").read_text(encoding="utf-8")
 

@@ -64,6 +64,8 @@ def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = No
     """
     linear, left_out = linear_part(spec)
     loop, (cycle, error) = linear_loop(linear), period_of(linear)
+    if limits:
+        check_searchable(cycle)
     lifted = Lifted(loop, cycle)
     monodromy = lifted.monodromy()
     return Stability(
@@ -82,7 +84,6 @@ SEARCHES = 2 + len(DELAYS) + len(PERIODS)
 
 
 def _limits(spec: Spec, loop: LinearLoop, cycle: Cycle, progress: Progress) -> dict[str, Limit]:
-    check_searchable(cycle)
     found: dict[str, Limit | None] = {"scale": scale_limit(spec, loop, cycle)}
     progress(1.0)
     found["k_tot"] = k_tot_limit(spec, cycle)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pkgutil
+import signal
 import sys
 from importlib import import_module
 from typing import Annotated, Any
@@ -61,13 +62,19 @@ def _version(asked: bool) -> None:
 
 def main() -> None:
     """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
-    sys.exit(_status())
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C does
+    try:
+        status = _status()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    sys.exit(status)
 
 
 def _status() -> int:
     try:
         words = sys.argv[1:] or ["--help"]
-        return application()(words, standalone_mode=False, prog_name="rthm") or 0
+        status = application()(words, standalone_mode=False, prog_name="rthm") or 0
+        return _told("interrupted.", INTERRUPTED) if status == INTERRUPTED else status
     except InputError as error:
         return _told(str(error), BAD_INPUT)
     except ClickError as error:

@@ -109,7 +109,8 @@ def check_room(path: Path, spec: Spec, duration: float, sample: float | None) ->
     """
     from rthm_core.engine.simulate import checked_step
 
-    rows = to_ns(duration) // checked_step(spec, duration, sample) + 1
+    step = checked_step(spec, duration, sample)
+    rows = to_ns(duration) // step + 1
     sides = [side for side in (spec.plant, spec.numerical) if side]
     columns = 1 + ENERGIES + sum(2 * len(side.dofs) for side in sides) + 2 * len(spec.k_tot)
     needed, (total, _, free) = 2 * 8 * rows * columns, shutil.disk_usage(path.parent)

@@ -38,7 +38,7 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True)
 class Sweep:
-    """A finished sweep: the table, one row for every loop, and how many of them were there before."""
+    """A finished sweep: the table, one row for every loop, and how many an earlier start had computed."""
 
     table: pyarrow.Table
     keys: tuple[str, ...]

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rthm_bringup.cli.colour import coloured, is_coloured
+from rthm_bringup.cli.pace import Pace, asked
 from rthm_core.files import write_whole
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> None:
     """Print `lines` and write `result` to a JSON path; with ``-`` the JSON is all that is printed."""
     if path != "-":
-        print(*lines, sep="\n")
+        print(*(coloured(lines) if is_coloured() else lines), sep="\n")
     if path is None:
         return
     text = json.dumps(plain(result), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
@@ -59,16 +61,32 @@ def plain(value: Any) -> Any:
 
 @contextmanager
 def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
-    """Bar on standard error, if that is a terminal; what it gives is told how much is done."""
+    """Bar on standard error, if that is a terminal; what it gives is told how much is done.
+
+    What will take hours is announced (`pace`).
+    """
     if not sys.stderr.isatty():
-        yield lambda done: None
+        yield Pace(total).told
         return
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(words, total=total)
-        yield lambda done: bar.update(task, completed=done)
+
+        def ask(sentence: str) -> bool:
+            bar.stop()  # the bar and the question share a line
+            answer = asked(sentence)
+            bar.start()
+            return answer
+
+        pace = Pace(total, ask)
+
+        def report(done: float) -> None:
+            bar.update(task, completed=done)
+            pace.told(done)
+
+        yield report
 
 
 @contextmanager

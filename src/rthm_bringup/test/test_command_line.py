@@ -47,7 +47,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["run", "no_such_spec"], "no_such_spec: there is no such file"),
         (["run", "--duration", "-1"], "The duration is -1 s, but must be from 0 to 1e6 s"),
         (["run", "--domain", "300"], "The domain is 300, but must be between 0 and 232"),
-        (["run", "--external", "cook"], "'cook' is no part of a test"),
+        (["run", "--external", "cook"], "'cook' is not a part of a test"),
         (["run", "--virtual", "--duration", "0"], "A virtual run without end is asked for"),
         (["run", "--virtual", "--plant", "external"], "A virtual run has only simulated parts"),
         (["run", "decay"], "and a run needs it"),
@@ -58,7 +58,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["zero", "--only", "colour"], "--only is 'colour', but must be one or more of position, velocity"),
         (["zero"], "limits.command, rate, force, stale and ramp are missing"),
         (["pretension"], "limits.command, rate, force, stale and ramp are missing"),
-        (["node", "cook"], "'cook' is no part of a test"),
+        (["node", "cook"], "'cook' is not a part of a test"),
         (["driver"], "A driver has one rig; give it by one of --python, --udp and --ros2-control."),
         (["driver", "--udp", "here", "--python", "rig.py:Rig"], "A driver has one rig"),
         (["driver", "--udp", "here"], "limits.command, rate, force, stale and ramp are missing"),
@@ -66,7 +66,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["energy", "no_such_bag"], "no_such_bag"),
         (["timing", "no_such_bag"], "no_such_bag"),
         (["report", "no_such_bag", "-o", "page.html"], "no_such_bag"),
-        (["simulate", "--duration", "1", "--out", "no_such_folder/a.npz"], "no_such_folder is no folder"),
+        (["simulate", "--duration", "1", "--out", "no_such_folder/a.npz"], "no_such_folder is not a folder"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(words: list[str], sentence: str, tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ TABLE = [
     ),
     (
         "simulate paper {1s} --sensitivity plant.mas",
-        "plant.mas is no number of this spec; name one that it has",
+        "plant.mas is not a number of this spec; name one that it has",
     ),
     ("simulate paper {1s} --system idal", "'idal' is not one of 'hybrid', 'ideal', 'taylor'", "--help"),
     ("run --virtual --duration 1e9", "The duration is 1e+09 s, but must be from 0 to 1e6 s; choose another"),
@@ -94,7 +94,11 @@ TABLE = [
     ("simlate", "No such command 'simlate'", "Did you mean 'simulate'", "see rthm --help"),
     ("effects coulom", "there is no effect 'coulom'; write coulomb_friction"),
     ("effects --effects folder", "folder cannot be loaded as effects", "must be the path of a Python file"),
-    ("reproduce -o x --only figure99", "'figure99' is no figure, allowed is one of figure02", "choose one"),
+    (
+        "reproduce -o x --only figure99",
+        "'figure99' is not a figure, allowed is one of figure02",
+        "choose one",
+    ),
     ("runs folder --sort size", "--sort is 'size', but must be one of date, name, spec", "give one of them"),
     ("run --namespace 'a b'", "The namespace is '/a b', but must be words of letters", "choose another one"),
     ("run --peers 999.1.1.1", "The peer '999.1.1.1' has no IPv4 address", "name another one"),
@@ -121,7 +125,7 @@ TABLE = [
         "name one of these",
     ),
     ("export bag -o table.csv --rate 0", "--rate is 0.0, but must be above 0 and up to 1e7 Hz", "correct it"),
-    ("import words.csv -o x", "words.csv, line 3, column x: 'abc' is no number; correct it"),
+    ("import words.csv -o x", "words.csv, line 3, column x: 'abc' is not a number; correct it"),
     ("import blank.csv -o x", "blank.csv has no rows; give a table with one row per sample"),
     ("import motion.csv -o x --map positon:x1=x --time t", "'positon:x1=x' must be ROLE:NAME=COLUMN"),
     (
@@ -136,10 +140,13 @@ TABLE = [
     ),
     (
         "simulate paper --duration 1 --out no/x.npz",
-        "no is no folder, so x.npz cannot be written there; make it",
+        "no is not a folder, so x.npz cannot be written there; make it",
     ),
     ("simulate paper --duration 1 --out ''", "a trajectory is written as .npz; name it motion.npz"),
-    ("stability paper --json no/x.json", "no is no folder, so x.json cannot be written there; make it first"),
+    (
+        "stability paper --json no/x.json",
+        "no is not a folder, so x.json cannot be written there; make it first",
+    ),
     ("stability paper --json folder", "--json is 'folder', a folder, but must be a file; name one in it"),
     ("report bag -o folder", "folder cannot be written (is a directory); name a file"),
     (

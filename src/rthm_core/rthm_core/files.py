@@ -45,7 +45,7 @@ def check_place(option: str, path: str | Path) -> None:
         raise InputError(f"{option} is {str(path)!r}, a folder, but must be a file; name one in it.")
     if not place.parent.is_dir():
         raise InputError(
-            f"{place.parent} is no folder, so {place.name} cannot be written there; make it first."
+            f"{place.parent} is not a folder, so {place.name} cannot be written there; make it first."
         )
 
 

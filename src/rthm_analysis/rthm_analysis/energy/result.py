@@ -170,7 +170,7 @@ def _balance_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> En
         raise InputError(
             f"{recording.path} has no sample with a position: record the position of {spec.plant.dofs[0]}."
         )
-    notes.append("E_num, E_ff, E_fx and E_err belong to a loop: they are not told for a plant alone.")
+    notes.append("E_num, E_ff, E_fx and E_err belong to a loop: they are not defined for a plant alone.")
     work = rows.work.copy()
     work[:, [TERMS.index(name) for name in OF_THE_LOOP]] = np.nan
     return _result(recording, spec, rows, work, notes)

@@ -129,7 +129,7 @@ class _Run:
             self.progress(self.done)
         if not finished and not self.workers.there():
             raise InputError(
-                "the Dask scheduler has gone; what is finished is kept, so start it and give the same "
+                "the Dask scheduler is gone; what is finished is kept, so start it and give the same "
                 "command again."
             )
 

@@ -80,7 +80,7 @@ def _text_of(path: Path) -> str:
         if not path.exists():
             raise InputError(_no_such_file(path.name))
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-            raise InputError("this is no ordinary file of at most 4 MB; give the path of a spec.")
+            raise InputError("this is not an ordinary file of at most 4 MB; give the path of a spec.")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(

@@ -75,7 +75,7 @@ def _not_patched(found: Diagnosis, patched: Path | None) -> list[str]:
 def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:
     if next_test is None or found.next_experiment_spec:
         return []
-    return [f"{next_test} is not written: what to do next is no test of the rig."]
+    return [f"{next_test} is not written: the next step is not a test of the rig."]
 
 
 def _lines(found: Diagnosis) -> Iterator[str]:

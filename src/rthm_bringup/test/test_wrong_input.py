@@ -254,6 +254,18 @@ def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
     assert "a real machine is not moved with a delay longer than" in capsys.readouterr().err
 
 
+def test_a_motion_without_bounds_is_told_in_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("unstable.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau2": 0.3})))
+    command = "simulate unstable.yaml --duration 20000 --sample 1 --out a.npz"
+    assert status(monkeypatch, f"{command} --system taylor") == 0
+    told = capfd.readouterr()
+    assert not told.err and "E_total    beyond every bound" in told.out
+    assert not any(word in told.out.split() for word in ("nan", "inf", "+nan", "-inf"))
+
+
 @pytest.mark.parametrize("signalled", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_simulation_leaves_nothing(signalled: signal.Signals, tmp_path: Path) -> None:
     words = ["simulate", "paper", "--duration", "9e8", "--sample", "1000", "--out", "long.npz"]

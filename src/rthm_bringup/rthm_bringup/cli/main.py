@@ -6,6 +6,7 @@ import os
 import pkgutil
 import signal
 import sys
+import warnings
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -16,6 +17,9 @@ from rthm_core.errors import InputError
 
 UsageError = typer.BadParameter.__bases__[0]
 ClickError: Any = UsageError.__bases__[0]
+
+OVERFLOW = r"(overflow|invalid value|divide by zero) encountered"
+"""Beginning of what numpy says of numbers that are not finite."""
 
 BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
 
@@ -64,7 +68,9 @@ def main() -> None:
     """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C does
     try:
-        status = _status()
+        with warnings.catch_warnings():  # a motion without bounds is told in the words of each result
+            warnings.filterwarnings("ignore", OVERFLOW, RuntimeWarning)
+            status = _status()
     finally:
         signal.signal(signal.SIGTERM, before)
     sys.exit(status)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.lifted.cycle import TooManySamplesError
 from rthm_analysis.outcome import Margin, margin_of, margin_or_why
 from rthm_analysis.stability import spectral_radius
 from rthm_analysis.stability.limits import DELAYS
@@ -58,6 +59,8 @@ def is_unstable(spec: Spec) -> bool:
         if not spec.is_loop or spectral_radius(spec) < 1.0:
             return False
         _tell(margin_of(spec))
+    except TooManySamplesError:  # a loop that may be unstable moves nothing
+        raise
     except InputError:  # of what the compensator does no linear equations are known
         return False
     return True

@@ -40,6 +40,10 @@ TABLE = [
         "samples are under way in this loop at once, but its limits are searched with up to",
         "shorten its delays, or judge the spec alone: rthm stability --no-limits",
     ),
+    (
+        "run many.yaml --plant external",
+        "20007 samples are under way at once, but at most 3000 can be followed; shorten the delays or",
+    ),
     # numbers
     (
         "simulate paper --duration nan --out x.npz",
@@ -179,6 +183,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "a folder").mkdir()
     for name, text in {
         "tabs.yaml": "/**:\n\tros__parameters: {}\n",
+        "many.yaml": write_spec(apply(shipped_spec("paper"), {"timing.tau4": 2.0, "timing.td3": 1e-4})),
         "twice.yaml": paper.replace("mass: [1.2]", "mass: [1.2]\n      mass: [1.3]", 1),
         "heavy.yaml": paper.replace("mass: [1.2]", "mass: [1.0e300]", 1),
         "words.yaml": paper.replace("mass: [1.2]", "mass: ['1.2 kg']", 1),

@@ -12,10 +12,6 @@ from rthm_analysis.lifted.predictor import weights
 from rthm_analysis.lifted.steps import steps
 from rthm_analysis.lifted.walk import Columns, Forcing, Plan, plan, walk
 from rthm_core.compiled import Floats
-from rthm_core.errors import InputError
-
-MOST_STATES = 3000
-"""Rows of the largest matrix whose eigenvalues are computed: half a minute."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +29,6 @@ class Lifted:
     plan: Plan = field(init=False)
 
     def __post_init__(self) -> None:
-        if self.size > MOST_STATES:
-            raise InputError(
-                f"{self.cycle.kept.size} samples are under way in this loop at once, but its stability is "
-                f"computed with up to about {MOST_STATES}; shorten its delays, or lengthen its periods."
-            )
         loop, unit = self.loop, self.cycle.unit
         first, second = (part * unit for part in self.cycle.intervals)
         every = (steps(loop.a1, loop.b1, first), steps(loop.a2, loop.b2, second))

@@ -63,7 +63,7 @@ def hosts(request: pytest.FixtureRequest) -> Iterator[tuple[str, ...]]:
 
 
 @pytest.fixture
-def held_up() -> Iterator[Callable[[float], float]]:
+def host_stalls() -> Iterator[Callable[[float], float]]:
     """How long this machine let a thread with real-time priority wait in the last so many seconds, s."""
     with Stalls() as stalls:
         yield stalls.last

@@ -60,7 +60,7 @@ def await_file(file: Path, seconds: float = 60.0) -> dict[str, object]:
     return json.loads(file.read_text())
 
 
-def test_the_books_published_in_a_run_are_those_of_its_recording(out: Path) -> None:
+def test_the_energy_balance_published_in_a_run_is_that_of_its_recording(out: Path) -> None:
     recording = read_recording(out / "bag")
     published, counted = recording.tables["energy"], energy_of(recording, None)
     assert len(published) > 5

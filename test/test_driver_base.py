@@ -104,7 +104,7 @@ def test_a_driver_of_fifteen_lines_takes_the_place_of_the_plant(laboratory: Labo
 
 
 @pytest.mark.long
-def test_a_driver_that_was_held_up_makes_the_samples_of_the_ticks_that_went_by(
+def test_a_driver_that_stalled_makes_the_samples_of_the_ticks_that_went_by(
     laboratory: Laboratory,
 ) -> None:
     with (

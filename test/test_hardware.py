@@ -153,7 +153,7 @@ def test_the_key_a_aborts_a_test(laboratory: Laboratory) -> None:
 
 
 @pytest.mark.long
-def test_a_controller_that_was_held_up_does_not_catch_up(laboratory: Laboratory) -> None:
+def test_a_controller_that_stalled_does_not_catch_up(laboratory: Laboratory) -> None:
     options = ("--plant", "external", "--duration", "4")
     with laboratory.driver(), laboratory.begun(laboratory.spec(stale=1.0), *options) as (run, ended):
         laboratory.wait_until_it_moves(run)

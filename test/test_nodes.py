@@ -47,7 +47,7 @@ def ns(stamp: Any) -> int:
 
 
 class Graph:
-    """Nodes as processes, and a client that is no part of the project's nodes."""
+    """Nodes as processes, and a client that is not a part of the project's nodes."""
 
     def __init__(self, environment: dict[str, str], domain: int, folder: Path) -> None:
         self.environment, self.folder = environment, folder

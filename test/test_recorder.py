@@ -103,7 +103,7 @@ def test_a_killed_recorder_loses_at_most_the_last_second(
     environment: dict[str, str],
     network: Network,
     tmp_path: Path,
-    held_up: Callable[[float], float],
+    host_stalls: Callable[[float], float],
 ) -> None:
     memory = shared_memory.files()
     with Processes() as processes, Conductor(lambda: None, network.domain) as conductor:
@@ -112,7 +112,7 @@ def test_a_killed_recorder_loses_at_most_the_last_second(
             begin_recording(conductor, flood)
             time.sleep(2.0)
             recorder.send(signal.SIGKILL)
-            killed, allowed = time.time_ns(), int(1e9 * (1.0 + held_up(5.0)))
+            killed, allowed = time.time_ns(), int(1e9 * (1.0 + host_stalls(5.0)))
             begin, *_ = flood.communicate("end\n")[0].split()
     shared_memory.clean_up(memory)
     recording = read_recording(tmp_path / "bag")

@@ -147,7 +147,7 @@ def test_simulated_steady_state_is_that_of_the_exact_response(made: Reproduction
 
 
 def test_a_figure_that_is_not_there_is_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="'figure99' is no figure, allowed is one of figure02"):
+    with pytest.raises(InputError, match="'figure99' is not a figure, allowed is one of figure02"):
         reproduce(tmp_path, ["figure99"])
     command = [sys.executable, "-m", "rthm_bringup", "reproduce", "-o", str(tmp_path), "--only", "figure99"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

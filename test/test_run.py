@@ -128,10 +128,10 @@ def test_the_death_of_the_plant_ends_a_run_with_status_1(long_run: subprocess.Po
 
 
 def test_the_death_of_the_recorder_leaves_a_readable_bag(
-    held_up: Callable[[float], float], long_run: subprocess.Popen[str], out: Path
+    host_stalls: Callable[[float], float], long_run: subprocess.Popen[str], out: Path
 ) -> None:
     os.kill(node(long_run, "recorder_node"), signal.SIGKILL)
-    killed, allowed = time.time_ns(), int(1e9 * (1.0 + held_up(5.0)))
+    killed, allowed = time.time_ns(), int(1e9 * (1.0 + host_stalls(5.0)))
     told = result(long_run, out)
     assert long_run.returncode == 1
     assert told["problems"][0].startswith("recorder was killed by SIGKILL")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 from rthm_analysis.energy import EnergyResult, energy_of
 from rthm_analysis.recording import read_recording
 from rthm_analysis.timing import TimingResult, timing_of
-from rthm_core.errors import InputError
+from rthm_core.files import write_whole
 
 
 def analyse_bag(bag: str | Path) -> tuple[EnergyResult, TimingResult]:
@@ -33,14 +32,7 @@ def write_beside(bag: str | Path, energy: EnergyResult) -> Path:
     """
     place = Path(bag).resolve()
     target = place.with_name(f"{place.name}.energy.json")
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        draft.write_text(to_json(energy.as_dict()), encoding="utf-8")
-        draft.replace(target)
-    except OSError as reason:
-        raise InputError(
-            f"{target} cannot be written ({reason.strerror}): make its folder writable."
-        ) from None
+    write_whole(target, to_json(energy.as_dict()))
     return target
 
 

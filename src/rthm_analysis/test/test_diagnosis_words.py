@@ -101,6 +101,18 @@ def test_new_values_of_parameters_are_compared_with_what_the_spec_states() -> No
     assert "+- is one standard deviation" in verdict_words("retuned", ("plant",), (), found, stated)
 
 
+@pytest.mark.parametrize(
+    ("value", "nominal", "said"),
+    [
+        (12.0 + 1e-11, 12.0, "plant.stiffness as specified, 12 N/m"),
+        (12.345, 12.34501, "plant.stiffness 12.345 N/m instead of 12.35 N/m"),
+        (12.35, 12.3456, "plant.stiffness 12.35 N/m instead of 12.346 N/m"),
+    ],
+)
+def test_a_new_value_is_never_told_as_if_it_were_the_old_one(value: float, nominal: float, said: str) -> None:
+    assert retuned_words({"plant.stiffness": Retuned(nominal, value, 1e-12)}).startswith(said)
+
+
 def test_what_is_not_explained_names_nothing() -> None:
     said = verdict_words("unexplained", ("plant",), (), {})
     assert said.endswith("no known kind of physics explains it.")

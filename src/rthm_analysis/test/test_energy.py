@@ -75,7 +75,7 @@ VARIANTS = {
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_books_of_a_recording_equal_the_exact_engine(tmp_path: Path, variant: str) -> None:
+def test_the_energy_balance_of_a_recording_is_that_of_the_exact_engine(tmp_path: Path, variant: str) -> None:
     changes = VARIANTS[variant]
     result = energy_of(recording(tmp_path, changes=changes), None)
     spec = changed(changes)
@@ -91,13 +91,13 @@ def test_a_load_that_only_the_recording_knows_is_counted(tmp_path: Path) -> None
     np.testing.assert_allclose(energies(result), exact(loaded), atol=1e-5 * scale(loaded))
 
 
-def test_sensor_noise_changes_the_books_by_less_than_two_per_cent(tmp_path: Path) -> None:
+def test_sensor_noise_changes_the_energy_balance_by_less_than_two_per_cent(tmp_path: Path) -> None:
     noisy = tuple(NOISE.items())
     result = energy_of(recording(tmp_path, changes=noisy), None)
     np.testing.assert_allclose(energies(result), exact(changed(noisy)), atol=0.02 * scale(SPEC))
 
 
-def test_samples_as_they_come_give_the_same_books_as_all_at_once(tmp_path: Path) -> None:
+def test_samples_as_they_come_give_the_same_energy_balance_as_all_at_once(tmp_path: Path) -> None:
     whole = recording(tmp_path)
     at_once = energy_of(whole, None)
     ledger = EnergyLedger(SPEC, whole.start_ns, 0.0012)
@@ -145,14 +145,14 @@ def test_uses_whose_stamps_are_of_another_clock_do_not_silence_the_commands(tmp_
     np.testing.assert_allclose(energies(result), exact(SPEC), atol=1e-6)
 
 
-def test_without_commands_the_books_are_those_of_the_plant_and_say_so(tmp_path: Path) -> None:
+def test_without_commands_the_energy_balance_is_that_of_the_plant_and_says_so(tmp_path: Path) -> None:
     result = energy_of(recording(tmp_path, without=("actuator/command",)), None)
     assert np.isnan(result.work["E_fx"]).all()
     assert any("plant alone" in note for note in result.notes)
     assert np.abs(result.balance_error).max() < 0.02 * scale(SPEC)
 
 
-def test_a_recording_that_begins_within_a_test_has_books_from_there_on(tmp_path: Path) -> None:
+def test_a_recording_that_begins_within_a_test_has_an_energy_balance_from_there_on(tmp_path: Path) -> None:
     whole = energy_of(recording(tmp_path), None)
     late = [m for m in messages() if m[1] >= START + 1_003_700_000 or m[0].endswith("spec")]
     part = energy_of(read_recording(mcap_file(tmp_path / "late.mcap", late)), None)
@@ -163,7 +163,7 @@ def test_a_recording_that_begins_within_a_test_has_books_from_there_on(tmp_path:
         assert part.work[term][-1] == pytest.approx(grown, abs=2e-3)
 
 
-def test_twenty_lost_samples_do_not_break_the_books(tmp_path: Path) -> None:
+def test_twenty_lost_samples_do_not_break_the_energy_balance(tmp_path: Path) -> None:
     gap = (START + 2_000_000_000, START + 2_024_000_000)
     kept = [m for m in messages() if not (m[0].endswith("plant/state") and gap[0] < m[1] < gap[1])]
     result = energy_of(read_recording(mcap_file(tmp_path / "gap.mcap", kept)), None)
@@ -186,7 +186,7 @@ def test_the_dictionary_has_the_keys_of_the_contract_and_few_rows(tmp_path: Path
 
 
 @pytest.mark.parametrize("velocity", [True, False])
-def test_books_of_a_plant_alone_close(tmp_path: Path, velocity: bool) -> None:
+def test_the_energy_balance_of_a_plant_alone_closes(tmp_path: Path, velocity: bool) -> None:
     spec = """/**:
   ros__parameters:
     plant:
@@ -231,7 +231,7 @@ def test_names_that_do_not_fit_the_spec_are_refused(tmp_path: Path) -> None:
         energy_of(found, None)
 
 
-def test_the_books_of_a_plant_with_friction_stay_within_their_arrays() -> None:
+def test_the_energy_balance_of_a_plant_with_friction_stays_within_its_arrays() -> None:
     """Compiled code checks no bounds, so the same code is run as plain Python here."""
     guide = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.05}
     rubbing = apply(SPEC, {"effects": ["guide"], "guide": guide})

@@ -196,7 +196,7 @@ TIMED = "t,y\n0,1\n1e-3,2\n2e-3,4\n"
         ("t,y\n0,1\n,2\n2,3\n", ["position=y"], {}, "is nan s in sample 2"),
         ("t,y\n0,1\n1,inf\n", ["position=y"], {}, "must be finite"),
         ("t,y\n0,\n1,\n", ["position=y"], {}, "has no numbers"),
-        ("t,y\n0,1\n1,wet\n", ["position=y"], {}, "line 3, column y: 'wet' is no number"),
+        ("t,y\n0,1\n1,wet\n", ["position=y"], {}, "line 3, column y: 'wet' is not a number"),
         ("t,y\n0,1\n1,2,3\n", ["position=y"], {}, "line 3, has 3 values, but must have 2"),
         ("", ["position=y"], {}, "has no rows"),
     ],

@@ -76,7 +76,7 @@ def behind_a_clock_that_leads(recording: Recording, lead: int) -> Recording:
     return replace(recording, tables=tables, links=uses)
 
 
-def test_books_of_a_test_over_clocks_that_differ_are_those_of_the_test(tmp_path: Path) -> None:
+def test_the_energy_balance_over_clocks_that_differ_is_that_of_the_test(tmp_path: Path) -> None:
     clocks = read_recording(mcap_file(tmp_path / "c.mcap", [*empty_states(SPEC, WHEN), *told(0.003)])).clocks
     right = read_recording(mcap_file(tmp_path / "x.mcap", recorded(SPEC, 3.0)))
     seen = behind_a_clock_that_leads(right, 3_000_000)

@@ -8,7 +8,7 @@ from rthm_analysis.timing.host_stalls import host_stalls, stalled_between
 from .loops import paper, recording, stalled, without_times_of_sending
 
 
-def test_spans_begin_where_samples_were_held_up_and_do_not_overlap():
+def test_spans_begin_where_samples_stalled_and_do_not_overlap():
     spans = host_stalls(stalled(recording(paper()), paper(), 3, 50))
     assert 25 <= len(spans) <= 50
     assert (spans[:, 1] > spans[:, 0]).all()

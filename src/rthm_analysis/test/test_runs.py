@@ -97,6 +97,6 @@ def test_the_page_of_an_index_links_to_the_reports(folder: Path, tmp_path: Path)
 
 def test_an_empty_folder_has_no_runs(tmp_path: Path) -> None:
     assert runs_in(tmp_path) == []
-    with pytest.raises(InputError, match="is no folder of runs"):
+    with pytest.raises(InputError, match="is not a folder of runs"):
         runs_in(tmp_path / "none")
     assert np.isnan(Run("a", tmp_path, "", datetime.now(), 1.0, "stable").worst)

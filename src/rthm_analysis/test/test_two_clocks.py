@@ -150,7 +150,7 @@ def test_nothing_else_is_found_in_a_test_over_wrong_clocks(lead: tuple[float, fl
     assert {one.kind for one in found.physics} == {"clock_offset"}
 
 
-def test_books_are_kept_on_one_clock(run_wrong: Recording, stamped_wrong: Recording) -> None:
+def test_the_energy_balance_is_kept_on_one_clock(run_wrong: Recording, stamped_wrong: Recording) -> None:
     assert stamped_wrong.clocks.applied and synchronised(stamped_wrong) is stamped_wrong
     assert not run_wrong.clocks.applied
     seen = replace(run_wrong, clocks=replace(run_wrong.clocks, applied=True))

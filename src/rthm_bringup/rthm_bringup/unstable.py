@@ -1,16 +1,56 @@
-"""What is said of a loop before it begins: that it is unstable, if it is."""
+"""What is said of a loop before it begins: that it is unstable, or that a delay is longer than its motion."""
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from rthm_analysis.lifted.cycle import TooManySamplesError
 from rthm_analysis.outcome import Margin, margin_of, margin_or_why
 from rthm_analysis.stability import spectral_radius
+from rthm_analysis.stability.limits import DELAYS
+from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
+
+
+def long_delays(spec: Spec) -> tuple[str, ...]:
+    """A sentence about every delay that is longer than a period of the slowest motion of the ideal system.
+
+    No test has such delays on purpose, and whoever means milliseconds writes them.
+
+    Examples
+    --------
+    >>> from rthm_core.spec import apply, shipped_spec
+    >>> long_delays(apply(shipped_spec("paper"), {"timing.tau4": 10.0}))
+    ('timing.tau4 is 10 s, 3.84 periods of the motion (2.6 s); write 0.01 if milliseconds are meant.',)
+    """
+    if not spec.is_loop:
+        return ()
+    body = coupled_body(spec, "ideal")
+    squares = np.linalg.eigvals(np.linalg.solve(body.mass, body.stiffness)).real
+    slowest = math.sqrt(max(0.0, float(squares.min())))
+    period = 2.0 * math.pi / slowest if slowest else math.inf
+    delays = ((name, value) for name, value in spec.loop().timing.items() if name in DELAYS)
+    return tuple(
+        f"timing.{name} is {value:g} s, {value / period:.3g} periods of the motion ({period:.3g} s); "
+        f"write {1e-3 * value:g} if milliseconds are meant."
+        for name, value in delays
+        if value > period
+    )
+
+
+def warn_of_delays(spec: Spec) -> bool:
+    """Tell `long_delays` on standard error; whether there are any."""
+    found = long_delays(spec)
+    for sentence in found:
+        print("rthm: warning:", sentence, file=sys.stderr, flush=True)
+    return bool(found)
 
 
 def is_unstable(spec: Spec) -> bool:
@@ -19,6 +59,8 @@ def is_unstable(spec: Spec) -> bool:
         if not spec.is_loop or spectral_radius(spec) < 1.0:
             return False
         _tell(margin_of(spec))
+    except TooManySamplesError:  # a loop that may be unstable moves nothing
+        raise
     except InputError:  # of what the compensator does no linear equations are known
         return False
     return True
@@ -30,6 +72,7 @@ def _tell(margin: Margin) -> None:
 
 def told_margin(spec: Spec) -> Margin | str:
     """Margin of a loop, or why it is not known; one that is unstable is told at once on standard error."""
+    warn_of_delays(spec)
     margin = margin_or_why(spec)
     if isinstance(margin, Margin) and not margin.stable:
         _tell(margin)

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,10 +15,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from typer import Abort
 from typer.main import get_command
 
+from rthm_bringup.cli.colour import GREEN, PLAIN, RED, YELLOW, coloured, is_coloured
 from rthm_bringup.cli.main import application
 from rthm_bringup.cli.output import plain, table
+from rthm_bringup.cli.pace import Pace
 from rthm_bringup.cli.reference import reference
 from rthm_core.effects.base import BLOCKS, effect, family, kinds
 from rthm_core.spec import read_spec, shipped_names, shipped_spec
@@ -43,7 +47,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["run", "no_such_spec"], "no_such_spec: there is no such file"),
         (["run", "--duration", "-1"], "The duration is -1 s, but must be from 0 to 1e6 s"),
         (["run", "--domain", "300"], "The domain is 300, but must be between 0 and 232"),
-        (["run", "--external", "cook"], "'cook' is no part of a test"),
+        (["run", "--external", "cook"], "'cook' is not a part of a test"),
         (["run", "--virtual", "--duration", "0"], "A virtual run without end is asked for"),
         (["run", "--virtual", "--plant", "external"], "A virtual run has only simulated parts"),
         (["run", "decay"], "and a run needs it"),
@@ -54,7 +58,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["zero", "--only", "colour"], "--only is 'colour', but must be one or more of position, velocity"),
         (["zero"], "limits.command, rate, force, stale and ramp are missing"),
         (["pretension"], "limits.command, rate, force, stale and ramp are missing"),
-        (["node", "cook"], "'cook' is no part of a test"),
+        (["node", "cook"], "'cook' is not a part of a test"),
         (["driver"], "A driver has one rig; give it by one of --python, --udp and --ros2-control."),
         (["driver", "--udp", "here", "--python", "rig.py:Rig"], "A driver has one rig"),
         (["driver", "--udp", "here"], "limits.command, rate, force, stale and ramp are missing"),
@@ -62,7 +66,7 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["energy", "no_such_bag"], "no_such_bag"),
         (["timing", "no_such_bag"], "no_such_bag"),
         (["report", "no_such_bag", "-o", "page.html"], "no_such_bag"),
-        (["simulate", "--duration", "1", "--out", "no_such_folder/a.npz"], "no_such_folder is no folder"),
+        (["simulate", "--duration", "1", "--out", "no_such_folder/a.npz"], "no_such_folder is not a folder"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(words: list[str], sentence: str, tmp_path: Path) -> None:
@@ -119,6 +123,78 @@ def test_numbers_that_are_not_finite_become_null() -> None:
 def test_columns_stand_under_each_other() -> None:
     assert table([("a", "1"), ("long", "10")]) == ["a      1", "long  10"]
     assert table([]) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "colour"),
+    [
+        ("Stable: up to 21.2 times its periods and delays.", GREEN),
+        ("within 2 %: differs by 0.4 % at most, x1 of a.npz, against paper.", GREEN),
+        ("Timing mattered: late samples changed the motion by 4 %.", YELLOW),
+        ("not stable: largest eigenvalue 1.02", RED),
+        ("differs by 4 %, more than 2 %: x1 of a.npz, against paper.", RED),
+        ("unexplained: Simulation and recording differ in the wire.", RED),
+    ],
+)
+def test_a_verdict_stands_in_the_colour_of_its_meaning(line: str, colour: str) -> None:
+    (shown,) = coloured([line])
+    assert shown.startswith(colour) and shown.count(PLAIN) == 1
+    assert shown.removeprefix(colour).replace(PLAIN, "") == line
+
+
+def test_what_judges_nothing_has_no_colour() -> None:
+    lines = ["x1 differs from the ideal system by 45 %.", "matches: none", "differs by 4 % at most: x1.", ""]
+    assert coloured(lines) == lines
+
+
+@pytest.mark.parametrize(
+    ("terminal", "environment", "wanted"),
+    [(True, {}, True), (False, {}, False), (True, {"NO_COLOR": "1"}, False), (True, {"TERM": "dumb"}, False)],
+)
+def test_only_a_terminal_that_wants_colour_gets_it(
+    terminal: bool, environment: dict[str, str], wanted: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: terminal)
+    assert is_coloured() is wanted
+
+
+def test_work_of_hours_is_announced_once_and_not_begun_against_a_no() -> None:
+    now, said = [0.0], []
+
+    def ask(sentence: str) -> bool:
+        said.append(sentence)
+        return len(said) == 1
+
+    quick, slow, refused = (Pace(1000.0, ask, lambda: now[0]) for _ in range(3))
+    now[0] = 5.0
+    slow.told(1.0)
+    assert not said  # the pace is not known yet
+    now[0] = 12.0
+    quick.told(100.0)
+    assert not said
+    slow.told(1.0)
+    slow.told(2.0)
+    assert said == ["About 3.3 hours to go at this pace."]
+    with pytest.raises(Abort):
+        refused.told(1.0)
+
+
+def test_help_is_there_before_anything_is_installed(tmp_path: Path) -> None:
+    root = Path(__file__).parents[3]
+    for file in [*root.glob("scripts/*"), root / "docs/reference/command-line.md"]:
+        copy = tmp_path / file.relative_to(root)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, copy)
+    for words in ([], ["--help"], ["sweep", "--help"], ["compare", "-h"]):
+        done = subprocess.run([tmp_path / "scripts/rthm", *words], capture_output=True, text=True, check=True)
+        name = " ".join(["rthm", *(word for word in words if not word.startswith("-"))])
+        assert done.stdout.startswith(f"Usage: {name} ") and "-h, --help" in done.stdout
+        assert done.stdout in reference()
+    assert not (tmp_path / ".venv").exists()
 
 
 def test_without_a_verb_there_is_help() -> None:

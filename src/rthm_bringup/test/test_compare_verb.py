@@ -98,9 +98,9 @@ WRONG = [
     (["a.npz", "papr"], "papr is not there; give a recording"),
     (["a.npz", "data.csv"], "data.csv is none of the files that can be compared"),
     (["a.npz", "empty"], "is a folder without .mcap or .db3 files"),
-    (["a.npz", "text.npz"], "text.npz is no npz file that can be read"),
-    (["a.npz", "cut.npz"], "cut.npz is no npz file that can be read"),
-    (["a.npz", "objects.npz"], "objects.npz is no npz file that can be read"),
+    (["a.npz", "text.npz"], "text.npz is not an npz file that can be read"),
+    (["a.npz", "cut.npz"], "cut.npz is not an npz file that can be read"),
+    (["a.npz", "objects.npz"], "objects.npz is not an npz file that can be read"),
     (["a.npz", "no_t.npz"], "no_t.npz has no array t"),
     (["a.npz", "back.npz"], "must be 201 ascending times in s"),
     (["a.npz", "words.npz"], "plant_position of words.npz is an array"),
@@ -110,7 +110,7 @@ WRONG = [
     (["a.npz", "noise.mcap"], "noise.mcap holds no message that can be read"),
     (["a.npz", "broken.yaml"], "broken.yaml: "),
     (["paper", "other.yaml"], "compare tests of the same rig"),
-    (["a.npz", "a.npz", "--only", "x7"], "x7 is no signal of both a.npz and a.npz, which have x1, x2"),
+    (["a.npz", "a.npz", "--only", "x7"], "x7 is not a signal of both a.npz and a.npz, which have x1, x2"),
     (["a.npz", "a.npz", "--tolerance", "-1"], "The tolerance is -1 %, but must be a number from 0"),
     (["a.npz", "a.npz", "--tolerance", "nan"], "The tolerance is nan %"),
     (["a.npz", "a.npz", "--tolerance", "two"], "Invalid value for '--tolerance'"),
@@ -163,8 +163,8 @@ def test_an_index_of_a_folder_is_told_and_sorted(rthm: Rthm) -> None:
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["runs"], "out is no folder of runs; rthm run makes out/ with the first one"),
-        (["runs", "a.npz"], "a.npz is no folder of runs"),
+        (["runs"], "out is not a folder of runs; rthm run makes out/ with the first one"),
+        (["runs", "a.npz"], "a.npz is not a folder of runs"),
         (["runs", ".", "--sort", "colour"], "--sort is 'colour', but must be one of date, name, spec"),
     ],
 )

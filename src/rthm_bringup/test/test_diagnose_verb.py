@@ -23,7 +23,7 @@ SAID = Diagnosis(
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> list[Diagnosis]:
     said = [SAID]
-    recording = SimpleNamespace(known_spec=lambda: shipped_spec("paper"))
+    recording = SimpleNamespace(notes=(), known_spec=lambda: shipped_spec("paper"))
     monkeypatch.setattr("rthm_analysis.recording.read_recording", lambda bag: recording)
     monkeypatch.setattr("rthm_analysis.diagnosis.diagnose", lambda *given: said[0])
     return said
@@ -54,7 +54,7 @@ def test_where_there_is_none_that_is_said_and_nothing_written(
     assert not file.exists() and f"{file} is not written" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("bad", ["--next", "--patched", "--json"])
+@pytest.mark.parametrize("bad", ["--next", "--patched"])
 def test_what_cannot_be_written_is_one_sentence_and_the_rest_is_there(
     bad: str, told: list[Diagnosis], monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
     capsys: pytest.CaptureFixture,

@@ -31,7 +31,7 @@ def test_a_node_counts_from_its_first_beat() -> None:
     assert all(beats.look(0.02 * k) is None for k in range(1000))
 
 
-def test_a_listener_who_was_held_up_calls_nobody_silent() -> None:
+def test_a_listener_whose_host_stalled_calls_nobody_silent() -> None:
     beats = Heartbeats({"plant"}, 0.2)
     for now in (0.0, 0.05, 3.05, 3.06, 7.0):
         assert beats.look(now) is None
@@ -41,7 +41,7 @@ def test_a_listener_who_was_held_up_calls_nobody_silent() -> None:
 
 
 @pytest.mark.parametrize(("limit", "least"), [(0.2, 1.0), (2.0, 2.0)])
-def test_a_listener_tells_once_how_long_he_was_held_up(limit: float, least: float) -> None:
+def test_a_listener_tells_once_how_long_its_host_stalled(limit: float, least: float) -> None:
     beats, told, now = Heartbeats({"plant"}, limit), [], 100.0
     for between in (0.02, 0.9 * least, 0.02, least + 0.1, 0.02, 0.02):
         now += between

@@ -121,7 +121,7 @@ _NUMBER = re.compile(r"[-+]?(\d+\.\d*|\.\d+|0|[1-9]\d*)([eE][-+]?\d+)?", re.ASCI
 def as_number(value: object) -> float | None:
     """Float of a number or of the text of one; None of anything else, truth values included.
 
-    Octal and hexadecimal text is no number: ROS and YAML read it differently.
+    Octal and hexadecimal text is not a number: ROS and YAML read it differently.
     """
     if isinstance(value, bool):
         return None

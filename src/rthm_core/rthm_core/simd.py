@@ -104,7 +104,7 @@ def put_numbers(typing: Any, array: Any, index: Any, value: Any) -> Any:
 def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
     """Let ``row[begin : begin + WIDTH]`` of a flat array be `value`."""
     if row.layout != "C" or row.dtype != types.float64 or row.ndim != 1:
-        raise TypingError(f"{row} is no flat array of numbers.")
+        raise TypingError(f"{row} is not a flat array of numbers.")
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])

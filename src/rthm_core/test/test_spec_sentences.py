@@ -417,8 +417,8 @@ def test_a_path_that_leads_to_no_spec_is_told(tmp_path: Path) -> None:
             "there is no such file; give the path of a spec, or a shipped one's name: paper is one.",
         ),
         (tmp_path, "this is a folder, but must be a spec file; name the file in it."),
-        (Path("/dev/zero"), "this is no ordinary file of at most 4 MB; give the path of a spec."),
-        (large, "this is no ordinary file of at most 4 MB; give the path of a spec."),
+        (Path("/dev/zero"), "this is not an ordinary file of at most 4 MB; give the path of a spec."),
+        (large, "this is not an ordinary file of at most 4 MB; give the path of a spec."),
         (binary, "this is not text in UTF-8, but must be a YAML file; give the path of a spec."),
     ):
         assert sentence(str(path)) == f"{path}: {told}"

@@ -95,7 +95,7 @@ def test_a_command_that_is_no_number_or_too_large_is_not_executed(value: float) 
     assert rig.command is None
 
 
-def test_a_command_that_was_held_up_is_not_executed_whatever_clock_the_host_has() -> None:
+def test_a_command_that_was_delayed_on_its_way_is_not_executed_whatever_clock_the_host_has() -> None:
     rig, host = device(), Host()
     assert host.ask(rig, 60_000, 0.4).flags == OLD  # a host that has seen no state yet
     assert host.ask(rig, 61_000, 0.4).flags == ARMED

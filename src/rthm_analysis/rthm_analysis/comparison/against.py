@@ -109,7 +109,7 @@ def _common(reference: Motion, other: Motion, only: Sequence[str]) -> list[str]:
     unknown = [name for name in only if name not in common]
     if unknown:
         raise InputError(
-            f"{unknown[0]} is no signal of both {reference.name} and {other.name}, which have"
+            f"{unknown[0]} is not a signal of both {reference.name} and {other.name}, which have"
             f" {', '.join(common) or 'none'} in common; name one of these, or leave out --only."
         )
     found = [name for name in common if not only or name in only]

@@ -61,7 +61,8 @@ def read_trajectory(path: Path) -> dict[str, Floats]:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             columns = {name: np.asarray(file[name]) for name in file.files if not name.startswith("d_")}
     except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as reason:
-        raise InputError(f"{path} is no npz file that can be read ({reason}); {way_out}.") from None
+        why = "it holds no plain arrays" if "pickle" in str(reason) else reason
+        raise InputError(f"{path} is not an npz file that can be read ({why}); {way_out}.") from None
     missing = [name for name in ("t", "plant_position") if name not in columns]
     if missing:
         raise InputError(f"{path} has no array {missing[0]}, which every trajectory has; {way_out}.")

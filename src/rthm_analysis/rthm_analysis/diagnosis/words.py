@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rthm_analysis.diagnosis.numbers import UNSURE, bare, number, percent, with_unit
+from rthm_analysis.diagnosis.numbers import EXACT, UNSURE, bare, number, percent, with_unit
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
@@ -137,12 +137,25 @@ def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str
     key = name.partition("[")[0]
     unit = UNITS.get(key, "")
     value = number(one.value, one.std, unit, size=one.nominal)
-    text = f"{name} {value} instead of {with_unit(one.nominal, unit, 4)}"
+    specified = _specified(one, value, unit)
+    if not specified:
+        return f"{name} as specified, {value}"
+    if _is_slight(one) and abs(one.value - one.nominal) <= one.std:
+        return f"{name} {value}, as specified"
+    text = f"{name} {value} instead of {specified}"
     if not one.nominal or one.std > UNSURE * abs(one.value):
         return text
     change = one.value / one.nominal - 1.0
     remarks = [_change(change), _remark(change, stated, key)]
     return f"{text} ({', '.join(one for one in remarks if one)})"
+
+
+def _specified(one: Retuned, value: str, unit: str) -> str:
+    """The value of the spec with the digits that it takes to tell it from the new one, as that is written;
+    empty where nothing does.
+    """
+    texts = (with_unit(one.nominal, unit, digits) for digits in range(4, max(EXACT.values()) + 1))
+    return next((text for text in texts if text != value), "")
 
 
 def _change(change: float) -> str:

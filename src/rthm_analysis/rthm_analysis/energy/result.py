@@ -111,8 +111,8 @@ def energy_of(recording: Recording, spec: Spec | None) -> EnergyResult:
         )
     absent = [topic for topic in NEEDED if topic not in recording.tables]
     if spec.is_loop and not absent:
-        return _books_of_loop(recording, spec)
-    return _books_of_plant(recording, spec, absent)
+        return _balance_of_loop(recording, spec)
+    return _balance_of_plant(recording, spec, absent)
 
 
 def _ledger(recording: Recording, spec: Spec) -> EnergyLedger:
@@ -121,7 +121,7 @@ def _ledger(recording: Recording, spec: Spec) -> EnergyLedger:
     return EnergyLedger(spec, recording.start_ns, spec.timing.td1 if spec.timing else median)
 
 
-def _books_of_loop(recording: Recording, spec: Spec) -> EnergyResult:
+def _balance_of_loop(recording: Recording, spec: Spec) -> EnergyResult:
     loop, notes = spec.loop(), []
     ledger, plant, command = _ledger(recording, spec), recording.plant, recording.tables["actuator/command"]
     ledger.add_plant(
@@ -154,7 +154,7 @@ def _books_of_loop(recording: Recording, spec: Spec) -> EnergyResult:
     return _result(recording, spec, rows, rows.work, notes)
 
 
-def _books_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> EnergyResult:
+def _balance_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> EnergyResult:
     """Energy balance of the plant alone, under all forces that were measured on it."""
     notes = []
     if spec.is_loop:
@@ -170,7 +170,7 @@ def _books_of_plant(recording: Recording, spec: Spec, absent: list[str]) -> Ener
         raise InputError(
             f"{recording.path} has no sample with a position: record the position of {spec.plant.dofs[0]}."
         )
-    notes.append("E_num, E_ff, E_fx and E_err belong to a loop: they are not told for a plant alone.")
+    notes.append("E_num, E_ff, E_fx and E_err belong to a loop: they are not defined for a plant alone.")
     work = rows.work.copy()
     work[:, [TERMS.index(name) for name in OF_THE_LOOP]] = np.nan
     return _result(recording, spec, rows, work, notes)

@@ -29,8 +29,8 @@ def benchmark(name: str) -> object:
         import nonlinear_benchmarks  # type: ignore[import-not-found,unused-ignore]
     except ImportError:
         raise InputError(
-            f"{name} is no file, and for benchmarks the package nonlinear_benchmarks would be needed; give a "
-            f"file that is there, or install it."
+            f"{name} is not a file, and benchmarks need the package nonlinear_benchmarks; give a file "
+            f"that is there, or install it."
         ) from None
     more = getattr(nonlinear_benchmarks, "not_splitted_benchmarks", None)
     function = getattr(nonlinear_benchmarks, name, None) or getattr(more, name, None)

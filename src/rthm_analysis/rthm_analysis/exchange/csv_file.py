@@ -24,7 +24,7 @@ def read_csv(path: Path) -> Columns:
     Raises
     ------
     InputError
-        The rows have different lengths, a cell is no number, or there is nothing in the file.
+        The rows have different lengths, a cell is not a number, or there is nothing in the file.
     """
     rows, decimal = _rows(path)
     if not rows:
@@ -122,7 +122,7 @@ def _numbers(
     except ValueError:
         row = next(k for k, cell in enumerate(cells) if not _is_value(cell, decimal))
         raise InputError(
-            f"{path}, line {lines[row]}, column {name}: {shown(cells[row])} is no number; correct it, or "
+            f"{path}, line {lines[row]}, column {name}: {shown(cells[row])} is not a number; correct it, or "
             f"leave the cell empty when the value is not known."
         ) from None
 

@@ -42,6 +42,11 @@ def export_bag(recording: Recording, out: Path, form: str = "csv", rate: float |
     """
     if out.suffix.lower() in WRITERS:
         files = {out: held_columns(recording, _instants(recording, rate))}
+    elif out.suffix and not out.is_dir():
+        raise InputError(
+            f"{out} ends in {out.suffix}, but one table is written as {', '.join(WRITERS)}, and a folder of "
+            "tables has no ending; name one of these."
+        )
     elif rate is not None:
         raise InputError(
             f"--rate {rate:g} makes one table, so {out} must end in {', '.join(WRITERS)}; name it."

@@ -35,7 +35,7 @@ def read_columns(path: Path) -> Columns:
         It is not there, of a kind that nothing here reads, or has no columns.
     """
     if not path.is_file():
-        raise InputError(f"{path} is no file; give one that ends in {', '.join(READERS)}.")
+        raise InputError(f"{path} is not a file; give one that ends in {', '.join(READERS)}.")
     if path.suffix.lower() not in READERS:
         raise InputError(f"{path} ends in none of {', '.join(READERS)}; convert it to one of these.")
     columns = READERS[path.suffix.lower()](path)

@@ -25,7 +25,7 @@ def read_mat(path: Path) -> Columns:
     Raises
     ------
     InputError
-        It is no MAT file, or one of version 7.3 and h5py is not installed.
+        It is not a MAT file, or one of version 7.3 and h5py is not installed.
     """
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
@@ -35,7 +35,7 @@ def read_mat(path: Path) -> Columns:
     except NotImplementedError:
         content = _hdf5(path)
     except (MatReadError, ValueError, TypeError, EOFError, IndexError, KeyError) as reason:
-        raise InputError(f"{path} is no MAT file that can be read ({reason}); save it again.") from None
+        raise InputError(f"{path} is not a MAT file that can be read ({reason}); save it again.") from None
     headings = _headings(content.pop(HEADINGS, None))
     values: dict[str, Column] = {}
     units: dict[str, str] = {}

@@ -17,7 +17,9 @@ def read_parquet(path: Path) -> Columns:
     try:
         table = parquet.read_table(path)
     except (arrow.ArrowInvalid, arrow.ArrowNotImplementedError) as reason:
-        raise InputError(f"{path} is no Parquet file that can be read ({reason}); save it again.") from None
+        raise InputError(
+            f"{path} is not a Parquet file that can be read ({reason}); save it again."
+        ) from None
     names, units = named(table.column_names)
     values: dict[str, Column] = {}
     for name, column in zip(names, table.columns, strict=True):

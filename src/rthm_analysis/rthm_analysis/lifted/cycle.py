@@ -31,6 +31,10 @@ MOST_REMEMBERED = 3000
 """Largest number of places at the cut; a matrix of the loop has about m times as many rows."""
 
 
+class TooManySamplesError(InputError):
+    """More samples are under way in a loop than can be followed."""
+
+
 @dataclass(frozen=True)
 class Cycle:
     """What happens in one hyperperiod, in order; times are multiples of `unit` since the cut.
@@ -236,7 +240,7 @@ def _numbered(old: list[Integers], new: list[Integers]) -> list[Integers]:
 
 def _check_size(remembered: int) -> None:
     if remembered > MOST_REMEMBERED:
-        raise InputError(
+        raise TooManySamplesError(
             f"timing: {remembered} samples are under way at once, but at most {MOST_REMEMBERED} can be "
             f"followed; shorten the delays or lengthen the periods."
         )

@@ -12,7 +12,7 @@ from rthm_analysis.lifted.commensurate import period_of
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import linear_loop
-from rthm_analysis.stability.limits import DELAYS, delay_limit, scale_limit
+from rthm_analysis.stability.limits import DELAYS, can_be_searched, delay_limit, scale_limit
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 SEARCHED = 10.0
 """Factor on each delay up to which its edge is looked for: a margin beyond it is ample."""
+
+
+UNSEARCHED = "With delays of so many periods its margin is not searched."
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class Margin:
         None: not up to `SEARCHED` times its value.
     left_out : tuple of str
         What is not linear and was left out, a sentence each.
+    searched : bool
+        Whether the edge was searched at all; not where very many samples are under way.
     """
 
     spectral_radius: float
@@ -45,6 +50,7 @@ class Margin:
     scale: float | None
     delays: dict[str, tuple[float, float | None]]
     left_out: tuple[str, ...] = ()
+    searched: bool = True
 
     @property
     def stable(self) -> bool:
@@ -71,6 +77,8 @@ class Margin:
         return self._stable_words() if self.stable else self._unstable_words()
 
     def _stable_words(self) -> str:
+        if not self.searched:
+            return f"Stable. {UNSEARCHED}"
         margins = []
         if self.scale is not None:
             margins.append(f"up to {self.scale:.3g} times its periods and delays")
@@ -81,6 +89,9 @@ class Margin:
 
     def _unstable_words(self) -> str:
         assert self.doubling_time is not None
+        growth = f"Unstable: a small motion doubles every {self.doubling_time:.3g} s."
+        if not self.searched:
+            return f"{growth} {UNSEARCHED}"
         ways = []
         if self.scale is not None and self.scale > 0.0:
             ways.append(f"below {self.scale:.3g} times its periods and delays")
@@ -88,7 +99,7 @@ class Margin:
             name, nominal, edge = self.nearest
             ways.append(f"with {name} below {edge * 1e3:.4g} ms (now {nominal * 1e3:.4g} ms)")
         way = f"It is stable {', or '.join(ways)}." if ways else "No delay alone makes it stable."
-        return f"Unstable: a small motion doubles every {self.doubling_time:.3g} s. {way}"
+        return f"{growth} {way}"
 
     def as_dict(self) -> dict[str, object]:
         """Keys of ``verdict`` in the JSON (contract, section 5)."""
@@ -121,12 +132,15 @@ def margin_of(spec: Spec) -> Margin:
     linear, left_out = linear_part(spec)
     loop, (cycle, _) = linear_loop(linear), period_of(linear)
     monodromy = Lifted(loop, cycle).monodromy()
+    radius = float(np.abs(np.linalg.eigvals(monodromy)).max())
+    if not can_be_searched(cycle):
+        return Margin(radius, cycle.hyperperiod, None, {}, left_out, searched=False)
     delays = {}
     for name in DELAYS:
         limit = delay_limit(linear, loop, name, SEARCHED)
         delays[name] = (limit.nominal, limit.critical_value)
     return Margin(
-        float(np.abs(np.linalg.eigvals(monodromy)).max()),
+        radius,
         cycle.hyperperiod,
         scale_limit(linear, loop, cycle).critical_scale,
         delays,

@@ -91,7 +91,7 @@ def _sections(comparison: Comparison) -> list[Section]:
         Section("Signals", "Each in all tests, and what is between them.", overlays(comparison)),
         Section(
             "Tracking",
-            "How well actuators did what they were told, in each test.",
+            "How well the actuators tracked their commands, in each test.",
             [_table(rows.tracking_rows(comparison))],
         ),
         Section("Delays", "As they acted, holds included.", [_table(rows.delay_rows(comparison))]),

@@ -153,10 +153,10 @@ def _facts(diagnosis: Diagnosis) -> list[Fact]:
         before, after, noise = (
             percent(fit.nrmse.get(name, math.nan), 3) for name in ("nominal", "explained", "noise_floor")
         )
-        words = f"Error of {fit.signal} on unseen data; the noise alone gives {noise}."
+        words = f"Error of {fit.signal} on data that no fit has seen; the noise alone gives {noise}."
         facts.append(
             Fact(
-                f"Error of {fit.signal}, unseen",
+                f"Held-out error of {fit.signal}",
                 f"{before}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{after}",
                 words,
             )

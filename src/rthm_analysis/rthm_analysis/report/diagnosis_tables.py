@@ -59,7 +59,7 @@ def _change(nominal: float, value: float) -> str:
 
 def fits(diagnosis: Diagnosis) -> str:
     """One row per located block: errors on unseen data."""
-    head = ("signal", "unseen part", "free runs of", "as specified", "retuned", "explained", "noise")
+    head = ("signal", "held-out part", "free runs of", "as specified", "retuned", "explained", "noise")
     rows = [
         [
             f"{one.signal} ({one.block})",
@@ -79,7 +79,7 @@ def _percent(part: float | None) -> str:
 
 def alternatives(diagnosis: Diagnosis) -> str:
     """One row per kind that was tried beside what was named."""
-    head = ("what", "where", "error of its own signal, unseen", "this recording")
+    head = ("what", "where", "held-out error of its signal", "this recording")
     rows = [
         [
             one.kind.replace("_", " "),

@@ -19,8 +19,8 @@ from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
 from rthm_analysis.report.verdict import Fact, verdict
 from rthm_core.clock import EARLIEST_YEAR, NS
-from rthm_core.errors import InputError
 from rthm_core.events import Abort
+from rthm_core.files import not_written, write_whole
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
@@ -63,11 +63,9 @@ def write_page(text: str, html: str | Path) -> None:
     """Write a page; InputError when it cannot be written."""
     try:
         Path(html).parent.mkdir(parents=True, exist_ok=True)
-        Path(html).write_text(text, encoding="utf-8")
-    except OSError as reason:
-        raise InputError(
-            f"{html} cannot be written ({reason.strerror}): name a place that you may write to."
-        ) from None
+    except OSError as error:
+        raise not_written(html, error) from None
+    write_whole(html, text)
 
 
 def page(gathered: Gathered) -> str:

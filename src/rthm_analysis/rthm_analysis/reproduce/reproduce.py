@@ -115,7 +115,7 @@ def _chosen(only: Collection[str]) -> tuple[Plate, ...]:
     for name in only:
         if name not in known:
             raise InputError(
-                f"{name!r} is no figure, allowed is one of {', '.join(known)}; choose one of them."
+                f"{name!r} is not a figure, allowed is one of {', '.join(known)}; choose one of them."
             )
     return tuple(plate for plate in PLATES if not only or plate.name in only)
 

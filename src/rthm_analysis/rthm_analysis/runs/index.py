@@ -89,14 +89,14 @@ def runs_in(folder: Path) -> list[Run]:
     Raises
     ------
     InputError
-        It is no folder.
+        It is not a folder.
     """
     from rthm_analysis.runs.reading import is_run, read_run, read_trajectory_file
 
     if not folder.is_dir():
         raise InputError(
-            f"{printable(str(folder))} is no folder of runs; rthm run makes out/ with the first one, or name"
-            " another folder."
+            f"{printable(str(folder))} is not a folder of runs; rthm run makes out/ with the first one, or "
+            "name another folder."
         )
     places = sorted(folder.iterdir())
     found = [read_run(place) for place in places if is_run(place)]

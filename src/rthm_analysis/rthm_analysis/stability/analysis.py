@@ -16,6 +16,7 @@ from rthm_analysis.stability.limits import (
     DELAYS,
     PERIODS,
     Limit,
+    check_searchable,
     delay_limit,
     k_tot_limit,
     period_limit,
@@ -58,10 +59,13 @@ def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = No
     Raises
     ------
     InputError
-        When the spec describes no loop, or has a compensator whose linear equations are not known.
+        When the spec describes no loop, has a compensator whose linear equations are not known, or delays
+        too long for a search.
     """
     linear, left_out = linear_part(spec)
     loop, (cycle, error) = linear_loop(linear), period_of(linear)
+    if limits:
+        check_searchable(cycle)
     lifted = Lifted(loop, cycle)
     monodromy = lifted.monodromy()
     return Stability(

@@ -17,6 +17,7 @@ from rthm_analysis.stability.rates import EVENTS_IN_A_SEARCH, of_delay, of_k_tot
 from rthm_analysis.stability.search import Crossing, Scan, scan
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
+from rthm_core.errors import InputError
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
 
@@ -119,6 +120,27 @@ def delay_limit(spec: Spec, loop: LinearLoop, name: str, upto: float = LARGEST_F
     end = _affordable(spec, loop, name, end)
     found = scan(of_delay(spec, loop, name), _points(loop, 0.0, end, end), 1e-9)
     return Limit(nominal, found, 1e-9)
+
+
+def can_be_searched(cycle: Cycle) -> bool:
+    """Whether few enough samples are under way in a loop for its limits to be searched."""
+    return cycle.kept.size <= MOST_PLACES
+
+
+def check_searchable(cycle: Cycle) -> None:
+    """Refuse to search the limits of a loop in which very many samples are under way.
+
+    Raises
+    ------
+    InputError
+        If there are more than `MOST_PLACES`.
+    """
+    if not can_be_searched(cycle):
+        raise InputError(
+            f"{cycle.kept.size} samples are under way in this loop at once, but its limits are searched "
+            f"with up to {MOST_PLACES}; shorten its delays, or judge the spec alone: rthm stability "
+            "--no-limits."
+        )
 
 
 def _affordable(spec: Spec, loop: LinearLoop, name: str, end: float) -> float:

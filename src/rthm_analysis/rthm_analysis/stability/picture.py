@@ -19,8 +19,8 @@ def check_name(path: Path) -> None:
     """Refuse a name that no picture can have."""
     if path.suffix.lower() not in KINDS or not path.parent.is_dir():
         raise InputError(
-            f"{path} is no name for a picture, which must end in {', '.join(KINDS)} and lie in a folder that "
-            f"is there; correct it."
+            f"{path} is not a name for a picture, which must end in {', '.join(KINDS)} and lie in a folder "
+            f"that is there; correct it."
         )
 
 

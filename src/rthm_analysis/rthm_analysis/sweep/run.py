@@ -12,7 +12,7 @@ from rthm_analysis.sweep.ranges import Range
 from rthm_analysis.sweep.sweep import Progress, Sweep, sweep
 from rthm_analysis.sweep.workers import cluster_workers, cores, local_workers
 from rthm_core.compiled import Floats
-from rthm_core.errors import InputError
+from rthm_core.errors import InputError, refusal
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -65,11 +65,10 @@ def sweep_over(
     InputError
         If one of these is not allowed, or the folder has another sweep in it.
     """
-    if not 0.0 <= duration < 1e6 or (workers is not None and workers < 1):
-        raise InputError(
-            f"duration {duration!r} s and workers {workers!r} are given, but a duration must be from 0 to "
-            f"1e6 s and there must be at least one worker; correct them."
-        )
+    if not 0.0 <= duration < 1e6:
+        raise refusal("--duration", duration, "from 0 (stability alone) to 1e6 s")
+    if workers is not None and workers < 1:
+        raise refusal("--workers", workers, "at least 1", "leave it out for one on each processor")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file, but must be a folder or not be there yet; give another name.")
     order = Order(spec.expanded(), tuple(one.key for one in ranges), duration)

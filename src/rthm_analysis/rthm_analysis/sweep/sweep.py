@@ -38,7 +38,7 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True)
 class Sweep:
-    """A finished sweep: the table, one row for every loop, and how many of them were there before."""
+    """A finished sweep: the table, one row for every loop, and how many an earlier start had computed."""
 
     table: pyarrow.Table
     keys: tuple[str, ...]
@@ -129,7 +129,7 @@ class _Run:
             self.progress(self.done)
         if not finished and not self.workers.there():
             raise InputError(
-                "the Dask scheduler has gone; what is finished is kept, so start it and give the same "
+                "the Dask scheduler is gone; what is finished is kept, so start it and give the same "
                 "command again."
             )
 

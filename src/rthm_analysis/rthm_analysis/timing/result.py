@@ -25,7 +25,7 @@ class TimingResult:
         By name, ``tau1`` to ``tau4``; empty for a plant alone.
     clocks : dict of ClockTiming
         By name, ``td1`` to ``td3``, and ``td4`` where the spec has such a clock.
-    held_up : HostStalls
+    stalls : HostStalls
         How often and how long hosts of the test stalled.
     notes : tuple of str
         What could not be measured, and why.
@@ -35,7 +35,7 @@ class TimingResult:
 
     links: dict[str, LinkTiming]
     clocks: dict[str, ClockTiming]
-    held_up: HostStalls
+    stalls: HostStalls
     notes: tuple[str, ...]
     hosts: HostClocks = field(default_factory=HostClocks)
 
@@ -49,7 +49,7 @@ class TimingResult:
         return {
             "links": {name: link.as_dict() for name, link in self.links.items()},
             "clocks": {name: clock.as_dict() for name, clock in self.clocks.items()},
-            "held_up": self.held_up._asdict(),
+            "held_up": self.stalls._asdict(),
             "hosts": {name: clock.as_dict() for name, clock in self.hosts.nodes.items()},
             "notes": list(self.notes),
         }

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import pkgutil
+import signal
 import sys
+import warnings
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -15,6 +17,9 @@ from rthm_core.errors import InputError
 
 UsageError = typer.BadParameter.__bases__[0]
 ClickError: Any = UsageError.__bases__[0]
+
+OVERFLOW = r"(overflow|invalid value|divide by zero) encountered"
+"""Beginning of what numpy says of numbers that are not finite."""
 
 BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
 
@@ -61,13 +66,21 @@ def _version(asked: bool) -> None:
 
 def main() -> None:
     """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
-    sys.exit(_status())
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C does
+    try:
+        with warnings.catch_warnings():  # a motion without bounds is told in the words of each result
+            warnings.filterwarnings("ignore", OVERFLOW, RuntimeWarning)
+            status = _status()
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    sys.exit(status)
 
 
 def _status() -> int:
     try:
         words = sys.argv[1:] or ["--help"]
-        return application()(words, standalone_mode=False, prog_name="rthm") or 0
+        status = application()(words, standalone_mode=False, prog_name="rthm") or 0
+        return _told("interrupted.", INTERRUPTED) if status == INTERRUPTED else status
     except InputError as error:
         return _told(str(error), BAD_INPUT)
     except ClickError as error:
@@ -78,8 +91,11 @@ def _status() -> int:
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - whoever read the output has gone
         return FAULT
     except OSError as error:
+        from rthm_core.files import ELSE, WAYS_OUT
+
         place = f"{error.filename}: " if error.filename else ""
-        return _told(f"{place}{error.strerror or error}.", BAD_INPUT)
+        way_out = WAYS_OUT.get(error.errno or 0, ELSE)
+        return _told(f"{place}{error.strerror or error}; {way_out}.", BAD_INPUT)
     except Exception as error:
         if os.environ.get("RTHM_TRACEBACK"):
             raise

@@ -56,8 +56,10 @@ def network_of(
     from rthm_bringup.run import interfaces
     from rthm_bringup.run.domain import Claim, Leadership, wanted
     from rthm_bringup.run.environment import Network
+    from rthm_core.ros.reach import addresses_of
 
     addresses = tuple(peer.strip() for peer in peers.split(",") if peer.strip())
+    addresses_of(addresses)  # told before a node stumbles over it
     if network or addresses:
         interfaces.wait_for_one(lambda text: typer.echo(text, err=True))
     with ExitStack() as claims:

@@ -14,8 +14,21 @@ if TYPE_CHECKING:
 
 Json = Annotated[
     str | None,
-    typer.Option("--json", metavar="PATH", help="Write the result as JSON; - is standard output."),
+    typer.Option(
+        "--json",
+        metavar="PATH",
+        help="Write the result as JSON; - is standard output.",
+        callback=lambda path: _checked_json(path),
+    ),
 ]
+
+
+def _checked_json(path: str | None) -> str | None:
+    from rthm_core.files import check_place
+
+    if path not in (None, "-"):
+        check_place("--json", str(path))
+    return path
 
 
 def _spec_names(incomplete: str) -> list[str]:

@@ -10,6 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rthm_bringup.cli.colour import coloured, is_coloured
+from rthm_bringup.cli.pace import Pace, asked
+from rthm_core.files import write_whole
+
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
@@ -17,14 +21,14 @@ if TYPE_CHECKING:
 def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> None:
     """Print `lines` and write `result` to a JSON path; with ``-`` the JSON is all that is printed."""
     if path != "-":
-        print(*lines, sep="\n")
+        print(*(coloured(lines) if is_coloured() else lines), sep="\n")
     if path is None:
         return
     text = json.dumps(plain(result), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
     if path == "-":
         sys.stdout.write(text)
     else:
-        Path(path).write_text(text, encoding="utf-8")
+        write_whole(path, text)
 
 
 def put_spec(
@@ -34,7 +38,7 @@ def put_spec(
     from rthm_core.spec import write_spec
 
     if not why:
-        file.write_text(write_spec(spec), encoding="utf-8")
+        write_whole(file, write_spec(spec))
     told = {**result, "spec": None if why else str(file), "problem": why or None}
     put(told, [*lines, why or f"spec:   {file}"], path)
     return int(bool(why))
@@ -57,16 +61,32 @@ def plain(value: Any) -> Any:
 
 @contextmanager
 def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
-    """Bar on standard error, if that is a terminal; what it gives is told how much is done."""
+    """Bar on standard error, if that is a terminal; what it gives is told how much is done.
+
+    What will take hours is announced (`pace`).
+    """
     if not sys.stderr.isatty():
-        yield lambda done: None
+        yield Pace(total).told
         return
     from rich.console import Console
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(words, total=total)
-        yield lambda done: bar.update(task, completed=done)
+
+        def ask(sentence: str) -> bool:
+            bar.stop()  # the bar and the question share a line
+            answer = asked(sentence)
+            bar.start()
+            return answer
+
+        pace = Pace(total, ask)
+
+        def report(done: float) -> None:
+            bar.update(task, completed=done)
+            pace.told(done)
+
+        yield report
 
 
 @contextmanager

@@ -30,7 +30,7 @@ def reference() -> str:
     whole = Context(
         verbs, info_name="rthm", terminal_width=WIDTH, max_content_width=WIDTH, **verbs.context_settings
     )
-    parts = [BEFORE]
+    parts = [BEFORE, f"## rthm\n\n```text\n{verbs.get_help(whole)}\n```\n"]
     for name, verb in sorted(verbs.commands.items()):  # type: ignore[attr-defined]
         own = verb.get_help(Context(verb, parent=whole, info_name=name))
         parts.append(f"## rthm {name}\n\n```text\n{own}\n```\n")

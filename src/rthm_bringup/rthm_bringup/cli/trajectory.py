@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import zipfile
 from collections.abc import Iterator
@@ -12,8 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_core.clock import to_ns
+from rthm_core.errors import InputError
+from rthm_core.files import not_written
+
 if TYPE_CHECKING:
     from rthm_core.engine import Trajectory
+    from rthm_core.spec import Spec
 
 MOTION = (
     "t",
@@ -25,6 +31,12 @@ MOTION = (
     "actuator_force",
 )
 """Arrays beside the energies; one row per instant, one column per degree of freedom or actuator."""
+
+
+ENERGIES = 8
+"""Energies beside the motion, each a column."""
+
+UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
 class TrajectoryFile:
@@ -80,9 +92,47 @@ class TrajectoryFile:
 
 
 @contextmanager
+def _one_sentence(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise not_written(path, error) from error
+
+
+def check_room(path: Path, spec: Spec, duration: float, sample: float | None) -> None:
+    """Refuse a trajectory for which its disk has no room, before hours of work.
+
+    Raises
+    ------
+    InputError
+        If its rows, each twice until they are put together, need more than is free.
+    """
+    from rthm_core.engine.simulate import checked_step
+
+    step = checked_step(spec, duration, sample)
+    rows = to_ns(duration) // step + 1
+    sides = [side for side in (spec.plant, spec.numerical) if side]
+    columns = 1 + ENERGIES + sum(2 * len(side.dofs) for side in sides) + 2 * len(spec.k_tot)
+    needed, (total, _, free) = 2 * 8 * rows * columns, shutil.disk_usage(path.parent)
+    if needed > free and total:
+        raise InputError(
+            f"A trajectory of {rows:.3g} rows needs {_size(needed)} while it is written, but {path.parent} "
+            f"has {_size(free)} free; take a larger --sample, a shorter --duration or another disk."
+        )
+
+
+def _size(count: float) -> str:
+    """Bytes in words: ``3.2 GB``."""
+    power = min(max(0, int(math.log10(max(count, 1.0))) // 3), len(UNITS) - 1)
+    return f"{count / 1000.0**power:.3g} {UNITS[power]}"
+
+
+@contextmanager
 def trajectory_file(path: Path) -> Iterator[TrajectoryFile]:
     """Open a trajectory for writing; the file is there when it is complete."""
-    with TemporaryDirectory(prefix=path.name, dir=path.parent) as folder:
+    with _one_sentence(path), TemporaryDirectory(prefix=f".{path.name}", dir=path.parent) as folder:
         file = TrajectoryFile(Path(folder))
         yield file
-        file.put_together(path)
+        whole = Path(folder) / "whole.npz"
+        file.put_together(whole)
+        whole.replace(path)

@@ -91,7 +91,7 @@ def measure(
     """
     require_limits(spec)
     if not file.absolute().parent.is_dir():
-        raise InputError(f"{file.parent} is no folder; name another place for the measured spec.")
+        raise InputError(f"{file.parent} is not a folder; name another place for the measured spec.")
     if travel is None:
         travel = safe_travel(spec, seconds)
     else:

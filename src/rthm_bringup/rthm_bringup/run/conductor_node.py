@@ -382,6 +382,6 @@ def _parameter(name: str, value: Any) -> Parameter:
         tuple: (ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value"),
     }
     if type(value) not in kinds:
-        raise InputError(f"{name} is {value!r}, which is no value of a parameter.")
+        raise InputError(f"{name} is {value!r}, which is not a value of a parameter.")
     kind, member = kinds[type(value)]
     return Parameter(name=name, value=ParameterValue(type=kind, **{member: value}))

@@ -1,4 +1,4 @@
-"""Which nodes have fallen silent, as somebody sees it who may be held up himself."""
+"""Which nodes have fallen silent, as somebody sees it whose own host may stall."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Heartbeats:
     Attributes
     ----------
     deaf
-        How long the listener was held up before this look, s; 0: for no longer than can be put up with.
+        How long the listener stalled before this look, s; 0: for no longer than can be put up with.
     """
 
     def __init__(self, names: Iterable[str], limit: float) -> None:

@@ -38,9 +38,9 @@ Value = bool | int | float | str | list[str]
 
 
 def check(names: frozenset[str]) -> None:
-    """Refuse what is no part of a test."""
+    """Refuse what is not a part of a test."""
     for name in sorted(names - set(PROGRAMS)):
-        raise InputError(f"{name!r} is no part of a test; choose from {', '.join(PROGRAMS)}.")
+        raise InputError(f"{name!r} is not a part of a test; choose from {', '.join(PROGRAMS)}.")
 
 
 def command(

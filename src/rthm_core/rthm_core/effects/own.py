@@ -116,7 +116,8 @@ def _declaring(source: str, *, named: bool = True) -> Iterator[None]:
         if isinstance(error, InputError):
             raise
         raise InputError(
-            f"{source} cannot be loaded as effects ({type(error).__name__}: {error}); correct it."
+            f"{source} cannot be loaded as effects ({type(error).__name__}: {error}), but must "
+            "be the path of a Python file (.py) or the name of a module; correct it."
         ) from error
 
 

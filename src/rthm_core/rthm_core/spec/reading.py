@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rthm_core.effects.own import KEY, load_effects, placed
-from rthm_core.errors import InputError, nearest, printable, shown
+from rthm_core.errors import InputError, nearest, printable, shown, suggestion
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.changes import with_effects_from
 from rthm_core.spec.schema import Spec
@@ -80,7 +80,7 @@ def _text_of(path: Path) -> str:
         if not path.exists():
             raise InputError(_no_such_file(path.name))
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-            raise InputError("this is no ordinary file of at most 4 MB; give the path of a spec.")
+            raise InputError("this is not an ordinary file of at most 4 MB; give the path of a spec.")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(
@@ -120,7 +120,8 @@ def shipped_text(name: str) -> str:
     """Text of a shipped spec, comments included."""
     if name not in shipped_names():
         raise InputError(
-            f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; use one of them."
+            f"there is no shipped spec {shown(name)}, only {', '.join(shipped_names())}; "
+            f"{suggestion(name, shipped_names()) or 'use one of them'}."
         )
     return (resources.files(__package__) / "shipped" / f"{name}.yaml").read_text(encoding="utf-8")
 

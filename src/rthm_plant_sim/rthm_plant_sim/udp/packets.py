@@ -120,7 +120,7 @@ def ahead(number: int, other: int) -> int:
 def _head(data: bytes, kind: int, doubles: Callable[[int, int], int]) -> tuple[int, ...]:
     """Dofs, actuators, session, number, echo, time and flags."""
     if len(data) < HEAD or data[:4] != MAGIC:
-        raise ValueError("is no packet of this protocol")
+        raise ValueError("is not a packet of this protocol")
     _, version, kind_, n, m, *whose = _HEAD.unpack_from(data)
     if version != VERSION:
         raise ValueError(f"has version {version} of the protocol, and this program has {VERSION}")

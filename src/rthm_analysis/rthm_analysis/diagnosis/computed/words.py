@@ -78,7 +78,7 @@ def wrong_compensator(spec: Spec, right: Spec, name: str) -> str:
     return (
         f"The spec says {name}: {said}, but the recorded commands are those of {found}. "
         "Compare the actuator section of the spec with what the controller was started with; all else here "
-        "is told with the compensator found."
+        "assumes the compensator found."
     )
 
 

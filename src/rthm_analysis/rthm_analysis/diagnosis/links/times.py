@@ -61,7 +61,7 @@ def _wrong_period(recording: Recording, spec: Spec, name: str, period: int) -> F
     also = ", as the spec in the recording says" if agrees else ""
     words = (
         f"The spec says timing.{name} = {_milliseconds(spec.loop().timing.ns(name))}, but "
-        f"{shown.format(value=value)}{also}. {COMPARE}; all else here is told with the recorded period."
+        f"{shown.format(value=value)}{also}. {COMPARE}; all else here assumes the recorded period."
     )
     return Fault(block, "wrong_parameter", f"timing.{name}", words, None, period / NS)
 
@@ -75,7 +75,7 @@ def _wrong_delay(recording: Recording, spec: Spec, name: str, tau: int) -> Fault
     words = (
         f"The spec says timing.{name} = {_milliseconds(spec.loop().timing.ns(name))}, but the spec in the "
         f"recording, with which the test was run, says {_milliseconds(tau)}{uses}. {COMPARE}; all else here "
-        "is told with the delay of the test."
+        "assumes the delay of the test."
     )
     return Fault(f"link.{name}", "wrong_parameter", f"timing.{name}", words, None, tau / NS)
 

@@ -30,8 +30,8 @@ WAYS = {"extra_delay": ("earlier", "later"), "clock_offset": ("behind", "ahead")
 """Kinds of either sign, and which way a negative and a positive value goes."""
 
 ELSE = {
-    "extra_delay": "It is no difference of the clocks: the receiver reports the sender's own stamps.",
-    "jitter": "It is no busy machine: that makes few samples late, and some very late; this fits worse.",
+    "extra_delay": "It is not a difference between the clocks: the receiver reports the sender's own stamps.",
+    "jitter": "It is not a busy host: that makes few samples late, and some very late, which fits worse.",
     "loss": "The samples are not merely late: then they would be used afterwards, or be missed most where "
     "they have least time to spare; this fits worse.",
     "clock_offset": "A mere delay would not change the stamps.",

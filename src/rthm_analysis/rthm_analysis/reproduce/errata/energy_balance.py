@@ -1,6 +1,6 @@
 """Errors that the hybrid loop brings in: (14a), (14b), (14c), (22a), (26f) and (27).
 
-What is printed with a wrong sign shows in the books: with it, they do not close.
+What is printed with a wrong sign shows in the energy balance: with it, the balance does not close.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def _test() -> Trajectory:
     return simulate(loop(), DURATION, STEP)
 
 
-def _books_with(term: str, sign: float) -> float:
+def _balance_with(term: str, sign: float) -> float:
     """Largest balance error with the work of one term counted with another sign, J."""
     run = _test()
     return float(np.abs(run.balance_error + (1.0 - sign) * run.energies[term]).max())
@@ -37,8 +37,8 @@ def error_on_the_numerical_side() -> Erratum:
         "F_c(delayed) - F_c",
         "F_c - F_c(delayed), as mass 2 feels -F_c",
         "balance of energy over the step test, J",
-        _books_with("E_num", -1.0),
-        _books_with("E_num", 1.0),
+        _balance_with("E_num", -1.0),
+        _balance_with("E_num", 1.0),
     )
 
 
@@ -49,8 +49,8 @@ def error_on_the_physical_side() -> Erratum:
         "F_fx + F_c - F_ff + eps",
         "F_fx + F_ff - F_c + eps",
         "balance of energy over the step test, J",
-        _books_with("E_ff", -1.0),
-        _books_with("E_ff", 1.0),
+        _balance_with("E_ff", -1.0),
+        _balance_with("E_ff", 1.0),
     )
 
 

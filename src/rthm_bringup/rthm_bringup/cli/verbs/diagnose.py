@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,11 +44,13 @@ def verb(
     from rthm_analysis.diagnosis import diagnose
     from rthm_analysis.recording import nominal_spec
     from rthm_bringup.cli.output import put, status
+    from rthm_core.files import write_whole
 
     recording = recording_of(bag, effects)
     nominal = nominal_spec(recording, spec or None, effects or ())
     with status("reading") as say:
         found = diagnose(recording, nominal, say)
+    found = replace(found, notes=(*recording.notes, *found.notes))
     lines = [*_lines(found), *_not_patched(found, patched), *_not_planned(found, next_test)]
     with ExitStack() as every:  # what cannot be written keeps nothing else from being written
         if report:
@@ -56,7 +59,7 @@ def verb(
             every.callback(write_diagnosis, found, recording, nominal, report)
         for text, path in ((found.patched, patched), (found.next_experiment_spec, next_test)):
             if path and text:
-                every.callback(path.write_text, text, encoding="utf-8")
+                every.callback(write_whole, path, text)
         every.callback(put, found.as_dict(), lines, json)
     return 1 if found.verdict in ("improved", "unexplained") else 0
 
@@ -72,7 +75,7 @@ def _not_patched(found: Diagnosis, patched: Path | None) -> list[str]:
 def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:
     if next_test is None or found.next_experiment_spec:
         return []
-    return [f"{next_test} is not written: what to do next is no test of the rig."]
+    return [f"{next_test} is not written: the next step is not a test of the rig."]
 
 
 def _lines(found: Diagnosis) -> Iterator[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
 
 EXAMPLES = ("rthm energy out/bag",)
@@ -14,7 +16,8 @@ def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     from rthm_bringup.run.result import last_values
 
     recording = recording_of(bag, effects)
-    result = energy_of(recording, recording.spec).as_dict()
+    result: dict[str, Any] = energy_of(recording, recording.spec).as_dict()
+    result["notes"] = [*recording.notes, *result["notes"]]
     rows = [(name, f"{value:+.6e} J") for name, value in last_values(result).items()]
-    put(result, table(rows), json)
+    put(result, [*table(rows), *recording.notes], json)
     return 0

@@ -24,7 +24,8 @@ def verb(
     from rthm_core.effects import load_effects
 
     load_effects(effects or ())
-    outcome = write_report(bag, out).outcome
+    told = write_report(bag, out)
+    outcome, notes = told.outcome, told.recording.notes
     result = {"report": str(out), "verdict": outcome and outcome.as_dict()}
-    put(result, [str(out), *(outcome.lines() if outcome else [])], json)
+    put(result, [str(out), *(outcome.lines() if outcome else []), *notes], json)
     return 0

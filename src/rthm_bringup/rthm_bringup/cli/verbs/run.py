@@ -53,7 +53,9 @@ def verb(
             metavar="PART,...", help="Parts that run elsewhere, started with scripts/plant and so on."
         ),
     ] = "",
-    wait: Annotated[float, typer.Option(metavar="S", help="How long to wait for external parts.")] = 300.0,
+    wait: Annotated[
+        float, typer.Option(metavar="S", help="How long to wait for external parts.", min=0.0)
+    ] = 300.0,
     allow_clock_offset: Annotated[
         bool,
         typer.Option(
@@ -128,10 +130,18 @@ def verb(
 
 
 def _warn(test: Spec, *, refused: bool) -> None:
-    """Say that a loop is unstable; InputError where it must not begin then."""
-    from rthm_bringup.unstable import is_unstable
+    """Say that a loop is unstable, or a delay longer than its motion; InputError where it must not begin
+    then.
+    """
+    from rthm_bringup.unstable import is_unstable, warn_of_delays
     from rthm_core.errors import InputError
 
+    late = warn_of_delays(test)
+    if late and refused:
+        raise InputError(
+            "a real machine is not moved with a delay longer than a period of the motion; correct it, or "
+            "give --unstable where that is what you want to see."
+        )
     if is_unstable(test) and refused:
         raise InputError(
             "a real machine is not moved by an unstable loop; change its delays, or give --unstable where"

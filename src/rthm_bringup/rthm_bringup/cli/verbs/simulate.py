@@ -62,18 +62,20 @@ def verb(
     from rthm_analysis.outcome import IdealComparison, Outcome
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
-    from rthm_bringup.cli.trajectory import trajectory_file
+    from rthm_bringup.cli.trajectory import check_room, trajectory_file
     from rthm_bringup.unstable import told_margin
+    from rthm_core.files import check_place
     from rthm_core.spec import scaled_motion
 
     test = scaled_motion(spec_named(spec, effects), amplitude)
     if out.suffix != ".npz":
+        name = out.with_suffix(".npz") if out.name else "motion.npz"
         raise InputError(
-            f"--out is {out}, but a trajectory is written as .npz; name it {out.with_suffix('.npz')}"
+            f"--out is {out}, but a trajectory is written as .npz; name it {name}"
             " (`rthm export` writes recordings as CSV, MAT or Parquet)."
         )
-    if not out.parent.is_dir():
-        raise InputError(f"{out.parent} is no folder, so {out.name} cannot be written there; make it first.")
+    check_place("--out", out)
+    check_room(out, test, duration, sample)
     if as_recorded is not None and (sensitivity or not test.is_loop or system is not System.hybrid):
         raise InputError(
             "--as-recorded has the delays of a recorded loop; leave it out, or simulate a loop with --system "

@@ -75,8 +75,9 @@ def _result(done: Sweep, out: Path, picture: Path) -> dict[str, object]:
 def _lines(done: Sweep, out: Path, picture: Path) -> list[str]:
     stable = sum(one is True for one in done.table["stable"].to_pylist())
     refused = [sentence for sentence in done.table["refused"].to_pylist() if sentence]
+    before = f"; {done.found_before} computed by an earlier start" if done.found_before else ""
     lines = [
-        f"{done.loops} loops, {stable} of them stable; {done.found_before} were there before",
+        f"{done.loops} loops, {stable} of them stable{before}",
         f"{out / 'sweep.parquet'}, {picture}",
     ]
     return [*lines, *([f"{len(refused)} were refused, the first: {refused[0]}"] if refused else [])]

@@ -15,8 +15,9 @@ def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
     from rthm_bringup.cli.output import put
 
     recording = recording_of(bag, effects)
-    result = timing_of(recording, recording.spec).as_dict()
-    put(result, _lines(result), json)
+    result: dict[str, Any] = timing_of(recording, recording.spec).as_dict()
+    result["notes"] = [*recording.notes, *result["notes"]]
+    put(result, [*_lines(result), *recording.notes], json)
     return 0
 
 

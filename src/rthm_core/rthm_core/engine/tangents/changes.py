@@ -76,7 +76,7 @@ def stencil(spec: Spec, name: str) -> Stencil:
     """
     value = number_at(spec, name)
     if value is None:
-        raise InputError(f"{name} is no number of this spec; name one that it has, as plant.mass.")
+        raise InputError(f"{name} is not a number of this spec; name one that it has, as plant.mass.")
     step = STEP * (abs(value) or 1.0)
     try:
         below = apply(spec, {name: value - step})

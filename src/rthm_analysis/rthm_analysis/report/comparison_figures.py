@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from bokeh.models import Range1d
 
-from rthm_analysis.report.figures import COLOURS, INK, Curves, steps
+from rthm_analysis.report.colours import COLOURS, INK
+from rthm_analysis.report.figures import Curves, steps
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:

@@ -21,7 +21,8 @@ from bokeh.plotting import figure
 from rthm_analysis.diagnosis.missing.describe import UNITS as VARIABLE_UNITS
 from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Curve, Described, Fit
-from rthm_analysis.report.figures import COLOURS, FONT, INK, MUTED, Curves, plain_plot
+from rthm_analysis.report.colours import AXIS, COLOURS, INK, MUTED
+from rthm_analysis.report.figures import FONT, Curves, plain_plot
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -88,7 +89,7 @@ def curve_plot(curve: Curve) -> figure:
     plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "N", 340)
     spread = {"at": curve.at, "force": curve.force, "std": curve.std}
     source = ColumnDataSource(spread | {"low": curve.force - curve.std, "high": curve.force + curve.std})
-    plot.add_layout(Span(location=0.0, dimension="width", line_color="#b8c2cc", line_width=1))
+    plot.add_layout(Span(location=0.0, dimension="width", line_color=AXIS, line_width=1))
     plot.add_layout(Whisker(source=source, base="at", lower="low", upper="high", line_color=MUTED))
     dots = plot.scatter("at", "force", source=source, size=7, color=COLOURS[1], legend_label="recording")
     if curve.named is not None and np.isfinite(curve.named).any():

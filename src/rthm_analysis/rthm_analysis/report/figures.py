@@ -8,25 +8,22 @@ import numpy as np
 from bokeh.models import HoverTool, Legend, Range1d
 from bokeh.plotting import figure
 
+from rthm_analysis.report.colours import AXIS, COLOURS, GRID, INK, MUTED, PAPER
 from rthm_analysis.report.gathered import Gathered
 from rthm_analysis.report.thinning import extremes
 from rthm_core.compiled import Floats
 
-INK, MUTED, GRID = "#1d2733", "#667587", "#e6eaef"
 FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#8b5a2b")
-"""Colours that people with any colour vision tell apart (Okabe and Ito)."""
-
 TERM_COLOURS = {
-    "E_total": "#7f7f7f",
-    "E_err": "#1d2733",
-    "E_fx": "#0072b2",
-    "E_ff": "#d55e00",
-    "E_num": "#e69f00",
-    "E_damping": "#009e73",
-    "E_load": "#cc79a7",
-    "E_effects": "#56b4e9",
+    "E_total": COLOURS[6],
+    "E_err": INK,
+    "E_fx": COLOURS[0],
+    "E_ff": COLOURS[1],
+    "E_num": COLOURS[4],
+    "E_damping": COLOURS[2],
+    "E_load": COLOURS[3],
+    "E_effects": COLOURS[5],
 }
 
 TERM_WORDS = {
@@ -99,13 +96,13 @@ def plain_plot(
     plot.title.text_font, plot.title.text_font_size = FONT, "14px"
     plot.title.text_color, plot.title.text_font_style = INK, "bold"
     plot.grid.grid_line_color = GRID
-    plot.background_fill_color = plot.border_fill_color = "#ffffff"
+    plot.background_fill_color = plot.border_fill_color = PAPER
     for axis, label in ((plot.xaxis, x), (plot.yaxis, y)):
         axis.axis_label, axis.axis_label_text_font_style = label, "normal"
         axis.axis_label_text_font = axis.major_label_text_font = FONT
         axis.axis_label_text_font_size, axis.major_label_text_font_size = "12px", "11px"
         axis.axis_label_text_color = axis.major_label_text_color = MUTED
-        axis.axis_line_color = axis.major_tick_line_color = "#b8c2cc"
+        axis.axis_line_color = axis.major_tick_line_color = AXIS
         axis.minor_tick_line_color = None
     return plot
 
@@ -248,7 +245,7 @@ def _histogram(title: str, seconds: Floats, colour: str, bins: int = 40) -> figu
         left=left,
         right=right,
         fill_color=colour,
-        line_color="#ffffff",
+        line_color=PAPER,
         line_width=0.5,
     )
     plot.x_range = Range1d(low - room, high + room)

@@ -74,7 +74,7 @@ class Curves:
         legend = Legend(
             items=items, orientation="horizontal", click_policy="hide", border_line_alpha=0.0, padding=0,
             margin=4, label_text_font=FONT, label_text_font_size="12px", label_text_color=INK, glyph_width=22,
-            spacing=14, background_fill_alpha=0.0, ncols=min(4, max(1, len(items))),
+            spacing=14, background_fill_alpha=0.0, location="top_left",
         )  # fmt: skip
         self.plot.add_layout(legend, "above")
         tips = [("", "$name"), ("time", "$x{0.0000} s"), ("value", "$y{0.000000}")]
@@ -88,11 +88,10 @@ def plain_plot(
     """Empty plot with the labels of its axes; `names`, from below, make a vertical axis of names."""
     named = {"y_range": list(names)} if names else {"y_axis_type": scale}
     plot = figure(
-        title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom,xwheel_zoom,reset,save",
-        active_drag="box_zoom", toolbar_location="right", outline_line_color=None, min_border_left=86,
+        title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom",
+        active_drag="box_zoom", toolbar_location=None, outline_line_color=None, min_border_left=86,
         **named,
     )  # fmt: skip
-    plot.toolbar.logo, plot.toolbar.autohide = None, True
     plot.title.text_font, plot.title.text_font_size = FONT, "14px"
     plot.title.text_color, plot.title.text_font_style = INK, "bold"
     plot.grid.grid_line_color = GRID

@@ -86,10 +86,11 @@ def draw_plant(spec: Spec, marks: Mapping[str, Mark]) -> str:
 
 def _svg(width: int, height: int, words: str, parts: Sequence[str]) -> str:
     return (
-        f'<svg class="loop" viewBox="0 0 {width} {height}" style="max-width: {width}px" role="img" '
-        f'aria-label="{words}">'
+        f'<div class="wide"><svg class="loop" viewBox="0 0 {width} {height}" style="max-width: {width}px" '
+        f'role="img" aria-label="{words}">'
         '<defs><marker id="tip" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7"'
-        f' orient="auto"><path d="M0 0 L10 5 L0 10 z" class="tip"/></marker></defs>{"".join(parts)}</svg>'
+        f' orient="auto"><path d="M0 0 L10 5 L0 10 z" class="tip"/></marker></defs>'
+        f"{''.join(parts)}</svg></div>"
     )
 
 

@@ -88,7 +88,8 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         ),
         Section(
             "The force that the model lacks",
-            "Dots: averages over the recording, with one standard deviation. Line: what was named.",
+            "Large dots: averages over the recording, with one standard deviation. "
+            "Small dots: what was named, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
         ),
         Section(

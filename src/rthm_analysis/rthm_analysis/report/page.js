@@ -107,7 +107,7 @@
   function fit(view) {
     const plot = view.model, { height } = asked.get(plot), whole = view.el.getBoundingClientRect().width;
     if (!whole) return;
-    const left = Math.min(plot.min_border_left, whole < 500 ? 60 : 86), room = whole - left - 14;
+    const left = Math.min(plot.min_border_left, whole < 500 ? 60 : 86), room = whole - Math.max(left, view.frame.bbox.left) - 14;
     let rows = 0;
     for (const legend of plot.above.filter((one) => one.type === "Legend")) {
       const names = legend.items.map((item) => item.label.value ?? String(item.label));

@@ -30,12 +30,11 @@ class Browser:
         self._process = subprocess.Popen(
             [CHROMIUM, *options, f"--user-data-dir={profile}", "about:blank"],
             stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
+            stderr=subprocess.DEVNULL,
         )
         self._numbers = count(1)
         self.events: list[dict[str, Any]] = []
-        self._connection = self._run(self._connect())
+        self._connection = self._run(self._connect(profile / "DevToolsActivePort"))
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(f"{domain}.enable")
 
@@ -68,6 +67,14 @@ class Browser:
         text = {"text": "\r"} if key == "Enter" else {}
         for kind in ("keyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=codes[key], **text)
+
+    def swipe(self) -> None:
+        """Draw a finger up the middle of what is shown."""
+        for y in range(600, 270, -30):
+            kind = "touchStart" if y == 600 else "touchMove"
+            self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": 200, "y": y}])
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.evaluate("new Promise(done => setTimeout(done, 200))")
 
     def printed(self) -> bytes:
         """The page as PDF, A4."""
@@ -113,14 +120,12 @@ class Browser:
     def _run(self, work: Any) -> Any:
         return self._loop.run_until_complete(asyncio.wait_for(work, PATIENCE))
 
-    async def _connect(self) -> WebSocketClientConnection:
-        assert self._process.stderr is not None
-        for line in self._process.stderr:
-            if "DevTools listening on" in line:
-                address = line.split()[-1]
-                break
-        else:
-            raise AssertionError("Chromium did not start.")
+    async def _connect(self, told: Path) -> WebSocketClientConnection:
+        while not told.is_file() or len(told.read_text().split()) < 2:
+            assert self._process.poll() is None, "Chromium did not start."
+            await asyncio.sleep(0.02)
+        port, path = told.read_text().split()[:2]
+        address = f"ws://127.0.0.1:{port}{path}"
         connection = await websocket_connect(address, max_message_size=LARGEST_MESSAGE)
         self._connection, self._session = connection, {}
         made = await self._call("Target.createTarget", {"url": "about:blank"})

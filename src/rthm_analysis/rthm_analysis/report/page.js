@@ -104,15 +104,22 @@
   const asked = new Map(views.map(({ model }) => [model, { height: model.height, title: model.title.text }]));
   const title = (view) => asked.get(view.model).title;
 
+  const full = new Map(); // names of curves, by item of a legend
   function fit(view) {
     const plot = view.model, { height } = asked.get(plot), whole = view.el.getBoundingClientRect().width;
     if (!whole) return;
     const left = Math.min(plot.min_border_left, whole < 500 ? 60 : 86), room = whole - Math.max(left, view.frame.bbox.left) - 14;
     let rows = 0;
     for (const legend of plot.above.filter((one) => one.type === "Legend")) {
-      const names = legend.items.map((item) => item.label.value ?? String(item.label));
-      const longest = Math.max(...names.map((name) => wide(name, legend.label_text_font_size, legend.label_text_font)));
-      legend.ncols = Math.max(1, Math.min(names.length, Math.floor(room / (longest + legend.glyph_width + 24))));
+      const size = (name) => wide(name, legend.label_text_font_size, legend.label_text_font) + legend.glyph_width + 24;
+      const names = legend.items.map((item) => {
+        const name = full.get(item) ?? full.set(item, item.label.value ?? String(item.label)).get(item);
+        const shown = shortened(name, (one) => size(one) <= room);
+        if (shown !== (item.label.value ?? item.label)) item.label = { value: shown };
+        return shown;
+      });
+      const longest = Math.max(...names.map(size));
+      legend.ncols = Math.max(1, Math.min(names.length, Math.floor(room / longest)));
       rows = Math.ceil(names.length / legend.ncols) - 1;
     }
     const text = lines(title(view), room, plot.title);
@@ -124,6 +131,13 @@
     fit(view);
     view.compute_layout();
     view.request_repaint();
+  }
+
+  // The end of a name says more than its beginning.
+  function shortened(name, fits) {
+    let shown = name;
+    while (shown.length > 8 && !fits(shown)) shown = "\u2026" + shown.slice(2);
+    return shown;
   }
 
   function lines(words, room, { text_font_size, text_font }) {

@@ -1,4 +1,4 @@
-"""Plots inside a page: their places, what they show in words, and what page.js makes them of."""
+"""Plots inside a page: their places, what they show in words, and what the script makes them of."""
 
 from __future__ import annotations
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from bokeh.plotting import figure
 
 COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
+
+
+SCRIPT = ("plots", "colours", "fitting", "drawing", "files", "controls", "paper")
+"""Parts of the script of a page, in their order."""
 
 
 class Embedding:
@@ -51,10 +55,11 @@ class Embedding:
         roots = {plot.id: f"plot-{k}" for plot, k in zip(self._plots, count(1))}
         item = {"docid": "plots", "roots": roots, "root_ids": list(roots)}
         library = Resources(mode="inline", components=["bokeh"]).render_js()
-        own = (files(__package__) / "page.js").read_text(encoding="utf-8")
+        own = "\n".join((files(__package__) / "script" / f"{name}.js").read_text("utf-8") for name in SCRIPT)
         plots = {"docs": {"plots": document.to_json(deferred=False)}, "items": [item]}
         colours = {light: name for name, light in palette().items()}
-        return f"{library}{_data('plots', plots)}{_data('palette', colours)}<script>{own}</script>"
+        data = _data("plots", plots) + _data("palette", colours)
+        return f"{library}{data}<script>(async () => {{\n{own}}})();</script>"
 
 
 def in_words(plot: figure) -> str:

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bokeh.models import Line
+from bokeh.models import Scatter
 
+from rthm_analysis.diagnosis.missing.binned import spread_over
 from rthm_analysis.diagnosis.result import Alternative, Curve, Diagnosis, Fit, Limit, Mismatch, Physics, Value
 from rthm_analysis.recording import read_recording
 from rthm_analysis.report.diagnosis import write_diagnosis
@@ -85,12 +86,15 @@ def test_the_drawing_of_a_plant_alone_has_no_links(tmp_path: Path) -> None:
     assert "Controller" not in drawn
 
 
-def test_the_named_law_is_drawn_over_the_force_that_the_data_show() -> None:
+def test_the_law_of_dry_friction_is_drawn_as_a_jump_and_not_as_a_ramp() -> None:
     (curve,) = SAID.curves
-    plot = curve_plot(replace(curve, named=np.full(9, 0.9)))
-    (law,) = [r for r in plot.renderers if isinstance(r.glyph, Line)]
-    np.testing.assert_array_equal(law.data_source.data["y"], 0.9)
-    assert not any(isinstance(r.glyph, Line) for r in curve_plot(curve).renderers)
+    v = np.sin(np.linspace(0.0, 100.0, 20_000))
+    plot = curve_plot(replace(curve, law=spread_over(v, -0.05 * np.sign(v))))
+    (law,) = [one for one in plot.renderers if one.name == "named physics"]
+    assert isinstance(law.glyph, Scatter)
+    assert set(np.round(law.data_source.data["y"], 9)) == {-0.05, 0.05}
+    assert np.diff(np.sort(law.data_source.data["x"])).max() < 0.01
+    assert not any(one.name == "named physics" for one in curve_plot(curve).renderers)
 
 
 def test_energies_of_what_was_found_stand_above_those_of_the_delays() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from rthm_analysis.energy import energy_of
 from rthm_analysis.outcome import (
     IdealComparison,
     Lateness,
@@ -16,6 +17,7 @@ from rthm_analysis.outcome import (
     margin_or_why,
     outcome_of,
 )
+from rthm_analysis.outcome.cycles import energy_per_cycle
 from rthm_analysis.outcome.ideal import error_of
 from rthm_analysis.outcome.outcome import error_words
 from rthm_analysis.recording import read_recording
@@ -51,6 +53,29 @@ def test_an_unstable_loop_says_how_fast_it_grows_and_which_delay_makes_it_stable
     assert margin.nearest is not None and margin.nearest[0] == "tau2"
     assert margin_of(apply(UNSTABLE, {"timing.tau2": 0.99 * margin.nearest[2]})).stable
     assert margin.words.startswith("Unstable: a small motion doubles every 21.3 s. It is stable below 0.713")
+
+
+def test_energy_per_cycle_is_that_of_a_damper_that_moves_to_and_fro() -> None:
+    t = np.linspace(0.0, 20.0, 8001)
+    omega, damping, amplitude = 2.0 * np.pi * 1.37, 0.3, 0.05
+    speed = amplitude * omega * np.cos(omega * t)
+    work = -np.concatenate([[0.0], np.cumsum(damping * speed[1:] ** 2) * t[1]])
+    expected = -np.pi * damping * omega * amplitude**2
+    found = energy_per_cycle(t, work, amplitude * np.sin(omega * t))
+    assert found == pytest.approx(expected, rel=0.01)
+    assert energy_per_cycle(t[:200], work[:200], np.sin(omega * t[:200])) is None
+
+
+def test_a_recording_tells_the_energy_per_cycle_and_a_simulation_does_not(tmp_path: Path) -> None:
+    recording = read_recording(mcap_file(tmp_path / "loop.mcap", recorded(PAPER, 10.0)))
+    energy = energy_of(recording, PAPER)
+    found = outcome_of(recording, None, energy)
+    assert found is not None and found.energy_per_cycle is not None
+    assert found.as_dict()["energy_per_cycle"] == found.energy_per_cycle < 0.0
+    assert "Energy taken out per cycle" in {
+        fact.label for fact in verdict(energy, timing_of(recording, PAPER), found)
+    }
+    assert Outcome("no loop").as_dict()["energy_per_cycle"] is None
 
 
 def test_a_loop_whose_stability_is_not_known_says_why() -> None:

@@ -8,9 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bokeh.models import CrosshairTool, Line, Range1d, Scatter
 
 from rthm_analysis.bag_analysis import analyse_bag, to_json, write_beside
 from rthm_analysis.report import verdict, write_report
+from rthm_analysis.report.colours import COLOURS
+from rthm_analysis.report.figures import Curves, is_sparse
 from rthm_analysis.report.thinning import extremes
 from rthm_core.errors import InputError
 from rthm_core.spec import shipped_spec
@@ -123,3 +126,20 @@ def test_the_verdict_has_four_lines_of_result_and_the_state_of_the_links(loop_ba
         "Lost or late samples",
     ]
     assert facts[4].value == "none"
+
+
+def test_a_motion_of_three_samples_per_swing_is_drawn_as_dots_and_a_fine_one_as_a_line() -> None:
+    coarse, fine = np.arange(0.0, 60.0, 0.2), np.arange(0.0, 60.0, 0.01)
+    assert is_sparse(np.sin(2.0 * np.pi * coarse / 0.6 + 0.1))
+    assert not is_sparse(np.sin(2.0 * np.pi * fine / 0.6))
+    assert not is_sparse(np.full(100, np.nan))
+    curves = Curves("motion", "position (m)", Range1d(0.0, 60.0))
+    curves.add("x1", coarse, np.sin(2.0 * np.pi * coarse / 0.6 + 0.1), COLOURS[0])
+    assert [type(one.glyph) for one in curves.finish().renderers] == [Line, Scatter]
+
+
+def test_plots_over_one_axis_of_time_share_their_cursor() -> None:
+    span = Range1d(0.0, 1.0)
+    plots = [Curves(name, "m", span).plot for name in "ab"]
+    one, other = (tool.overlay for plot in plots for tool in plot.tools if isinstance(tool, CrosshairTool))
+    assert one is other

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rthm_analysis.sweep.batch import Order
-from rthm_analysis.sweep.picture import draw
+from rthm_analysis.sweep.labels import label
+from rthm_analysis.sweep.picture import SHOWN, draw, quantities
 from rthm_analysis.sweep.points import SCALE, changed, check_ends, draws, grid
 from rthm_analysis.sweep.quantities import QUANTITIES, measure
 from rthm_analysis.sweep.ranges import Range, given_range
@@ -186,3 +187,18 @@ def test_an_address_where_no_scheduler_answers_is_refused_in_a_sentence(monkeypa
     monkeypatch.setattr("rthm_analysis.sweep.workers.CONNECT_S", 0.5)
     with pytest.raises(InputError, match="no Dask scheduler"), cluster_workers("tcp://127.0.0.1:9"):
         pass
+
+
+def test_a_picture_leaves_out_what_an_unstable_loop_grows_to():
+    import pyarrow as pa
+
+    rows = {name: [1.0, 1e14] for name in SHOWN} | {"growth_rate": [-0.1, 2.0]}
+    drawn = quantities(pa.table(rows))
+    assert drawn["E_err"][0] == 1.0 and np.isnan(drawn["E_err"][1])
+    assert drawn["growth_rate"].tolist() == [-0.1, 2.0]
+
+
+def test_axes_of_pictures_name_the_unit_of_an_entry():
+    assert label("timing.tau4") == "timing.tau4 (s)"
+    assert label("plant.mass[2]") == "plant.mass[2] (kg)"
+    assert label("friction.something") == "friction.something"

@@ -232,8 +232,8 @@ class Curve:
         Its unit.
     at, force, std : (n,) arrays
         Abscissa, force (N, as seen by the block's output) and its standard deviation.
-    named : (n,) array or None
-        Force of the named physics at the same abscissa.
+    law : pair of (s,) arrays or None
+        Abscissa and force of the named physics at single samples: jumps and loops stay what they are.
     improvement : float
         Part of the variance of the force that the averages explain.
     """
@@ -244,7 +244,7 @@ class Curve:
     at: Floats
     force: Floats
     std: Floats
-    named: Floats | None
+    law: tuple[Floats, Floats] | None
     improvement: float
 
 

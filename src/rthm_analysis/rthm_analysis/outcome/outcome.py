@@ -63,12 +63,16 @@ class Outcome:
         None: not known, or nothing can be late.
     limits_touched : tuple of str
         Limits of the spec that the test reached.
+    energy_per_cycle : float or None
+        Mean work of the errors of the loop in each cycle of the motion, J, + where it is put in; None: not
+        known.
     """
 
     margin: Margin | str
     error: dict[str, IdealError] = field(default_factory=dict)
     lateness: Lateness | None = None
     limits_touched: tuple[str, ...] = ()
+    energy_per_cycle: float | None = None
 
     @property
     def stability(self) -> str:
@@ -94,6 +98,7 @@ class Outcome:
             "error": {dof: one.as_dict() for dof, one in self.error.items()},
             "timing": self.lateness and self.lateness.as_dict(),
             "limits_touched": list(self.limits_touched),
+            "energy_per_cycle": self.energy_per_cycle,
         }
 
 

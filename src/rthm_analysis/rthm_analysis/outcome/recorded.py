@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.energy import EnergyResult
+from rthm_analysis.outcome.cycles import energy_per_cycle
 from rthm_analysis.outcome.ideal import IdealError, error_of
 from rthm_analysis.outcome.margin import margin_or_why
 from rthm_analysis.outcome.outcome import Lateness, Outcome
@@ -25,7 +27,9 @@ REPEATED = 600.0
 """Longest test that is simulated once more along its delays, s."""
 
 
-def outcome_of(recording: Recording, ideal: Trajectory | None) -> Outcome | None:
+def outcome_of(
+    recording: Recording, ideal: Trajectory | None, energy: EnergyResult | None = None
+) -> Outcome | None:
     """What a recorded test is worth; None for one that is no loop.
 
     Parameters
@@ -34,13 +38,24 @@ def outcome_of(recording: Recording, ideal: Trajectory | None) -> Outcome | None
         With its spec.
     ideal : Trajectory, optional
         Motion of the ideal system over the same time; None: the recording does not have its start.
+    energy : EnergyResult, optional
+        Where the energy came from; None: not known.
     """
     spec = recording.spec
     if spec is None or not spec.is_loop:
         return None
     errors = {} if ideal is None else _errors(recording, spec, ideal)
     lateness = None if ideal is None else _lateness(recording, spec, ideal)
-    return Outcome(margin_or_why(spec), errors, lateness, _touched(recording, spec))
+    per_cycle = None if energy is None else _per_cycle(recording, spec, energy)
+    return Outcome(margin_or_why(spec), errors, lateness, _touched(recording, spec), per_cycle)
+
+
+def _per_cycle(recording: Recording, spec: Spec, energy: EnergyResult) -> float | None:
+    """Work of the errors in each cycle of the first dof of the plant."""
+    assert spec.plant is not None
+    time = (recording.plant.stamp_ns - recording.start_ns) * 1e-9
+    motion = recording.plant.columns("position", spec.plant.dofs[:1])[:, 0]
+    return energy_per_cycle(energy.t, energy.error, np.interp(energy.t, time, motion))
 
 
 def _errors(recording: Recording, spec: Spec, ideal: Trajectory) -> dict[str, IdealError]:

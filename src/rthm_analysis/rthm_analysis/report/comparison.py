@@ -10,17 +10,13 @@ from rthm_analysis.bag_analysis import to_json
 from rthm_analysis.comparison import rows
 from rthm_analysis.comparison.difference import part
 from rthm_analysis.comparison.measures import DEFINITIONS, SOURCES
-from rthm_analysis.report.page import Section, assemble, fact_boxes, note_list, script_safe, write_page
+from rthm_analysis.report.embedding import script_safe
+from rthm_analysis.report.page import USE_LINKED, Section, assemble, fact_boxes, foot, note_list, write_page
 from rthm_analysis.report.tables import table
 from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
 
 if TYPE_CHECKING:
     from rthm_analysis.comparison import Comparison
-
-FOOTER = (
-    "<footer>Drag to zoom in, reset to go back, click a name to hide its curve; all time axes move together."
-    "</footer>"
-)
 
 PLUS_MINUS, SPACE = "\N{PLUS-MINUS SIGN}", "\N{NO-BREAK SPACE}"
 
@@ -44,7 +40,7 @@ def comparison_page(comparison: Comparison) -> str:
     title = f"Comparison: {others} against {comparison.reference.name}"
     numbers = script_safe(to_json(comparison.as_dict()))
     data = f'<script type="application/json" id="comparison">{numbers}</script>'
-    return assemble(title, _header(title, comparison), _sections(comparison), FOOTER, data)
+    return assemble(title, _header(title, comparison), _sections(comparison), foot(USE_LINKED), data)
 
 
 def _header(title: str, comparison: Comparison) -> str:
@@ -103,12 +99,7 @@ def _sections(comparison: Comparison) -> list[Section]:
 
 def _table(told: list[rows.Row]) -> str:
     shown = [[_shown(cell) for cell in row] for row in told]
-    return _wide(table(shown[0], shown[1:])) if shown else ""
-
-
-def _wide(html: str) -> str:
-    """Table that may be wider than a phone."""
-    return f'<div class="wide">{html}</div>'
+    return table(shown[0], shown[1:]) if shown else ""
 
 
 def _shown(text: str) -> str:
@@ -117,4 +108,4 @@ def _shown(text: str) -> str:
 
 def _definitions() -> str:
     told = table(("measure", "is", "from"), ((name, *words) for name, words in DEFINITIONS.items()))
-    return _wide(told) + note_list(SOURCES)
+    return told + note_list(SOURCES)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from bokeh.models import Range1d
 
-from rthm_analysis.report.figures import COLOURS, INK, Curves, steps
+from rthm_analysis.report.colours import COLOURS, INK
+from rthm_analysis.report.figures import Curves, steps
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ def overlays(comparison: Comparison) -> list[list[figure]]:
 
 def _of_signal(comparison: Comparison, name: str, span: Range1d) -> list[figure]:
     unit = comparison.reference.signals[name].unit
-    shown, apart = Curves(name, unit, span), Curves(f"{name}: difference", unit, span, 200)
+    label, apart_label = f"{name} ({unit})", f"difference ({unit})"
+    shown, apart = Curves(name, label, span), Curves(f"{name}: difference", apart_label, span, 200)
     reference = comparison.reference
     shown.add(reference.name, *_curve(reference.signals[name]), INK, line_width=2.6, line_alpha=0.75)
     for told, one, colour in zip(comparison.told[1:], comparison.against, COLOURS * 9, strict=False):

@@ -16,13 +16,15 @@ from rthm_analysis.diagnosis.words import block_words, retuned_words, stated_spr
 from rthm_analysis.report import diagnosis_lists as lists
 from rthm_analysis.report import diagnosis_tables as tables
 from rthm_analysis.report.diagnosis_drawing import drawing
+from rthm_analysis.report.embedding import script_safe
 from rthm_analysis.report.page import (
+    USE,
     Section,
     assemble,
     fact_boxes,
+    foot,
     name_of,
     note_list,
-    script_safe,
     write_page,
 )
 from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
@@ -38,8 +40,6 @@ DELAY_TERMS = ("E_fx", "E_ff", "E_num")
 """Work of the delays of the loop (`energy_of`)."""
 
 PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
-
-FOOTER = "<footer>Drag to zoom in, reset to go back, click a name to hide its curve.</footer>"
 
 
 def write_diagnosis(diagnosis: Diagnosis, recording: Recording, spec: Spec, html: str | Path) -> None:
@@ -57,10 +57,9 @@ def diagnosis_page(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> st
     """Page as text."""
     numbers = script_safe(json.dumps(_plain(diagnosis.as_dict()), allow_nan=False))
     data = f'<script type="application/json" id="diagnosis">{numbers}</script>'
-    title = f"Diagnosis: {name_of(recording)}"
-    return assemble(
-        title, _header(title, diagnosis, spec), _sections(diagnosis, recording, spec), FOOTER, data
-    )
+    title, end = f"Diagnosis: {name_of(recording)}", foot(USE, recording.spec_text)
+    header, sections = _header(title, diagnosis, spec), _sections(diagnosis, recording, spec)
+    return assemble(title, header, sections, end, data)
 
 
 def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Section]:
@@ -89,7 +88,8 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         ),
         Section(
             "The force that the model lacks",
-            "Dots: averages over the recording, with one standard deviation. Line: what was named.",
+            "Large dots: averages over the recording, with one standard deviation. "
+            "Small dots: what was named, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
         ),
         Section(

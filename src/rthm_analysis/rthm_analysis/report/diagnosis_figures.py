@@ -21,16 +21,14 @@ from bokeh.plotting import figure
 from rthm_analysis.diagnosis.missing.describe import UNITS as VARIABLE_UNITS
 from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Curve, Described, Fit
-from rthm_analysis.report.figures import COLOURS, FONT, INK, MUTED, Curves, plain_plot
+from rthm_analysis.report.colours import AXIS, COLOURS, INK, MUTED
+from rthm_analysis.report.figures import FONT, Curves, plain_plot
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 MODELS = {"nominal": COLOURS[4], "retuned": COLOURS[0], "explained": COLOURS[2]}
 MODEL_WORDS = {"nominal": "as specified", "retuned": "retuned", "explained": "explained"}
-
-UNITS = {"wire": "N", "sensor.force": "N", "numerical": "N", "sensor.velocity": "m/s"}
-"""Of the output of a block; all others have m."""
 
 VARIABLES = {
     "x": "the position",
@@ -56,10 +54,10 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
     """Recorded signal beside its simulations, and what each leaves."""
     if fit.time is None or fit.recorded is None or not fit.time.size:
         return
-    unit = "s" if fit.signal == "age" else UNITS.get(fit.block, "m")
+    label = _quantity(fit)
     span = Range1d(*_first_view(fit.time, fit.recorded))
-    shown = Curves(f"{fit.signal} ({fit.block}), recorded and simulated", unit, span)
-    left = Curves(f"{fit.signal}: what each simulation leaves", unit, span)
+    shown = Curves(f"{fit.signal} ({fit.block}), recorded and simulated", label, span)
+    left = Curves(f"{fit.signal}: what each simulation leaves", label, span)
     for name, colour in MODELS.items():
         simulated = getattr(fit, name)
         if simulated is None or (name == "retuned" and np.array_equal(simulated, fit.nominal)):
@@ -74,6 +72,15 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
     yield left.finish()
 
 
+def _quantity(fit: Fit) -> str:
+    """Quantity and unit of the output of a block."""
+    if fit.block in ("wire", "sensor.force", "numerical"):
+        return "force (N)"
+    if fit.signal == "age":
+        return "age (s)"
+    return "velocity (m/s)" if fit.signal.startswith("v") else "position (m)"
+
+
 def _first_view(time: Floats, signal: Floats) -> tuple[float, float]:
     """Span of a few swings, so that curves can be told apart; zooming out shows the rest."""
     known = np.nan_to_num(signal - np.nanmean(signal))
@@ -85,14 +92,16 @@ def _first_view(time: Floats, signal: Floats) -> tuple[float, float]:
 def curve_plot(curve: Curve) -> figure:
     """Force over the variable that explains it, with the force of what was named."""
     title = f"{curve.block}: the missing force over {VARIABLES.get(curve.variable, curve.variable)}"
-    plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "N", 340)
+    plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "force (N)", 340)
     spread = {"at": curve.at, "force": curve.force, "std": curve.std}
     source = ColumnDataSource(spread | {"low": curve.force - curve.std, "high": curve.force + curve.std})
-    plot.add_layout(Span(location=0.0, dimension="width", line_color="#b8c2cc", line_width=1))
+    plot.add_layout(Span(location=0.0, dimension="width", line_color=AXIS, line_width=1))
     plot.add_layout(Whisker(source=source, base="at", lower="low", upper="high", line_color=MUTED))
-    dots = plot.scatter("at", "force", source=source, size=7, color=COLOURS[1], legend_label="recording")
-    if curve.named is not None and np.isfinite(curve.named).any():
-        plot.line(curve.at, curve.named, line_color=COLOURS[2], line_width=2.6, legend_label="named physics")
+    dots = plot.scatter(
+        "at", "force", source=source, size=7, color=COLOURS[1], name="recording", legend_label="recording"
+    )
+    if curve.law is not None and np.isfinite(curve.law[1]).any():
+        plot.scatter(*curve.law, size=3, color=COLOURS[2], name="named physics", legend_label="named physics")
     tips = [(curve.variable, "@at{0.000000}"), ("force", "@force{0.000000} +- @std{0.000000} N")]
     plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
     plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
@@ -100,6 +109,11 @@ def curve_plot(curve: Curve) -> figure:
         axis.formatter = BasicTickFormatter(power_limit_low=SMALL)
     plot.legend.label_text_font, plot.legend.border_line_alpha = FONT, 0.0
     plot.legend.orientation, plot.legend.background_fill_alpha = "horizontal", 0.0
+    plot.legend.label_text_color, plot.legend.label_text_font_size, plot.legend.location = (
+        INK,
+        "12px",
+        "top_left",
+    )
     plot.add_layout(plot.legend[0], "above")
     return plot
 
@@ -114,7 +128,14 @@ def curve_of(one: Described) -> Curve:
 def _drawn(curve: Curve) -> Floats:
     """Forces at the points that are shown for certain."""
     rows = [curve.force[INNER] - curve.std[INNER], curve.force[INNER] + curve.std[INNER]]
-    return np.concatenate([*rows, [0.0], *([curve.named[INNER]] if curve.named is not None else [])])
+    return np.concatenate([*rows, [0.0], *([] if curve.law is None else [_inside(curve)])])
+
+
+def _inside(curve: Curve) -> Floats:
+    """Forces of the named physics between the points that are shown for certain."""
+    assert curve.law is not None
+    low, high = np.min(curve.at[INNER]), np.max(curve.at[INNER])
+    return curve.law[1][(curve.law[0] >= low) & (curve.law[0] <= high)]
 
 
 def _around(values: Floats) -> Range1d:
@@ -127,12 +148,12 @@ def energy_plot(found: Mapping[str, float], delays: Mapping[str, float]) -> figu
     """Bars of work, J, by name: of what was found, and beneath them those of the delays."""
     labels = {f"{name}: {work:+.3g} J": work for name, work in (*found.items(), *delays.items())}
     names = list(reversed(labels))
-    title, height = "Work on the moving masses", 70 + 34 * len(names)
-    plot = plain_plot(title, "J, + when introduced", "", height, names=names)
+    title, height = "Work on the moving masses, + when introduced", 70 + 34 * len(names)
+    plot = plain_plot(title, "work (J)", "", height, names=names)
     values = [labels[name] for name in names]
-    colours = [MUTED] * len(delays) + [COLOURS[1]] * len(found)
-    source = ColumnDataSource({"name": names, "work": values, "colour": colours})
-    plot.hbar(y="name", right="work", height=0.6, fill_color="colour", line_color=None, source=source)
+    for rows, colour in ((slice(len(delays)), MUTED), (slice(len(delays), None), COLOURS[1])):
+        source = ColumnDataSource({"name": names[rows], "work": values[rows]})
+        plot.hbar(y="name", right="work", height=0.6, fill_color=colour, line_color=None, source=source)
     plot.add_layout(Span(location=0.0, dimension="height", line_color=INK, line_width=1))
     if found and delays:
         plot.add_layout(

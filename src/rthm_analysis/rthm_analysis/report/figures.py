@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
-from bokeh.models import HoverTool, Legend, Range1d
+from bokeh.models import CrosshairTool, HoverTool, Legend, Range1d, Span
 from bokeh.plotting import figure
 
+from rthm_analysis.report.colours import AXIS, COLOURS, GRID, INK, MUTED, PAPER
 from rthm_analysis.report.gathered import Gathered
-from rthm_analysis.report.thinning import extremes
+from rthm_analysis.report.thinning import SPANS, extremes
 from rthm_core.compiled import Floats
 
-INK, MUTED, GRID = "#1d2733", "#667587", "#e6eaef"
 FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f", "#8b5a2b")
-"""Colours that people with any colour vision tell apart (Okabe and Ito)."""
+SAMPLES_PER_SWING = 12
+"""Samples in each swing from which a line through them looks like the motion."""
 
 TERM_COLOURS = {
-    "E_total": "#7f7f7f",
-    "E_err": "#1d2733",
-    "E_fx": "#0072b2",
-    "E_ff": "#d55e00",
-    "E_num": "#e69f00",
-    "E_damping": "#009e73",
-    "E_load": "#cc79a7",
-    "E_effects": "#56b4e9",
+    "E_total": COLOURS[6],
+    "E_err": INK,
+    "E_fx": COLOURS[0],
+    "E_ff": COLOURS[1],
+    "E_num": COLOURS[4],
+    "E_damping": COLOURS[2],
+    "E_load": COLOURS[3],
+    "E_effects": COLOURS[5],
 }
 
 TERM_WORDS = {
@@ -46,17 +47,18 @@ class Curves:
 
     Parameters
     ----------
-    title, unit : str
-        What is drawn, and the axis label.
+    title, label : str
+        What is drawn; quantity and unit on the vertical axis.
     span : Range1d
         Time axis, shared by all plots of a page.
     height : int
         In pixels.
     """
 
-    def __init__(self, title: str, unit: str, span: Range1d, height: int = 300) -> None:
-        self.plot = plain_plot(title, "time (s)", unit, height)
+    def __init__(self, title: str, label: str, span: Range1d, height: int = 300) -> None:
+        self.plot = plain_plot(title, "time (s)", label, height)
         self.plot.x_range = span
+        self.plot.add_tools(CrosshairTool(overlay=_cursor(span)))
         self._entries: list[tuple[str, list[object]]] = []
         self._hovered: list[object] = []
 
@@ -68,7 +70,11 @@ class Curves:
         line = self.plot.line(
             t[rows], values[rows], line_color=colour, name=name, **{"line_width": 1.8} | style
         )
-        self._entries.append((name, [line]))
+        drawn = [line]
+        if is_sparse(values):  # what is between the samples is not known
+            line.glyph.line_alpha = 0.3
+            drawn.append(self.plot.scatter("x", "y", source=line.data_source, size=5, color=colour))
+        self._entries.append((name, drawn))
         self._hovered.append(line)
 
     def finish(self) -> figure:
@@ -77,12 +83,25 @@ class Curves:
         legend = Legend(
             items=items, orientation="horizontal", click_policy="hide", border_line_alpha=0.0, padding=0,
             margin=4, label_text_font=FONT, label_text_font_size="12px", label_text_color=INK, glyph_width=22,
-            spacing=14, background_fill_alpha=0.0, ncols=min(4, max(1, len(items))),
+            spacing=14, background_fill_alpha=0.0, location="top_left",
         )  # fmt: skip
         self.plot.add_layout(legend, "above")
         tips = [("", "$name"), ("time", "$x{0.0000} s"), ("value", "$y{0.000000}")]
         self.plot.add_tools(HoverTool(renderers=self._hovered, tooltips=tips, mode="mouse"))
         return self.plot
+
+
+@lru_cache(1)
+def _cursor(span: Range1d) -> Span:
+    """Line at the time under the mouse, in all plots over one axis of time."""
+    return Span(dimension="height", line_color=MUTED, line_dash="2 3", line_width=1)
+
+
+def is_sparse(values: Floats) -> bool:
+    """Whether a curve has so few samples in each swing that a line through them would be another curve."""
+    known = values[np.isfinite(values)]
+    swings = 0.5 * np.count_nonzero(np.diff(np.signbit(known - known.mean()))) if known.size else 0.0
+    return bool(known.size < 2 * SPANS and swings >= 1.0 and known.size < SAMPLES_PER_SWING * swings)
 
 
 def plain_plot(
@@ -91,21 +110,20 @@ def plain_plot(
     """Empty plot with the labels of its axes; `names`, from below, make a vertical axis of names."""
     named = {"y_range": list(names)} if names else {"y_axis_type": scale}
     plot = figure(
-        title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom,xwheel_zoom,reset,save",
-        active_drag="box_zoom", toolbar_location="right", outline_line_color=None, min_border_left=86,
+        title=title, height=height, sizing_mode="stretch_width", tools="pan,box_zoom",
+        active_drag="box_zoom", toolbar_location=None, outline_line_color=None, min_border_left=86,
         **named,
     )  # fmt: skip
-    plot.toolbar.logo, plot.toolbar.autohide = None, True
     plot.title.text_font, plot.title.text_font_size = FONT, "14px"
     plot.title.text_color, plot.title.text_font_style = INK, "bold"
     plot.grid.grid_line_color = GRID
-    plot.background_fill_color = plot.border_fill_color = "#ffffff"
+    plot.background_fill_color = plot.border_fill_color = PAPER
     for axis, label in ((plot.xaxis, x), (plot.yaxis, y)):
         axis.axis_label, axis.axis_label_text_font_style = label, "normal"
         axis.axis_label_text_font = axis.major_label_text_font = FONT
         axis.axis_label_text_font_size, axis.major_label_text_font_size = "12px", "11px"
         axis.axis_label_text_color = axis.major_label_text_color = MUTED
-        axis.axis_line_color = axis.major_tick_line_color = "#b8c2cc"
+        axis.axis_line_color = axis.major_tick_line_color = AXIS
         axis.minor_tick_line_color = None
     return plot
 
@@ -118,10 +136,10 @@ def time_axis(gathered: Gathered) -> Range1d:
 def motion(gathered: Gathered, span: Range1d) -> list[figure]:
     """Positions of both substructures beside the ideal system, and how far the plant is from it."""
     recording, ideal, spec = gathered.recording, gathered.ideal, gathered.spec
-    curves = Curves("Position, beside the ideal system" if ideal else "Position", "m", span, 340)
+    curves = Curves("Position, beside the ideal system" if ideal else "Position", "position (m)", span, 340)
     dofs = spec.plant.dofs if spec else recording.plant.names
     t = recording.seconds(recording.plant.stamp_ns)
-    apart = Curves("Distance from the ideal system", "m", span, 220)
+    apart = Curves("Distance from the ideal system", "distance (m)", span, 220)
     for k, dof in enumerate(dofs):
         position = recording.plant.columns("position", [dof])[:, 0]
         if ideal:
@@ -162,7 +180,7 @@ def forces(gathered: Gathered, span: Range1d) -> list[figure]:
         spec.actuator.names if spec and spec.actuator else [n for n in recording.plant.names if n not in dofs]
     )
     reference = recording.tables.get("numerical/force_reference")
-    curves = Curves("Force reference beside force" if reference else "Force", "N", span)
+    curves = Curves("Force reference beside force" if reference else "Force", "force (N)", span)
     t, drawn = recording.seconds(recording.plant.stamp_ns), False
     for k, name in enumerate(actuators):
         force = recording.plant.columns("effort", [name])[:, 0]
@@ -191,16 +209,16 @@ def energies(gathered: Gathered, span: Range1d) -> list[figure]:
     energy = gathered.energy
     if energy is None:
         return []
-    by_term = Curves("Energy by term", "J, + when introduced", span, 380)
+    by_term = Curves("Energy by term, + when introduced", "energy (J)", span, 380)
     told = energy.work | {"E_err": energy.error, "E_total": energy.total}
     for name, values in ((name, told[name]) for name in TERM_COLOURS):
         if np.any(values) or name in ("E_total", "E_err"):
             width = 2.6 if name in ("E_total", "E_err") else 1.8
             by_term.add(f"{name}: {TERM_WORDS[name]}", energy.t, values, TERM_COLOURS[name], line_width=width)
-    estimate = Curves("Energy of the errors beside its first-order estimate (27)", "J", span, 240)
+    estimate = Curves("Energy of the errors beside its first-order estimate (27)", "energy (J)", span, 240)
     estimate.add("E_err", energy.t, energy.error, TERM_COLOURS["E_err"])
     estimate.add("integral of P_err_estimate", energy.t, energy.estimated_error, COLOURS[0], line_dash="5 4")
-    closure = Curves("Closure: total energy minus its start and all work", "J", span, 220)
+    closure = Curves("Closure: total energy minus its start and all work", "energy (J)", span, 220)
     closure.add("balance error", energy.t, energy.balance_error, COLOURS[1])
     of_loop = bool(np.isfinite(energy.error).any())
     return [by_term.finish(), *([estimate.finish()] if of_loop else []), closure.finish()]
@@ -209,7 +227,7 @@ def energies(gathered: Gathered, span: Range1d) -> list[figure]:
 def ages(gathered: Gathered) -> list[figure]:
     """How old samples were at their use, link by link."""
     return [
-        _histogram(f"Age at use, {name}", link.age, COLOURS[0])
+        _histogram(f"Age at use, {name}", "age", link.age, COLOURS[0])
         for name, link in gathered.timing.links.items()
         if link.age.size
     ]
@@ -218,23 +236,27 @@ def ages(gathered: Gathered) -> list[figure]:
 def excesses(gathered: Gathered) -> list[figure]:
     """By how much samples were older than the exact schedule has them."""
     links = gathered.timing.links.items()
-    return [_histogram(f"Excess, {name}", link.excess, COLOURS[1]) for name, link in links if link.age.size]
+    return [
+        _histogram(f"Excess, {name}", "excess", link.excess, COLOURS[1])
+        for name, link in links
+        if link.age.size
+    ]
 
 
 def periods(gathered: Gathered) -> list[figure]:
     """Times from tick to tick, clock by clock."""
     clocks = gathered.timing.clocks.items()
     return [
-        _histogram(f"Period of {name.capitalize()}", clock.period, COLOURS[2])
+        _histogram(f"Period of {name.capitalize()}", "period", clock.period, COLOURS[2])
         for name, clock in clocks
         if clock.period.size
     ]
 
 
-def _histogram(title: str, seconds: Floats, colour: str, bins: int = 40) -> figure:
+def _histogram(title: str, quantity: str, seconds: Floats, colour: str, bins: int = 40) -> figure:
     """Shares on a logarithmic scale, where one use in thousands can still be seen."""
     values = 1e3 * seconds[np.isfinite(seconds)]
-    plot = plain_plot(title, "ms", "share (%)", 210, "log")
+    plot = plain_plot(title, f"{quantity} (ms)", "share (%)", 210, "log")
     plot.min_border_left = 56
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     room = max(0.02 * (high - low), 0.02)
@@ -248,7 +270,7 @@ def _histogram(title: str, seconds: Floats, colour: str, bins: int = 40) -> figu
         left=left,
         right=right,
         fill_color=colour,
-        line_color="#ffffff",
+        line_color=PAPER,
         line_width=0.5,
     )
     plot.x_range = Range1d(low - room, high + room)

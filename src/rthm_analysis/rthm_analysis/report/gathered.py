@@ -56,7 +56,7 @@ def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
         ideal = _ideal(recording, energy)
     except InputError as reason:
         notes.append(str(reason))
-    outcome = outcome_of(recording, ideal)
+    outcome = outcome_of(recording, ideal, energy)
     noted = tuple(dict.fromkeys(notes))
     return Gathered(recording, energy, timing, ideal, noted, recording.abort or abort, outcome)
 

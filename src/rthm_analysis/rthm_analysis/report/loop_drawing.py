@@ -37,8 +37,8 @@ ARROWS = {
 }
 """Way of each signal, and where the label of a link is."""
 
-BESIDE = {PLACES["motor"]: (10, "start"), PLACES["sampling"]: (-10, "end")}
-"""Where the words on a block stand beside the arrow beneath it: distance and anchor."""
+BESIDE = {PLACES["motor"]: (10, 0, "start"), PLACES["sampling"]: (-10, 17, "end")}
+"""Where the words on a block stand beside the arrow beneath it: distances and anchor."""
 
 SIGNALS = ((242, 48, "F"), (512, 48, "x_1, v_1"), (560, 250, "x_1"), (740, 292, "F_d"), (204, 270, "u_d"))
 """Names of the signals, and where they stand."""
@@ -86,10 +86,11 @@ def draw_plant(spec: Spec, marks: Mapping[str, Mark]) -> str:
 
 def _svg(width: int, height: int, words: str, parts: Sequence[str]) -> str:
     return (
-        f'<svg class="loop" viewBox="0 0 {width} {height}" style="max-width: {width}px" role="img" '
-        f'aria-label="{words}">'
+        f'<div class="wide"><svg class="loop" viewBox="0 0 {width} {height}" style="max-width: {width}px" '
+        f'role="img" aria-label="{words}">'
         '<defs><marker id="tip" viewBox="0 0 10 10" refX="9" refY="5" markerWidth="7" markerHeight="7"'
-        f' orient="auto"><path d="M0 0 L10 5 L0 10 z" class="tip"/></marker></defs>{"".join(parts)}</svg>'
+        f' orient="auto"><path d="M0 0 L10 5 L0 10 z" class="tip"/></marker></defs>'
+        f"{''.join(parts)}</svg></div>"
     )
 
 
@@ -170,8 +171,8 @@ def _mark(x: int, y: int, width: int, height: int, mark: Mark) -> str:
         else ""
     )
     kind = "mark located" if mark.located else "mark"
-    dx, anchor = BESIDE.get((x, y), (0, "middle"))
-    place = f'x="{x + width / 2 + dx}" y="{y + height + 20}" style="text-anchor: {anchor}"'
+    dx, dy, anchor = BESIDE.get((x, y), (0, 0, "middle"))
+    place = f'x="{x + width / 2 + dx}" y="{y + height + 20 + dy}" style="text-anchor: {anchor}"'
     return f'{frame}<text {place} class="{kind}">{escape(mark.words)}</text>'
 
 

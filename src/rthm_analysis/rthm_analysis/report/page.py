@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,8 +16,10 @@ import numpy as np
 from rthm_analysis.bag_analysis import to_json
 from rthm_analysis.recording import Recording
 from rthm_analysis.report import tables
+from rthm_analysis.report.embedding import Embedding, script_safe
 from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
+from rthm_analysis.report.provenance import provenance
 from rthm_analysis.report.verdict import Fact, verdict
 from rthm_core.clock import EARLIEST_YEAR, NS
 from rthm_core.events import Abort
@@ -25,7 +28,8 @@ from rthm_core.files import not_written, write_whole
 if TYPE_CHECKING:
     from bokeh.plotting import figure
 
-COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
+USE = "Drag to zoom in, “all” goes back; click a name to hide its curve."
+USE_LINKED = f"{USE} All time axes move together."
 
 
 @dataclass(frozen=True)
@@ -71,31 +75,38 @@ def write_page(text: str, html: str | Path) -> None:
 def page(gathered: Gathered) -> str:
     """Page as text."""
     return assemble(
-        _title(gathered), _header(gathered), _sections(gathered), _footer(gathered), _numbers(gathered)
+        _title(gathered),
+        _header(gathered),
+        _sections(gathered),
+        foot(USE_LINKED, gathered.recording.spec_text),
+        _numbers(gathered),
     )
 
 
 def assemble(title: str, header: str, sections: Sequence[Section], footer: str, numbers: str) -> str:
     """Page from its parts, which are HTML but for the title; sections with nothing in them are left out."""
-    from bokeh.embed import components
-    from bokeh.resources import Resources
-
+    embedding = Embedding()
     sections = [section for section in sections if any(section.parts)]
-    plots = [
-        plot for section in sections for part in section.parts if not isinstance(part, str) for plot in part
-    ]
-    script, places = components(plots) if plots else ("", ())
-    waiting = iter(places)
-    body = "".join(_section(section, waiting) for section in sections)
-    library = Resources(mode="inline", components=["bokeh"]).render_js() if plots else ""
+    body = "".join(_section(section, embedding) for section in sections)
     style = (files(__package__) / "page.css").read_text(encoding="utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         f"<title>{escape(title)}</title>"
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<style>{style}</style>{library}</head><body><main>{header}{body}{footer}</main>"
-        f"{numbers}{script}</body></html>\n"
+        f"<style>{style}</style></head><body><main>{header}{contents(one.title for one in sections)}{body}"
+        f"{footer}</main>{numbers}{embedding.scripts()}</body></html>\n"
     )
+
+
+def contents(titles: Iterable[str]) -> str:
+    """Links to the sections of a page."""
+    links = "".join(f'<a href="#{anchor(title)}">{escape(title)}</a>' for title in titles)
+    return f'<nav class="contents" aria-label="Contents">{links}</nav>'
+
+
+def anchor(title: str) -> str:
+    """Name by which a section is found within its page."""
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
 def _sections(gathered: Gathered) -> list[Section]:
@@ -132,15 +143,11 @@ def _closing(gathered: Gathered) -> str:
     return f"{words} The balance error is {np.nanmax(np.abs(gathered.energy.balance_error)):.2g} J at most."
 
 
-def _section(section: Section, places: Any) -> str:
+def _section(section: Section, embedding: Embedding) -> str:
     words = f"<p>{escape(section.words)}</p>" if section.words else ""
-    parts = [part if isinstance(part, str) else _row(part, places) for part in section.parts]
-    return f"<section><h2>{escape(section.title)}</h2>{words}{''.join(parts)}</section>"
-
-
-def _row(plots: list[figure], places: Any) -> str:
-    inside = "".join(f"<div>{next(places)}</div>" for _ in plots)
-    return f'<div class="row {COLUMNS[len(plots)]}">{inside}</div>'
+    parts = [part if isinstance(part, str) else embedding.row(part) for part in section.parts]
+    head = f"<h2>{escape(section.title)}</h2>{words}"
+    return f'<section id="{anchor(section.title)}">{head}{"".join(parts)}</section>'
 
 
 def _title(gathered: Gathered) -> str:
@@ -181,9 +188,9 @@ def _unit_small(value: str) -> str:
     return f"{escape(number)} <small>{escape(unit)}</small>" if unit else escape(number)
 
 
-def _footer(gathered: Gathered) -> str:
-    words = "Drag to zoom in, reset to go back, click a name to hide its curve; all time axes move together."
-    return f"<footer>{words}</footer>"
+def foot(words: str, spec: str = "") -> str:
+    """Foot of a page: how to use it, and what it was made of."""
+    return f"<footer><p>{words}</p>{provenance(spec)}</footer>"
 
 
 def note_list(notes: Sequence[str]) -> str:
@@ -207,8 +214,3 @@ def _numbers(gathered: Gathered) -> str:
         f'<script type="application/json" id="{name}">{script_safe(to_json(result))}</script>'
         for name, result in results.items()
     )
-
-
-def script_safe(text: str) -> str:
-    """JSON that cannot end the element it stands in."""
-    return text.replace("</", "<\\/")

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from urllib.parse import quote
 
-from rthm_analysis.report.page import Section, assemble, fact_boxes, note_list, write_page
+from rthm_analysis.report.page import Section, assemble, fact_boxes, foot, note_list, write_page
 from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
 from rthm_analysis.runs import Run
 from rthm_analysis.runs.rows import rows
@@ -33,7 +33,7 @@ def write_runs(runs: Sequence[Run], folder: Path, html: Path) -> None:
         ),
         Section("Problems", "", [note_list(said)] if said else []),
     ]
-    write_page(assemble(title, head, sections, "", ""), html)
+    write_page(assemble(title, head, sections, foot(""), ""), html)
 
 
 def _facts(runs: Sequence[Run]) -> list[Fact]:

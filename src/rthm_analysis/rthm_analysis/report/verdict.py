@@ -59,10 +59,18 @@ def _outcome(outcome: Outcome) -> list[Fact]:
         changed = f"{100.0 * late.error:.2g} %" if late.error >= UNSEEN else "nothing"
         level = GOOD if late.ok else BAD
         facts.append(Fact("Late samples changed", changed, late.words, level))
+    if outcome.energy_per_cycle is not None:
+        facts.append(_per_cycle(outcome.energy_per_cycle))
     if outcome.limits_touched:
         reached = ", ".join(outcome.limits_touched)
         facts.append(Fact("Limits reached", reached, f"Limits that the test reached: {reached}.", BAD))
     return facts
+
+
+def _per_cycle(work: float) -> Fact:
+    verb = "taken out" if work < 0.0 else "put in"
+    words = f"Delays, holds and actuator: {abs(work):.3g} J {verb} in each cycle of the motion, on average."
+    return Fact(f"Energy {verb} per cycle", f"{abs(work):.3g} J", words)
 
 
 def _energies(energy: EnergyResult) -> list[Fact]:

@@ -19,7 +19,12 @@ def write_numbers(folder: Path, name: str, numbers: Numbers) -> None:
     """Write one CSV per table of a figure."""
     for table, columns in numbers.tables.items():
         rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
-        _write_csv(folder / f"{name}_{table.replace(' ', '_')}.csv", list(columns), rows)
+        _write_csv(folder / table_file(name, table), list(columns), rows)
+
+
+def table_file(name: str, table: str) -> str:
+    """Name of the file of a table of a figure."""
+    return f"{name}_{table.replace(' ', '_')}.csv"
 
 
 def write_table(folder: Path, table: Table) -> None:

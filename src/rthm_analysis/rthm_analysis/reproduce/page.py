@@ -7,8 +7,13 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
+from urllib.parse import quote
 
+from rthm_analysis.report.embedding import Embedding
+from rthm_analysis.report.provenance import provenance
+from rthm_analysis.reproduce.curves import curves
 from rthm_analysis.reproduce.errata import Erratum
+from rthm_analysis.reproduce.files import table_file
 from rthm_analysis.reproduce.numbers import Numbers, Plate
 from rthm_analysis.reproduce.tables import Table
 
@@ -35,15 +40,23 @@ def page(
     """Page as text; pictures are taken from `folder` and put into it."""
     style = (files("rthm_analysis.report") / "page.css").read_text(encoding="utf-8")
     own = (files(__package__) / "page.css").read_text(encoding="utf-8")
-    body = "".join(_plate(folder, plate, numbers[plate.name]) for plate in plates)
+    embedding = Embedding()
+    body = "".join(_plate(folder, plate, numbers[plate.name], embedding) for plate in plates)
     shown = f"<div class='tables'>{''.join(_table(table) for table in tables.values())}</div>"
     return (
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
         "<meta name='viewport' content='width=device-width, initial-scale=1'>"
         f"<title>{TITLE}</title><style>{style}{own}</style></head>\n<body><main>"
-        f"<header><h1>{TITLE}</h1><p>{INTRODUCTION}</p></header>\n{_dependence(plates)}{shown}{body}"
-        f"{_errata(errata)}</main></body></html>\n"
+        f"<header><h1>{TITLE}</h1><p>{INTRODUCTION}</p>{_contents(plates, tables)}</header>\n"
+        f"{_dependence(plates)}{shown}{body}"
+        f"{_errata(errata)}<footer>{provenance()}</footer></main>{embedding.scripts()}</body></html>\n"
     )
+
+
+def _contents(plates: Sequence[Plate], tables: Mapping[str, Table]) -> str:
+    titles = {one.name: one.title for one in (*tables.values(), *plates)} | {"errata": "Errata"}
+    links = "".join(f"<a href='#{name}'>{escape(title)}</a>" for name, title in titles.items())
+    return f"<nav class='contents' aria-label='Contents'>{links}</nav>"
 
 
 def _dependence(plates: Sequence[Plate]) -> str:
@@ -56,7 +69,7 @@ def _dependence(plates: Sequence[Plate]) -> str:
     )
 
 
-def _plate(folder: Path, plate: Plate, numbers: Numbers) -> str:
+def _plate(folder: Path, plate: Plate, numbers: Numbers, embedding: Embedding) -> str:
     data = base64.b64encode((folder / f"{plate.name}.svg").read_bytes()).decode("ascii")
     depends = f"<p class='depends'>This figure {CONDITIONAL}.</p>" if plate.conditional else ""
     wide = " wide" if plate.name == "figure13" else ""
@@ -64,8 +77,22 @@ def _plate(folder: Path, plate: Plate, numbers: Numbers) -> str:
         f"<section class='plate{wide}' id='{plate.name}'><figure>"
         f"<img src='data:image/svg+xml;base64,{data}' alt='{escape(plate.title, quote=True)}'></figure>"
         f"<div><h2>{escape(plate.title)}</h2><p><b>The paper:</b> {escape(plate.paper)}</p>"
-        f"<p><b>Found:</b> {escape(plate.found(numbers))}</p>{depends}{_values(numbers)}</div></section>\n"
+        f"<p><b>Found:</b> {escape(plate.found(numbers))}</p>{depends}"
+        f"{_values(numbers)}{_files(plate, numbers)}</div>{_curves(numbers, embedding)}</section>\n"
     )
+
+
+def _files(plate: Plate, numbers: Numbers) -> str:
+    """Links to the files of a figure, which lie beside the page."""
+    names = [f"{plate.name}.png", f"{plate.name}.svg"]
+    names += [table_file(plate.name, table) for table in numbers.tables]
+    links = ", ".join(f"<a href='{escape(quote(name))}'>{escape(name)}</a>" for name in names)
+    return f"<p class='files'>{links}</p>"
+
+
+def _curves(numbers: Numbers, embedding: Embedding) -> str:
+    rows = "".join(embedding.row([plot]) for plot in curves(numbers))
+    return f"<details class='zoom'><summary>Curves to zoom into</summary>{rows}</details>" if rows else ""
 
 
 def _values(numbers: Numbers) -> str:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rthm_analysis.sweep.labels import label
+from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from rthm_analysis.stability.map import StabilityMap
 
 KINDS = (".png", ".svg", ".pdf")
+
+LABELLED = 0.03
+"""Part of a map from which a region has room for its name."""
 
 
 def check_name(path: Path) -> None:
@@ -40,14 +47,36 @@ def draw(over: StabilityMap, nominal: tuple[float | None, float | None], path: P
     mesh = axis.pcolormesh(
         first.values, second.values, rate, shading="nearest", cmap="RdBu_r", norm=norm, rasterized=True
     )
-    figure.colorbar(mesh, ax=axis, label="growth rate, 1/s (below zero: stable)")
+    figure.colorbar(mesh, ax=axis, label="growth rate (1/s); below zero: stable")
     if min(rate.shape) > 1 and rate.min() < 0.0 < rate.max():
         bent = np.arcsinh(rate / (limit / 50.0))  # steep on one side and flat on the other would be jagged
         axis.contour(first.values, second.values, bent, levels=[0.0], colors="black", linewidths=1.5)
     if None not in nominal:
         axis.plot(*nominal, marker="+", color="black", markersize=11, markeredgewidth=1.8, clip_on=False)
-    axis.set(xlabel=first.key, ylabel=second.key, title="black line: edge of stability; +: the spec")
+    _name_regions(axis, first.values, second.values, rate)
+    title = "black line: edge of stability; +: the spec"
+    axis.set(xlabel=label(first.key), ylabel=label(second.key), title=title)
     for one, scale in ((first, axis.set_xscale), (second, axis.set_yscale)):
         if one.log:
             scale("log")
     figure.savefig(path, dpi=160)
+
+
+def _name_regions(axis: Any, x: Floats, y: Floats, rate: Floats) -> None:
+    """Write what each side of the edge is, at the middle of the largest rectangle around a point of it."""
+    for words, inside in (("stable", rate < 0.0), ("unstable", rate > 0.0)):
+        if inside.mean() < LABELLED:
+            continue
+        row, column = np.unravel_index(np.argmax(_depth(inside)), inside.shape)
+        box = {"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "boxstyle": "round"}
+        axis.text(x[column], y[row], words, ha="center", va="center", bbox=box)
+
+
+def _depth(inside: NDArray[np.bool_]) -> Floats:
+    """For every point, the steps to the nearest point that is outside, borders included."""
+    depth = np.zeros(inside.shape)
+    while inside.any():
+        depth += inside
+        wide = np.pad(inside, 1)
+        inside = inside & wide[2:, 1:-1] & wide[:-2, 1:-1] & wide[1:-1, 2:] & wide[1:-1, :-2]
+    return depth

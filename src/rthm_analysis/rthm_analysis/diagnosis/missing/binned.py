@@ -9,6 +9,18 @@ from rthm_core.compiled import Floats
 BINS = 40
 
 
+SHOWN = 600
+"""Samples that show a law."""
+
+
+def spread_over(values: Floats, force: Floats) -> tuple[Floats, Floats]:
+    """Samples of `values` (s,) and `force` (s,) that are spread evenly over the values: at most `SHOWN`."""
+    order = np.argsort(values, kind="stable")
+    wanted = np.linspace(values[order[0]], values[order[-1]], SHOWN)
+    rows = order[np.unique(np.searchsorted(values[order], wanted))]
+    return values[rows], force[rows]
+
+
 def binned(values: Floats, force: Floats) -> tuple[Floats, Floats, Floats, float]:
     """Average `force` (s,) in bins of `values` (s,) that hold as many samples each.
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rthm_analysis.diagnosis.missing.binned import binned
+from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_force
 from rthm_analysis.diagnosis.result import Curve, Physics
@@ -40,8 +40,9 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
         best = max(curves, key=lambda name: curves[name][3])
         at, mean, std, share = curves[best]
         if share > 0.02 or any(one.block == "plant" for one in physics):
-            law = None if named is None else binned(variables[best][0], named)[1]
-            yield Curve("plant", best, variables[best][1], at, mean, std, law, share)
+            over, unit = variables[best]
+            law = None if named is None else spread_over(over, named)
+            yield Curve("plant", best, unit, at, mean, std, law, share)
 
 
 def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rthm_analysis.diagnosis.missing.binned import binned
+from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats
@@ -39,7 +39,7 @@ def wire_curve(physical: Physical, physics: Sequence[Physics]) -> Iterator[Curve
         curves = {variable: binned(values[known], beyond) for variable, (values, _) in variables.items()}
         best = max(curves, key=lambda variable: curves[variable][3])
         over, unit = variables[best]
-        law = binned(over[known], named)[1]
+        law = spread_over(over[known], named)
         yield Curve("wire", best, unit, *curves[best][:3], law, curves[best][3])
 
 

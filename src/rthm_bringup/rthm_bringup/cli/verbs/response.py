@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -10,8 +11,12 @@ from rthm_bringup.cli.options import Json, SpecName
 
 if TYPE_CHECKING:
     from rthm_analysis.response import Response
+    from rthm_core.spec import Spec
 
-EXAMPLES = ("rthm response paper --omega 0.5:20:40",)
+EXAMPLES = (
+    "rthm response paper --omega 0.5:20:40",
+    "rthm response paper --omega 0.5:20:400 --plot bode.svg",
+)
 
 
 def verb(
@@ -20,20 +25,40 @@ def verb(
         typer.Option("--omega", metavar="W", help="Frequency in rad/s, or a:b:n; can be repeated."),
     ],
     spec: SpecName = "paper",
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Also draw amplitude and phase, as .png, .svg or .pdf."),
+    ] = None,
     json: Json = None,
 ) -> int:
     """Compare the frequency response of the ideal system, of delays, and of the sampled loop."""
     import numpy as np
 
     from rthm_analysis.response import response
+    from rthm_analysis.stability.picture import check_name
     from rthm_analysis.sweep.ranges import numbers
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import put
 
     frequencies = np.concatenate([numbers(text)[0] for text in omega])
-    result = response(spec_named(spec), frequencies)
-    put(result.as_dict(), _lines(result), json)
+    test = spec_named(spec)
+    if plot is not None:
+        check_name(plot)
+    result = response(test, frequencies)
+    if plot is not None:
+        _draw(test, result, plot)
+    drawn, lines = ({}, []) if plot is None else ({"picture": str(plot)}, ["", str(plot)])
+    put(result.as_dict() | drawn, [*_lines(result), *lines], json)
     return 0
+
+
+def _draw(test: Spec, result: Response, plot: Path) -> None:
+    from rthm_analysis.outcome import Margin
+    from rthm_analysis.outcome.margin import margin_or_why
+    from rthm_analysis.response.picture import draw
+
+    margin = margin_or_why(test)
+    draw(result, margin.words if isinstance(margin, Margin) else margin, plot)
 
 
 def _lines(result: Response) -> list[str]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 EXAMPLES = (
-    "rthm simulate paper --duration 20 --out paper.npz",
+    "rthm simulate paper --duration 20 --out paper.npz --plot paper.png",
     "rthm simulate paper --duration 20 --out paper.npz --sensitivity plant.mass",
 )
 
@@ -55,11 +55,16 @@ def verb(
         ),
     ] = None,
     amplitude: Amplitude = 1.0,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Also draw motion, force and energy, as .png, .svg or .pdf."),
+    ] = None,
     effects: Effects = None,
     json: Json = None,
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
     from rthm_analysis.outcome import IdealComparison, Outcome
+    from rthm_analysis.stability.picture import check_name
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
     from rthm_bringup.cli.trajectory import check_room, trajectory_file
@@ -81,6 +86,8 @@ def verb(
             "--as-recorded has the delays of a recorded loop; leave it out, or simulate a loop with --system "
             "hybrid and without --sensitivity."
         )
+    if plot is not None:
+        check_name(plot)
     schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
     is_judged = test.is_loop and system is System.hybrid
     margin = told_margin(test) if is_judged else ""
@@ -107,6 +114,10 @@ def verb(
         lines.append(
             f"The motion left every bound {lost:.4g} s after the start; from there on there is none."
         )
+    if plot is not None:
+        _draw(out, plot)
+        result["picture"] = str(plot)
+        lines.insert(1, str(plot))
     put(result, lines, json)
     return 0
 
@@ -117,6 +128,15 @@ def _lost_at(block: Trajectory) -> float | None:
 
     lost = flatnonzero(~isfinite(block.plant_position).all(axis=1))
     return float(block.t[lost[0]]) if lost.size else None
+
+
+def _draw(out: Path, plot: Path) -> None:
+    import numpy as np
+
+    from rthm_analysis.report.trajectory_picture import draw
+
+    with np.load(out) as columns:
+        draw(columns, plot)
 
 
 def _joules(value: float) -> str:

@@ -46,6 +46,7 @@ def verb(
 ) -> int:
     """Run many loops; interrupted, the same command goes on where it stopped."""
     from rthm_analysis.sweep.picture import draw as draw_picture
+    from rthm_analysis.sweep.points import value_of
     from rthm_analysis.sweep.ranges import given_range
     from rthm_analysis.sweep.run import sweep_over, values_of
     from rthm_bringup.cli.options import spec_named
@@ -56,7 +57,8 @@ def verb(
     with progress_bar("loops", values.shape[0]) as report:
         done = sweep_over(test, ranges, values, out, duration, workers, scheduler, report)
     picture = out / "sweep.png"
-    draw_picture(done.table, ranges, picture, drawn=draw is not None)
+    nominal = [value_of(test, one.key) for one in ranges]
+    draw_picture(done.table, ranges, picture, drawn=draw is not None, nominal=nominal)
     put(_result(done, out, picture), _lines(done, out, picture), json)
     return 0
 

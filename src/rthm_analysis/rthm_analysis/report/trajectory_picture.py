@@ -1,0 +1,63 @@
+"""A simulated test as a picture: positions, forces and energies over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rthm_analysis.report.colours import COLOURS, INK
+from rthm_analysis.report.thinning import extremes
+from rthm_core.compiled import Floats
+
+PANELS = {
+    "position (m)": {"plant_position": "plant", "numerical_position": "numerical"},
+    "force (N)": {"actuator_force": "force in wire", "force_reference": "reference"},
+}
+"""Columns of a trajectory by the axis that they are drawn over, and their names."""
+
+
+def draw(columns: Mapping[str, Floats], path: Path) -> None:
+    """Write a PNG, SVG or PDF file.
+
+    Parameters
+    ----------
+    columns : mapping of arrays
+        As in the file of ``rthm simulate``: ``t`` (N,), motions and forces (N, n), energies ``E_...`` (N,).
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    t = np.asarray(columns["t"])
+    panels = {label: _curves(columns, names) for label, names in PANELS.items()}
+    panels["energy (J)"] = {name: np.asarray(columns[name]) for name in columns if name.startswith("E_")}
+    shown = {label: curves for label, curves in panels.items() if any(np.any(one) for one in curves.values())}
+    figure = Figure(figsize=(8.0, 2.6 * len(shown)), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, (label, curves) in zip(axes, shown.items(), strict=True):
+        _panel(axis, t, curves)
+        axis.set_ylabel(label)
+    axes[-1].set_xlabel("time (s)")
+    figure.savefig(path, dpi=150)
+
+
+def _curves(columns: Mapping[str, Floats], names: Mapping[str, str]) -> dict[str, Floats]:
+    found = {}
+    for name, words in names.items():
+        values = np.atleast_2d(np.asarray(columns[name]).T) if name in columns else np.empty((0, 0))
+        for k, one in enumerate(values, 1):
+            found[words if len(values) == 1 else f"{words} {k}"] = one
+    return found
+
+
+def _panel(axis: Any, t: Floats, curves: Mapping[str, Floats]) -> None:
+    for (name, values), colour in zip(curves.items(), (*COLOURS, INK) * 4, strict=False):
+        if np.any(values):
+            rows = extremes(values)
+            axis.plot(t[rows], values[rows], color=colour, linewidth=1.1, label=name)
+    axis.grid(color="#e3e7eb", linewidth=0.6)
+    axis.margins(x=0.0)
+    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False, fontsize=8)

@@ -1,0 +1,175 @@
+"""Pages in Chromium: on a desk, on a phone, in the dark, on paper and by keyboard."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rthm_analysis.comparison import compare, motions_at
+from rthm_analysis.diagnosis.missing.binned import spread_over
+from rthm_analysis.recording import read_recording
+from rthm_analysis.report import write_report
+from rthm_analysis.report.colours import palette
+from rthm_analysis.report.comparison import write_comparison
+from rthm_analysis.report.diagnosis import write_diagnosis
+from rthm_analysis.reproduce import reproduce
+from rthm_core.spec import shipped_spec
+
+from .browser import CHROMIUM, Browser
+from .conftest import mcap_file
+from .loop import recorded
+from .test_diagnosis_page import SAID
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+
+NAMES = ("report", "diagnosis", "compare", "reproduce")
+WITH_PLOTS = NAMES[:3]
+
+FOCUSED = "document.activeElement.outerHTML.slice(0, 300)"
+REACHABLE = """[...document.querySelectorAll('main a, main button, main summary')]
+    .filter(one => one.checkVisibility()).map(one => one.outerHTML.slice(0, 300))"""
+CUT = """[...document.querySelectorAll('.on-paper')].filter(one => {
+    const frame = one.getBoundingClientRect(), cut = (part) => {
+        const { left, right } = part.getBoundingClientRect();
+        return left < frame.left - 1 || right > frame.right + 1;
+    };
+    return [...one.shadowRoot.querySelectorAll('path, text, circle, line')].some(part =>
+        !part.closest('defs, clipPath, [clip-path]') && cut(part));
+}).length"""
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder, spec = tmp_path_factory.mktemp("pages"), shipped_spec("paper")
+    bag = mcap_file(folder / "loop.mcap", recorded(spec, 3.0))
+    made = {name: folder / f"{name}.html" for name in WITH_PLOTS}
+    write_report(bag, made["report"])
+    v = np.linspace(-1.0, 1.0, 999)
+    law = replace(SAID.curves[0], law=spread_over(v, -0.05 * np.sign(v)))
+    write_diagnosis(replace(SAID, curves=(law,)), read_recording(bag), spec, made["diagnosis"])
+    write_comparison(compare(motions_at([str(bag), "paper"]), only=["x1", "a1.force"]), made["compare"])
+    return made | {"reproduce": reproduce(folder / "paper", ["figure02"]).page}
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    opened = Browser(tmp_path_factory.mktemp("profile"))
+    yield opened
+    opened.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_page_complains_of_nothing_asks_nobody_and_fits_a_phone(
+    browser: Browser, pages: dict[str, Path], name: str
+) -> None:
+    browser.open(pages[name], 390, phone=True)
+    assert browser.complaints == []
+    assert browser.requests == []
+    assert browser.evaluate("document.documentElement.scrollWidth") == 390
+
+
+@pytest.mark.parametrize("name", WITH_PLOTS)
+def test_a_finger_that_swipes_over_a_plot_scrolls_the_page(
+    browser: Browser, pages: dict[str, Path], name: str
+) -> None:
+    browser.open(pages[name], 390, phone=True)
+    top = browser.evaluate(
+        "(document.querySelector('.live').scrollIntoView({block: 'center'}), window.scrollY)"
+    )
+    browser.swipe()
+    assert browser.evaluate("window.scrollY") > top + 200
+
+
+@pytest.mark.parametrize("name", WITH_PLOTS)
+@pytest.mark.parametrize("width", [1600, 390])
+def test_every_figure_is_whole_on_paper_however_wide_the_window_was(
+    browser: Browser, pages: dict[str, Path], name: str, width: int
+) -> None:
+    browser.open(pages[name], width)
+    browser.evaluate(f"addEventListener('beforeprint', () => {{ window.cut = {CUT}; }})")
+    browser.evaluate(
+        "addEventListener('beforeprint', () => { window.sheets = "
+        "[...document.querySelectorAll('.on-paper')].map(one => one.getBoundingClientRect().width); })"
+    )
+    assert browser.printed().startswith(b"%PDF")
+    sheets = browser.evaluate("window.sheets")
+    assert len(sheets) == browser.evaluate("document.querySelectorAll('figure.plot').length") > 0
+    assert browser.evaluate("window.cut") == 0
+    assert max(sheets) < 182 / 25.4 * 96 + 1
+    assert browser.evaluate("document.querySelectorAll('.on-paper').length") == 0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_keyboard_reaches_every_control(browser: Browser, pages: dict[str, Path], name: str) -> None:
+    browser.open(pages[name])
+    browser.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    wanted = browser.evaluate(REACHABLE)
+    browser.evaluate(
+        f"window.reached = [], addEventListener('focusin', () => window.reached.push({FOCUSED}))"
+    )
+    plots = browser.evaluate("document.querySelectorAll('.live').length")
+    for _ in range(len(wanted) + plots + 20):
+        browser.press("Tab")
+    assert set(wanted) <= set(browser.evaluate("window.reached"))
+
+
+def test_a_control_does_what_it_says(browser: Browser, pages: dict[str, Path]) -> None:
+    browser.open(pages["report"])
+    view = "[...Bokeh.index.roots].find(one => one.model.toolbar)"
+    whole = browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start")
+    press = "[...document.querySelectorAll('.bar button')].find(one => one.{}).click()"
+    browser.evaluate(press.format("ariaLabel === 'zoom in'"))
+    assert browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start") < 0.6 * whole
+    browser.evaluate(press.format("ariaLabel === 'show all'"))
+    assert browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start") == whole
+    browser.evaluate(press.format("textContent === 'x1 plant'"))
+    assert browser.evaluate(f"{view}.model.renderers.find(one => one.name === 'x1 plant').visible") is False
+
+
+def test_a_figure_leaves_the_page_as_svg_and_csv(
+    browser: Browser, pages: dict[str, Path], tmp_path: Path
+) -> None:
+    browser.open(pages["report"], dark=True)
+    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    for kind in ("SVG", "CSV"):
+        browser.evaluate(
+            f"[...document.querySelectorAll('.bar button')].find(one => one.textContent === '{kind}').click()"
+        )
+        browser.evaluate("new Promise(done => setTimeout(done, 300))")
+    svg, csv = (
+        tmp_path / f"hybrid-test-loop-mcap-position-beside-the-ideal-system.{kind}" for kind in ("svg", "csv")
+    )
+    drawn = svg.read_text()
+    assert "x1 plant" in drawn and palette()["--curve-1"] in drawn and "<image" not in drawn
+    head, first, *_ = csv.read_text().splitlines()
+    assert '"x1 plant: position (m)"' in head.split(",")
+    assert float(first.split(",")[head.split(",").index('"x1 plant: position (m)"')]) == 0.5
+
+
+@pytest.mark.parametrize("name", WITH_PLOTS)
+def test_plots_take_the_colours_of_the_dark(browser: Browser, pages: dict[str, Path], name: str) -> None:
+    browser.open(pages[name], dark=True)
+    paper = browser.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper').trim()")
+    assert paper != palette()["--paper"]
+    fills = (
+        "[...Bokeh.index.roots].filter(one => one.model.toolbar).map(one => one.model.background_fill_color)"
+    )
+    shown = {one["value"] if isinstance(one, dict) else one for one in browser.evaluate(fills)}
+    assert shown == {paper}
+
+
+@pytest.mark.parametrize("name", WITH_PLOTS)
+def test_every_plot_has_words_for_who_does_not_see_it_and_units(pages: dict[str, Path], name: str) -> None:
+    told = re.findall(r'role="img" aria-label="([^"]+)"', pages[name].read_text(encoding="utf-8"))
+    plots = [one for one in told if "Over " in one]
+    assert len(plots) >= 2
+    assert all(re.search(r"\((m|m/s|N|J|ms|s|%)\)", one) for one in plots)
+
+
+def test_no_two_colours_of_the_palette_are_the_same_so_that_each_has_its_own_in_the_dark() -> None:
+    assert len(set(palette().values())) == len(palette()) > 20

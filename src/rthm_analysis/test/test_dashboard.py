@@ -86,7 +86,7 @@ def test_where_samples_were_not_heard_there_is_a_gap_and_no_error(messages) -> N
 
     test, last = watched([message for message in messages if heard(message)])
     shown = columns(test)
-    gap = (shown["t"] > 1.021) & (shown["t"] < 1.5)
+    gap = (shown["t"] > 1.001) & (shown["t"] < 1.5)
     assert np.isnan(shown["x1"][gap]).all()
     assert np.isfinite(shown["x1"][~gap]).all()
     assert np.isfinite(shown["x2"]).all()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.live import FAR_NS
 from rthm_analysis.recording.raw import RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
@@ -65,6 +66,7 @@ class Waiting:
     def __init__(self) -> None:
         self._raw: dict[str, RawTopic] = {}
         self._tails: dict[str, Table] = {}
+        self._newest = 0
 
     def take(self, topic: str, message: bytes) -> None:
         """Keep a message of one of `TOPICS`."""
@@ -82,12 +84,19 @@ class Waiting:
                 uses = link_table(waiting)[0]
                 links[topic.removeprefix("links/")] = uses.rows(np.flatnonzero(uses.use_ns >= begin_ns))
                 continue
-            table = joint_table(waiting)[0]
-            table = table.rows(np.flatnonzero(table.stamp_ns >= begin_ns))
+            table = self._within(joint_table(waiting)[0], begin_ns)
             if len(table):
                 tables[topic] = self._with_tail(topic, table)
                 self._tails[topic] = _end_of(tables[topic])
         return Fresh(tables, links)
+
+    def _within(self, table: Table, begin_ns: int) -> Table:
+        """Samples of the test; one that is far ahead of all others has a wrong stamp."""
+        stamps = table.stamp_ns[table.stamp_ns >= begin_ns]
+        until = (self._newest or int(stamps.min(initial=np.iinfo(np.int64).max - FAR_NS))) + FAR_NS
+        table = table.rows(np.flatnonzero((table.stamp_ns >= begin_ns) & (table.stamp_ns <= until)))
+        self._newest = int(table.stamp_ns.max(initial=self._newest))
+        return table
 
     def _with_tail(self, topic: str, table: Table) -> Table:
         tail = self._tails.get(topic)

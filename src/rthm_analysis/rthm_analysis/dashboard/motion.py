@@ -20,10 +20,13 @@ STEP = NS // 50
 """Distance of the rows, ns: ten to a period of 5 Hz."""
 
 LAG = NS // 20
-"""How far the rows stay behind the newest sample of the plant, ns: other topics have come as far by then."""
+"""How far the rows stay behind the newest sample, ns: other topics have come as far by then."""
 
 GAP = 3
 """Periods without a sample from which on none was heard."""
+
+SIDES = ("plant/state", "numerical/state")
+"""Topics of which the newer one tells how far the test has come."""
 
 MOST = 2000
 """Rows at once: of a longer pause only the end is shown."""
@@ -84,20 +87,23 @@ class Motion:
 
     def rows(self, fresh: Fresh, begin_ns: int) -> Floats:
         """Return the rows that are due, (rows, names); what nobody published is NaN."""
-        plant = fresh.tables.get("plant/state")
-        if plant is None:
-            return np.empty((0, len(self.names)))
-        stop = int(plant.stamp_ns[-1] - LAG - begin_ns) // STEP + 1
-        heard = -(int(begin_ns - plant.stamp_ns[0]) // STEP)
-        first = max(self._next, heard, stop - MOST)
-        if stop <= first:
-            return np.empty((0, len(self.names)))
-        self._next = stop
+        first, stop = self._due(fresh, begin_ns)
+        self._next = max(stop, self._next)
         instants = np.arange(first, stop, dtype=np.int64) * STEP
         held = [_held(fresh, column, instants + begin_ns) for column in self._columns]
         ideal = self.ideal.rows(first, stop) if self._whole else np.full((stop - first, self._dofs), np.nan)
         self.error.add(held[0], ideal)
         return np.column_stack([instants / NS, *held, ideal])
+
+    def _due(self, fresh: Fresh, begin_ns: int) -> tuple[int, int]:
+        """Number of the first row that is due, and of the first that is not."""
+        heard = [fresh.stamps(topic)[[0, -1]] for topic in SIDES if topic in fresh.tables]
+        if not heard:
+            return 0, 0
+        stop = int(max(last for _, last in heard) - LAG - begin_ns) // STEP + 1
+        first = -(int(begin_ns - min(first for first, _ in heard)) // STEP)
+        first = max(self._next, first, stop - MOST)
+        return first, max(stop, first)
 
 
 def _held(fresh: Fresh, column: Columns, at: Integers) -> Floats:
@@ -106,5 +112,6 @@ def _held(fresh: Fresh, column: Columns, at: Integers) -> Floats:
     if not stamps.size:
         return np.full((len(at), len(column.names)), np.nan)
     values = hold(stamps, fresh.columns(column.topic, column.field, column.names), at)
-    unheard = at - hold(stamps, stamps, at) > max(GAP * column.period, STEP)
+    age = at - hold(stamps, stamps, at)
+    unheard = (age < 0) | (age > max(GAP * column.period, STEP))
     return np.where(unheard[:, None], np.nan, values)

@@ -32,7 +32,7 @@ class Hub:
         self.shown: Mapping[str, Any] = WAITING
         self.abort = threading.Event()
         self.changing = threading.Condition()
-        self._number = 0
+        self._number, self._closed = 0, False
         self._test: RunningTest | None = None
 
     def look(self, test: RunningTest | None, beside: Mapping[str, Any]) -> None:
@@ -43,10 +43,19 @@ class Hub:
             self._number += 1
             self.changing.notify_all()
 
+    def close(self) -> None:
+        """Let all pages go."""
+        with self.changing:
+            self._closed = True
+            self.changing.notify_all()
+
     def follow(self) -> Iterator[tuple[str, str]]:
-        """Yield events for a page, name and JSON: ``layout`` of a test that is new to it, and ``now``."""
+        """Yield events for a page, name and JSON: ``layout`` of a test that is new to it, and ``now``.
+
+        Ends when the hub is closed.
+        """
         number, test, counts = -1, None, [0, 0]
-        while True:
+        while not self._closed:
             with self.changing:
                 if self._number == number:
                     self.changing.wait(QUIET)

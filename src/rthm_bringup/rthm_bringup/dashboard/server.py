@@ -82,7 +82,9 @@ class Server(ThreadingHTTPServer):
         return f"http://{HOST}:{self.server_port}/?token={self.token}"
 
     def close(self) -> None:
-        """Free the port."""
+        """End, and let all pages go."""
+        self.hub.close()
+        self.shutdown()
         self.server_close()
 
     def handle_error(self, request: Any, client_address: Any) -> None:

@@ -70,7 +70,7 @@ class Dashboard:
                 while True:
                     self._show(self._found())
             except KeyboardInterrupt:
-                self.server.shutdown()
+                return
 
     def _found(self) -> Network:
         """Network of the next test; what there was before is shown until there is one."""

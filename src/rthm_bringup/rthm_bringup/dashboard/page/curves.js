@@ -18,6 +18,14 @@ export function digits(value, count = 3) {
   return text.replace("-", "−");
 }
 
+// A value that changes ten times a second: always as many digits, so that nothing jumps.
+export function steady(value) {
+  if (value === null || value === undefined) return "–";
+  const size = Math.abs(value);
+  const text = size < 1e-9 ? "0.00" : size >= 1e5 || size < 1e-4 ? value.toExponential(2) : value.toPrecision(3);
+  return (size >= 1e3 && size < 1e5 ? value.toFixed(0) : text).replace("-", "−");
+}
+
 // Distances of lines of a grid: 1, 2 or 5 times a power of ten, about `lines` of them.
 function spacing(range, lines) {
   const raw = range / lines, power = 10 ** Math.floor(Math.log10(raw));
@@ -59,7 +67,7 @@ export class Curves {
     this.lines(x, y, begin, end, low, high, width, height);
     for (const one of this.series) {
       one.path.setAttribute("d", path(this.rows, one.column, x, y));
-      one.value.textContent = `${digits(this.rows.at(-1)[one.column])} ${this.unit}`;
+      one.value.textContent = `${steady(this.rows.at(-1)[one.column])} ${this.unit}`;
     }
     const told = this.series.map((one) => `${one.label} ${one.value.textContent}`);
     this.svg.setAttribute("aria-label", `${this.title} over the last ${this.span} s; now ${told.join(", ")}`);

@@ -31,7 +31,7 @@ function layout(test) {
     [new Curves($("force"), "Force", "N", force, test.window), 0],
     [new Curves($("energy"), "Energy", "J", energy, test.window), 1],
   ];
-  rig = new Rig($("rig"), test.pulls, test.columns);
+  rig = new Rig($("rig"), $("rig-words"), test.pulls, test.columns);
   newest = null;
   ran = false;
 }

@@ -1,11 +1,12 @@
 // The rig: of every actuator the plant's mass, the wire, the motor, and the mass of the numerical side below.
-import { digits, draw } from "./curves.js";
+import { draw, steady } from "./curves.js";
 
 const HEIGHT = 168, SIZE = 44, RAIL = 66, LOWER = 140;
 
 export class Rig {
-  constructor(svg, pulls, columns) {
+  constructor(svg, words, pulls, columns) {
     this.svg = svg;
+    this.words = words;
     this.reach = 1e-6;
     this.pulls = pulls.map((pull) => ({
       ...pull,
@@ -21,6 +22,7 @@ export class Rig {
     const width = this.width = this.svg.clientWidth || 600;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT * this.pulls.length}`);
     this.svg.replaceChildren();
+    this.words.replaceChildren();
     this.pulls.forEach((pull, row) => this.buildOne(pull, draw("g", { transform: `translate(0 ${row * HEIGHT})` }, this.svg)));
   }
 
@@ -50,8 +52,6 @@ export class Rig {
     pull.boxes.motor = moving();
     draw("circle", { class: "motor", cx: 0, cy: RAIL - SIZE / 2, r: 17 }, pull.boxes.motor);
     draw("text", { class: "name", x: 0, y: RAIL - SIZE / 2 + 5 }, pull.boxes.motor).textContent = pull.motor;
-    pull.words = draw("text", { x: 0.64 * this.width, y: LOWER - 24 }, group);
-    pull.more = draw("text", { x: 0.64 * this.width, y: LOWER - 6 }, group);
   }
 
   show(row) {
@@ -71,10 +71,21 @@ export class Rig {
       pull.wire.style.transform = `translate(${from}px, 0) scale(${Math.max(to - from, 1)}, 1)`;
       pull.interface.setAttribute("x1", place("plant"));
       pull.interface.setAttribute("x2", place("numerical"));
-      pull.words.textContent = `${pull.plant} ${digits(value("plant"))} m, ${pull.numerical} ${digits(value("numerical"))} m`;
-      pull.more.textContent = `wire ${digits(value("force"))} N`;
-      told.push(`${pull.words.textContent}, ${pull.more.textContent}`);
+      told.push([pull.plant, `${steady(value("plant"))} m`], [pull.numerical, `${steady(value("numerical"))} m`],
+        [`motor ${pull.motor}`, `${steady(value("motor"))} m`], [`wire ${pull.motor}`, `${steady(value("force"))} N`]);
     }
-    this.svg.setAttribute("aria-label", `Rig: ${told.join("; ")}`);
+    this.tell(told);
+  }
+
+  tell(told) {
+    this.svg.setAttribute("aria-label", `Rig: ${told.map((one) => one.join(" ")).join(", ")}`);
+    told.forEach(([name, value], i) => {
+      let item = this.words.children[i];
+      if (!item) {
+        item = this.words.appendChild(document.createElement("li"));
+        item.append(name, document.createElement("b"));
+      }
+      item.lastChild.textContent = value;
+    });
   }
 }

@@ -128,6 +128,7 @@ def browser() -> Iterator[Tab]:
             port = _port(Path(log.name), process)
             socket = loop.run_until_complete(_connect(port))
             yield Tab(loop, socket)
+            loop.run_until_complete(_close(socket))
         finally:
             process.terminate()
             process.wait(PATIENCE)
@@ -148,6 +149,12 @@ def _port(log: Path, process: subprocess.Popen[bytes]) -> int:
 
 async def _send(socket: WebSocketClientConnection, message: str) -> None:
     await socket.write_message(message)
+
+
+async def _close(socket: WebSocketClientConnection) -> None:
+    socket.close()
+    while await socket.read_message() is not None:
+        pass
 
 
 async def _received(socket: WebSocketClientConnection) -> str | bytes | None:

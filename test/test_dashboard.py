@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -16,13 +17,15 @@ import pytest
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 RTHM = [sys.executable, "-m", "rthm_bringup"]
+PLACE = ["--namespace", f"/shown_{os.getpid()}"]
 
 
 @pytest.fixture
 def address(environment: dict[str, str], tmp_path: Path) -> Iterator[str]:
     """A dashboard's address; at its end it writes shown.json."""
-    command = [*RTHM, "dashboard", "--port", "0", "--json", str(tmp_path / "shown.json")]
-    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as dashboard:
+    command = [*RTHM, "dashboard", *PLACE, "--port", "0", "--json", str(tmp_path / "shown.json")]
+    anywhere = {name: value for name, value in environment.items() if name != "ROS_DOMAIN_ID"}
+    with subprocess.Popen(command, env=anywhere, stdout=subprocess.PIPE, text=True) as dashboard:
         assert dashboard.stdout is not None
         yield re.findall(r"http://\S+", dashboard.stdout.readline())[0]
         dashboard.send_signal(signal.SIGINT)
@@ -54,7 +57,7 @@ def test_a_run_is_found_shown_aborted_and_becomes_its_report(
 ) -> None:
     assert shown(address, lambda data: True)["state"] == "waiting"
     out = tmp_path / "out"
-    command = [*RTHM, "run", "paper", "--duration", "60", "--out", str(out), "--json", "-"]
+    command = [*RTHM, "run", "paper", *PLACE, "--duration", "60", "--out", str(out), "--json", "-"]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as run:
         seen = shown(address, lambda data: data["state"] == "running" and data["at"] > 2.0)
         assert seen["duration"] == 60.0

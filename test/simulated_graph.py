@@ -17,7 +17,7 @@ from rthm_core.ros.messages import JointStateWriter, TimeReferenceWriter
 from rthm_core.spec import Spec
 
 BEGIN = 1_700_000_000 * NS
-BESIDE = {"cost": 0.05, "can_abort": True, "report": None}
+BESIDE = {"cost": 0.05, "report": None}
 
 
 def messages(spec: Spec, duration: float) -> Iterator[tuple[str, int, bytes]]:

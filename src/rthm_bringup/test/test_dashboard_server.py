@@ -68,6 +68,8 @@ def test_a_name_that_was_made_to_point_here_gets_nothing(server) -> None:
 
 
 def test_a_page_of_another_site_cannot_press_the_button(server, hub) -> None:
+    aborts: list[str] = []
+    hub.abort = lambda: aborts.append("asked for")
     own = f"http://127.0.0.1:{server.server_port}"
     pressed = {
         "another origin": ask(server, "/abort", "POST", Origin="http://evil.example", X_Token=server.token),
@@ -78,9 +80,17 @@ def test_a_page_of_another_site_cannot_press_the_button(server, hub) -> None:
         "a link": ask(server, f"/abort?token={server.token}", Origin=own),
     }
     assert {name: one.status for name, one in pressed.items() if one.status not in (403, 404)} == {}
-    assert not hub.abort.is_set()
+    assert aborts == []
     assert ask(server, "/abort", "POST", Origin=own, X_Token=server.token).status == 200
-    assert hub.abort.is_set()
+    assert aborts == ["asked for"]
+
+
+def test_where_no_test_goes_on_nothing_is_aborted_then_or_later(server, hub) -> None:
+    assert ask(server, "/abort", "POST", X_Token=server.token).status == 409
+    aborts: list[str] = []
+    hub.abort = lambda: aborts.append("asked for")
+    hub.look(None, BESIDE)
+    assert aborts == []
 
 
 def test_the_page_may_load_nothing_from_elsewhere_and_nobody_may_frame_it(server) -> None:

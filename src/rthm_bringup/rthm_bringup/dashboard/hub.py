@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,15 +22,15 @@ class Hub:
     ----------
     shown : dict
         The newest snapshot.
-    abort : threading.Event
-        Set when a page asks for an abort, until somebody has done so.
+    abort : callable or None
+        Asks for an abort of the test that is shown; None: there is no test, or nobody to ask.
     changing : threading.Condition
         Held by whoever changes what is shown.
     """
 
     def __init__(self) -> None:
         self.shown: Mapping[str, Any] = WAITING
-        self.abort = threading.Event()
+        self.abort: Callable[[], None] | None = None
         self.changing = threading.Condition()
         self._number, self._closed = 0, False
         self._test: RunningTest | None = None
@@ -39,7 +39,8 @@ class Hub:
         """Show what a test has come to, with what is known beside it; None: there is no test."""
         with self.changing:
             self._test = test
-            self.shown = {**(test.look() if test else WAITING), **beside}
+            can_abort = {"can_abort": self.abort is not None}
+            self.shown = {**(test.look() if test else WAITING), **can_abort, **beside}
             self._number += 1
             self.changing.notify_all()
 

@@ -122,11 +122,13 @@ class Page(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.FORBIDDEN, "Only the page of this dashboard may ask for this.")
         elif not self._is_known(self.headers.get(TOKEN, "")):
             self._refuse(HTTPStatus.FORBIDDEN, "The token is missing, or is that of another dashboard.")
-        elif self.path == "/abort":
-            self.server.hub.abort.set()
-            self._give(b"asked for", "text/plain")
-        else:
+        elif self.path != "/abort":
             self._refuse(HTTPStatus.NOT_FOUND, "There is nothing of that name to be done.")
+        elif (abort := self.server.hub.abort) is None:
+            self._refuse(HTTPStatus.CONFLICT, "No test is going on.")
+        else:
+            abort()
+            self._give(b"asked for", "text/plain")
 
     def log_message(self, format: str, *args: Any) -> None:
         """Say nothing on the terminal."""

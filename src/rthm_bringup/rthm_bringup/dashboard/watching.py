@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from rthm_analysis.dashboard import RunningTest
     from rthm_bringup.dashboard.watcher_node import Watcher
 
-PERIOD, TURN = 0.1, 0.02
-"""Between two snapshots, and between two looks at whether a page asks for an abort, s."""
+PERIOD = 0.1
+"""Between two snapshots, s."""
 SEARCH = 0.5
 """Between two looks for a run on this host, s."""
 LOOPBACK = Path(__file__).with_name("loopback.xml")
@@ -89,6 +89,7 @@ class Dashboard:
         with closing(Watcher(network)) as watcher:
             while not watcher.over and not self._has_gone(network):
                 self._listen(watcher)
+            self.hub.abort = None
             if watcher.test is None:
                 return
             watcher.test.end()
@@ -99,21 +100,17 @@ class Dashboard:
 
     def _listen(self, watcher: Watcher) -> None:
         """Take what comes in a period, and show it."""
-        end = time.monotonic() + PERIOD
-        while (left := end - time.monotonic()) > 0.0:
-            if self.hub.abort.is_set():
-                self.hub.abort.clear()
-                watcher.abort()
-            time.sleep(min(left, TURN))
+        time.sleep(PERIOD)
         with self.hub.changing:
             watcher.take()
             self._unread = watcher.unread
             if watcher.test not in (None, self._test):
                 self._test, self._report = watcher.test, None
-            self._look(watcher.test is not None and watcher.can_abort)
+            self.hub.abort = watcher.abort if watcher.test and watcher.can_abort else None
+            self._look()
 
-    def _look(self, can_abort: bool = False) -> None:
-        beside: dict[str, Any] = {"cost": self._cost.share(), "can_abort": can_abort, "report": None}
+    def _look(self) -> None:
+        beside: dict[str, Any] = {"cost": self._cost.share(), "report": None}
         if self._unread:
             beside["words"] = self._unread
         if self._report is not None:

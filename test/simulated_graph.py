@@ -15,6 +15,7 @@ from rthm_core.clock import NS
 from rthm_core.engine import simulate
 from rthm_core.ros.messages import JointStateWriter, TimeReferenceWriter
 from rthm_core.spec import Spec
+from rthm_core.substructure import interface
 
 BEGIN = 1_700_000_000 * NS
 BESIDE = {"cost": 0.05, "report": None}
@@ -23,46 +24,28 @@ BESIDE = {"cost": 0.05, "report": None}
 def messages(spec: Spec, duration: float) -> Iterator[tuple[str, int, bytes]]:
     """Topic, stamp (ns after the start) and bytes of what a test publishes, on a grid of 2 ms."""
     loop, run = spec.loop(), simulate(spec, duration, 0.002)
-    names = loop.actuator.names
+    names, energies = loop.actuator.names, run.all_energies()
     plant = JointStateWriter((*loop.plant.dofs, *names)).bytes
     numerical = JointStateWriter(loop.numerical.dofs).bytes
     forces = JointStateWriter(names, ["effort"]).bytes
     commands = JointStateWriter(names, ["position", "effort"]).bytes
-    terms = [*run.all_energies()]
-    energy = JointStateWriter(terms, ["effort"]).bytes
-    motor = run.plant_position + run.actuator_force / np.array(spec.k_tot)
+    energy = JointStateWriter([*energies], ["effort"]).bytes
+    motor = run.plant_position[:, interface(spec).plant] + run.actuator_force / np.array(spec.k_tot)
+    unknown, no_load = np.full(len(names), np.nan), np.zeros(len(loop.plant.dofs))
     for k, t in enumerate(run.t):
         at = round(t * NS)
-        x1, v1, x2, v2, u = (
-            values[k]
-            for values in (
-                run.plant_position,
-                run.plant_velocity,
-                run.numerical_position,
-                run.numerical_velocity,
-                motor,
-            )
-        )
-        loads = [0.0] * len(x1)
-        yield (
-            "plant/state",
-            at,
-            plant(
-                BEGIN + at,
-                np.concatenate([x1, u]),
-                np.concatenate([v1, u * np.nan]),
-                np.concatenate([loads, run.actuator_force[k]]),
-            ),
-        )
-        yield "actuator/command", at, commands(BEGIN + at, u, run.force_reference[k])
+        stamp, F_d = BEGIN + at, run.force_reference[k]
+        x1, x2 = np.append(run.plant_position[k], motor[k]), run.numerical_position[k]
+        v1, v2 = np.append(run.plant_velocity[k], unknown), run.numerical_velocity[k]
+        yield "plant/state", at, plant(stamp, x1, v1, np.append(no_load, run.actuator_force[k]))
+        yield "actuator/command", at, commands(stamp, motor[k], F_d)
         if k % 6 == 0:
-            yield "numerical/state", at, numerical(BEGIN + at, x2, v2, x2 * 0.0)
-            yield "numerical/force_reference", at, forces(BEGIN + at, run.force_reference[k])
+            yield "numerical/state", at, numerical(stamp, x2, v2, x2 * 0.0)
+            yield "numerical/force_reference", at, forces(stamp, F_d)
         for link in ("tau1", "tau2", "tau3", "tau4"):
-            used = at - loop.timing.ns(link)
-            yield f"links/{link}", at, TimeReferenceWriter(link).bytes(BEGIN + at, BEGIN + used)
+            yield f"links/{link}", at, TimeReferenceWriter(link).bytes(stamp, stamp - loop.timing.ns(link))
         if k % 50 == 0:
-            yield "energy", at, energy(BEGIN + at, [run.all_energies()[term][k] for term in terms])
+            yield "energy", at, energy(stamp, [values[k] for values in energies.values()])
 
 
 def running(spec: Spec, hub: Hub, duration: float = 12.0) -> RunningTest:

@@ -19,7 +19,7 @@ function layout(test) {
   const motors = test.pulls.map((pull) => pull.motor), numerical = [...new Set(test.pulls.map((pull) => pull.numerical))];
   const motion = test.dofs.flatMap((dof, i) => [
     { label: dof, column: column(dof), look: LOOKS[2 * i % 8] },
-    { label: `${dof}, ideal system`, column: column(`${dof}.ideal`), look: "c7 dashed" },
+    { label: `${dof}, ideal system`, column: column(`${dof}.ideal`), look: test.dofs.length > 1 ? `${LOOKS[2 * i % 8]} dashed` : "c7 dashed" },
   ]).concat(numerical.map((dof, i) => ({ label: dof, column: column(dof), look: LOOKS[(2 * i + 1) % 8] })));
   const force = motors.flatMap((motor, i) => [
     { label: `${motor}, reference F_d`, column: column(`${motor}.reference`), look: `${LOOKS[(2 * i + 1) % 8]} dashed` },
@@ -34,15 +34,16 @@ function layout(test) {
   rig = new Rig($("rig"), $("rig-words"), test.pulls, test.columns);
   newest = null;
   ran = false;
+  document.body.classList.add("test");
 }
 
 function now(shown) {
   head(shown);
   report(shown.report);
   shown.rows[0].length && (newest = shown.rows[0].at(-1));
-  for (const [curves, which] of drawings) { curves.add(shown.rows[which]); curves.show(); }
-  rig?.show(newest);
-  text($("cost"), `This page's server takes ${digits(100 * shown.cost, 2)} % of a processor core, at the lowest priority.`);
+  for (const [curves, which] of drawings) curves.add(shown.rows[which]);
+  redraw();
+  if (shown.cost !== undefined) text($("cost"), `This page's server takes ${digits(100 * shown.cost, 2)} % of a processor core, at the lowest priority.`);
   if (!shown.links) return;
   ran ||= shown.state === "running";
   facts(shown);
@@ -51,6 +52,11 @@ function now(shown) {
   table($("limits"), shown.limits, limit);
   text($("limits-words"), shown.limits.length ? "Bar: now. Mark: largest of the test." : "The spec has no limits that show in samples.");
   log(shown.events);
+}
+
+function redraw() {
+  for (const [curves] of drawings) curves.show();
+  rig?.show(newest);
 }
 
 function head(shown) {
@@ -182,6 +188,8 @@ $("abort").addEventListener("click", async () => {
     text($("abort-words"), "Not sent! Press a in the terminal of the run.");
   }
 });
+
+window.addEventListener("resize", redraw);
 
 const source = new EventSource(`events?token=${token}`);
 source.addEventListener("layout", (event) => layout(JSON.parse(event.data)));

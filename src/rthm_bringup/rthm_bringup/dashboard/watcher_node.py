@@ -7,12 +7,13 @@ come ten times a second, all at once.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from struct import Struct
 from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
@@ -43,6 +44,14 @@ AGAIN = 1.0
 """Time between two questions, and between two looks at the graph, s."""
 SILENT = 5.0
 """After how long without samples a test without a leader is over, s."""
+
+KINDS = {
+    ParameterType.PARAMETER_BOOL: "bool_value",
+    ParameterType.PARAMETER_INTEGER: "integer_value",
+    ParameterType.PARAMETER_DOUBLE: "double_value",
+    ParameterType.PARAMETER_STRING: "string_value",
+}
+"""Where a parameter of each kind has its value."""
 
 _STAMP = Struct("<iI")
 _DEPTH = 5000  # some seconds, as this process may have to wait for others
@@ -192,7 +201,7 @@ class _Question:
     """Parameters of a node, asked for again and again."""
 
     def __init__(self, client: Any, names: Iterable[str]) -> None:
-        self._client, self._names, self._pending = client, list(names), False
+        self._client, self._names = client, list(names)
         self.answers: dict[str, Any] = {}
 
     def ask(self) -> None:
@@ -207,14 +216,9 @@ class _Question:
 
 
 def _value(parameter: Any) -> Any:
-    """Value of a rcl_interfaces/ParameterValue of one of the kinds that are asked for."""
-    kinds: dict[int, Callable[[], Any]] = {
-        1: lambda: parameter.bool_value,
-        2: lambda: parameter.integer_value,
-        3: lambda: parameter.double_value,
-        4: lambda: parameter.string_value,
-    }
-    return kinds.get(parameter.type, lambda: None)()
+    """Value of a rcl_interfaces/ParameterValue of one of the kinds that are asked for; None of another."""
+    member = KINDS.get(parameter.type)
+    return getattr(parameter, member) if member else None
 
 
 def _stamp(message: bytes) -> int:

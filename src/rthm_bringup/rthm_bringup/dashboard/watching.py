@@ -99,8 +99,8 @@ class Dashboard:
             time.sleep(SEARCH)
 
     def _listen(self, watcher: Watcher) -> None:
-        """Take what comes in a period, and show it."""
-        time.sleep(PERIOD)
+        """Take what has come by the next multiple of the period, and show it."""
+        time.sleep(PERIOD - time.monotonic() % PERIOD)
         with self.hub.changing:
             watcher.take()
             self._unread = watcher.unread

@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import os
 import random
+import re
 import socket
+from pathlib import Path
 
 from rthm_core.errors import InputError
 
@@ -55,8 +57,7 @@ class Leadership:
     """
 
     def __init__(self, domain: int, namespace: str) -> None:
-        digest = hashlib.sha256(namespace.encode()).hexdigest()[:16]
-        lock = _held(f"rthm-run-{domain}-{digest}")
+        lock = _held(_name_of(str(domain), namespace))
         if lock is None:
             raise InputError(
                 f"Another run on this host leads the test in domain {domain}, namespace {namespace}; wait for"
@@ -67,6 +68,20 @@ class Leadership:
     def release(self) -> None:
         """Let another run lead."""
         self._lock.close()
+
+
+def led(namespace: str) -> list[int]:
+    """Domains in which a run on this host leads a test in a namespace.
+
+    Examples
+    --------
+    >>> with_a_run = Leadership(7, "/an_example")
+    >>> led("/an_example")
+    [7]
+    >>> with_a_run.release()
+    """
+    pattern = re.compile(re.escape("@") + _name_of(r"(\d+)", namespace) + "$", re.MULTILINE)
+    return sorted({int(domain) for domain in pattern.findall(Path("/proc/net/unix").read_text())})
 
 
 def wanted(option: int | None, fixed: bool) -> int | None:
@@ -81,6 +96,11 @@ def wanted(option: int | None, fixed: bool) -> int | None:
             f"ROS_DOMAIN_ID is {text!r}, but must be a number from 0 to 232; correct or unset it."
         )
     return int(text)
+
+
+def _name_of(domain: str, namespace: str) -> str:
+    """Name that the leader of a test holds."""
+    return f"rthm-run-{domain}-{hashlib.sha256(namespace.encode()).hexdigest()[:16]}"
 
 
 def _claimed(domain: int) -> socket.socket | None:

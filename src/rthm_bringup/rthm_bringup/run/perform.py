@@ -26,7 +26,7 @@ def perform(plan: Plan) -> Result:
     """
     plan.lay_out()
     os.environ.update(plan.network.variables() | {"ROS_LOG_DIR": str(plan.log.absolute())})
-    with Caretaker(), View() as view, _requests_to_end():
+    with Caretaker(), View() as view, requests_to_end():
         from rthm_bringup.run.session import Session  # ROS reads its environment when it is first imported
 
         view.note(f"{ros_in_words()}, {plan.network.place()}, {plan.out}")
@@ -39,7 +39,7 @@ def perform(plan: Plan) -> Result:
 
 
 @contextmanager
-def _requests_to_end() -> Iterator[None]:
+def requests_to_end() -> Iterator[None]:
     """Let a polite request to end be obeyed as Ctrl-C is, which a shell's background job would ignore."""
     before = {
         number: signal.signal(number, signal.default_int_handler)

@@ -82,5 +82,5 @@ def parameters(
     if role in ("recorder", "coordinator"):
         told["spec_file"] = str(spec)
     if role == "recorder" and bag is not None:
-        told["bag"] = str(bag)
+        told["bag"] = str(bag.absolute())  # so that who asks for it finds it from anywhere
     return told

@@ -253,10 +253,10 @@ def _step_size(step, h, error):  # type: ignore[no-untyped-def]
 
 @inlined
 def _is_finite(y):  # type: ignore[no-untyped-def]
+    finite = True
     for i in range(y.size):
-        if not np.isfinite(y[i]):
-            return False
-    return True
+        finite = finite and np.isfinite(y[i])
+    return finite
 
 
 @called

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from rclpy.lifecycle import LifecycleNode
+from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
@@ -33,7 +34,7 @@ class Listener:
 
     def __init__(
         self,
-        node: PollingNode,
+        node: PollingNode | Onlooker,
         message_type: Any,
         topic: str,
         qos: QoSProfile,
@@ -70,7 +71,7 @@ class Mailbox(Listener):
         As for a listener.
     """
 
-    def __init__(self, node: PollingNode, message_type: Any, topic: str, qos: QoSProfile) -> None:
+    def __init__(self, node: PollingNode | Onlooker, message_type: Any, topic: str, qos: QoSProfile) -> None:
         super().__init__(node, message_type, topic, qos, lambda message, info: None)
         self._type = message_type
         node.unserved.add(self.subscription)
@@ -88,8 +89,8 @@ class Mailbox(Listener):
         super().close()
 
 
-class PollingNode(LifecycleNode):  # type: ignore[misc]
-    """Lifecycle node that keeps the subscriptions of its mailboxes from its executor.
+class Polling:
+    """Makes a node keep the subscriptions of its mailboxes from its executor.
 
     Attributes
     ----------
@@ -99,9 +100,17 @@ class PollingNode(LifecycleNode):  # type: ignore[misc]
 
     def __init__(self, name: str, **options: Any) -> None:
         self.unserved: set[Subscription] = set()
-        super().__init__(name, **options)
+        super().__init__(name, **options)  # type: ignore[call-arg]
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
         """Subscriptions that an executor serves."""
-        return (one for one in super().subscriptions if one not in self.unserved)
+        return (one for one in super().subscriptions if one not in self.unserved)  # type: ignore[misc]
+
+
+class PollingNode(Polling, LifecycleNode):  # type: ignore[misc]
+    """Lifecycle node with mailboxes."""
+
+
+class Onlooker(Polling, Node):  # type: ignore[misc]
+    """Node with mailboxes that is no part of a test."""

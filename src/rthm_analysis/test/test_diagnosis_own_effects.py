@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.result import Part, Value
 from rthm_analysis.diagnosis.search.judging import imitates
-from rthm_core.effects import base, load_effects, own
+from rthm_core.effects import load_effects, own, registry
 
 from .plain import plant, recorded
 
@@ -45,11 +45,11 @@ class Ripple(PlantLaw):
 
 @pytest.fixture
 def ripple(tmp_path: Path) -> Iterator[None]:
-    before = set(base.declared())
+    before = set(registry.declared())
     (tmp_path / "ripple.py").write_text(LAW)
     load_effects([tmp_path / "ripple.py"])
     yield
-    base.forget(one for one in base.declared() if one not in before)
+    registry.forget(one for one in registry.declared() if one not in before)
     own._LOADED.clear()
 
 

@@ -23,7 +23,8 @@ from rthm_bringup.cli.main import application
 from rthm_bringup.cli.output import plain, table
 from rthm_bringup.cli.pace import Pace
 from rthm_bringup.cli.reference import reference
-from rthm_core.effects.base import BLOCKS, effect, family, kinds
+from rthm_core.effects import BLOCKS, effect, kinds
+from rthm_core.effects.blocks import family
 from rthm_core.spec import read_spec, shipped_names, shipped_spec
 
 

@@ -14,8 +14,10 @@ import numpy as np
 from rthm_core.chance import normal, uniform
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Integers
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
+    from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
 
 NEVER = np.iinfo(np.int64).max
@@ -37,27 +39,25 @@ class Link:
     Attributes
     ----------
     delay_ns : int
-        Constant part of the delay: tau and the link's ``extra_delay`` and ``clock_offset``.
+        Constant part of the delay: tau, what effects add to it, and by what they move the stamps.
     beside_ns : int
         The latter two, of either sign.
     offset_ns : int
-        By how much the stamps of arriving samples are ahead (effect ``clock_offset``); the receiver waits for
-        them in its own clock.
+        By how much the stamps of arriving samples are ahead; the receiver waits for them in its own clock.
     """
 
     def __init__(self, spec: Spec, name: str) -> None:
         self.name = name
         timing = spec.loop().timing
-        effects = [e for e in spec.effects if e.block == f"link.{name}"]
 
-        def total(kind: str, parameter: str) -> float:
-            return sum(float(e.parameters[parameter]) for e in effects if e.kind == kind)
+        def total(changes: Change) -> float:
+            return sum(sizes(spec.effects, f"link.{name}", changes))
 
-        self.offset_ns = to_ns(total("clock_offset", "offset"))
-        self.beside_ns = to_ns(total("extra_delay", "delay")) + self.offset_ns
+        self.offset_ns = to_ns(total("stamps"))
+        self.beside_ns = to_ns(total("delay")) + self.offset_ns
         self.delay_ns = max(0, timing.ns(name) + self.beside_ns)
-        self.jitter = total("jitter", "std")
-        self.loss = total("loss", "fraction")
+        self.jitter = total("spread")
+        self.loss = total("lost")
         self._seed = int(spec.noise.seed)
 
     @property

@@ -20,6 +20,7 @@ import numpy as np
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Integers
 from rthm_core.link import NEVER, Link
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -116,10 +117,9 @@ class Schedule:
         timing = spec.loop().timing
         self.td1, self.td2, self.td3, self.td4 = (timing.ns(name) for name in ("td1", "td2", "td3", "td4"))
         self.links = {name: Link(spec, name) for name in ("tau1", "tau2", "tau3", "tau4")}
-        motors = [e for e in spec.effects if e.block == "motor" and e.kind == "extra_delay"]
         # A clock_offset can leave less of tau4 than a motor faster than it takes off.
         self.motor_delay = max(
-            to_ns(sum(float(e.parameters["delay"]) for e in motors)), -self.links["tau4"].delay_ns
+            to_ns(sum(sizes(spec.effects, "motor", "delay"))), -self.links["tau4"].delay_ns
         )
         none = np.empty(0, dtype=np.int64)
         self._within_span, self._span = Commands(none, none, none, none), (0, 0)

@@ -94,13 +94,13 @@ def interface(spec: Spec) -> Interface:
 
 
 def as_built(spec: Spec, block: str) -> Spec:
-    """The spec that `block` (``"numerical"`` or ``"controller"``) really computes with: nominal, but for its
-    ``wrong_parameter`` effects.
+    """The spec that `block` (``"numerical"`` or ``"controller"``) really computes with: nominal, but for
+    the entries that its effects change.
     """
     wrong = {
         str(e.parameters["name"]): float(e.parameters["value"])
         for e in spec.effects
-        if e.block == block and e.kind == "wrong_parameter"
+        if e.block == block and e.law.changes == "entry"
     }
     if not wrong:
         return spec

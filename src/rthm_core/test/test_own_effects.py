@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rthm_core.effects import base, effect, kinds, load_effects, own
+from rthm_core.effects import effect, kinds, load_effects, own, registry
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
 from rthm_core.spec import apply, read_spec, shipped_spec, spec_at, write_spec
@@ -47,9 +47,9 @@ MARK = "open({mark!r}, 'w').close()\n"
 @pytest.fixture(autouse=True)
 def as_before() -> Iterator[None]:
     """Forget what a test declares."""
-    before = set(base.declared())
+    before = set(registry.declared())
     yield
-    base.forget(one for one in base.declared() if one not in before)
+    registry.forget(one for one in registry.declared() if one not in before)
     own._LOADED.clear()
     own.load_installed.cache_clear()
 
@@ -157,7 +157,7 @@ def test_what_an_installed_package_announces_is_known_without_being_named(
     monkeypatch.syspath_prepend(tmp_path)
     announced(monkeypatch, "announced_mine")
     assert "mine" in kinds("plant") and effect("mine", "plant").kind == "mine"
-    assert not any(one.kind == "mine" for one in base.shipped("plant"))
+    assert not any(one.kind == "mine" for one in registry.shipped("plant"))
 
 
 def test_what_an_installed_package_announces_must_be_a_law_of_force(
@@ -183,10 +183,10 @@ def test_what_an_installed_package_announces_must_be_a_law_of_force(
 def test_a_file_that_declares_nothing_to_compute_with_is_refused_and_leaves_nothing(
     text: str, sentence: str, tmp_path: Path
 ) -> None:
-    before = base.declared()
+    before = registry.declared()
     with pytest.raises(InputError, match=sentence):
         load_effects([file_in(tmp_path, text)])
-    assert base.declared() == before
+    assert registry.declared() == before
 
 
 def test_a_file_that_is_not_there_or_was_changed_is_refused(tmp_path: Path) -> None:

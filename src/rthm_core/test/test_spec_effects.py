@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from rthm_core.effects import BLOCKS, Effect, EffectParameter, effect, kinds, register
-from rthm_core.effects.base import SENSORS, family
+from rthm_core.effects.blocks import SENSORS, family
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
 

@@ -9,7 +9,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rthm_core.effects.base import BLOCKS, PLACES, effect, kinds
+from rthm_core.effects import BLOCKS, effect, kinds
+from rthm_core.effects.blocks import PLACES
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec import Spec, parameters, read_spec, spec_from_parameters, write_spec
 from rthm_core.spec.building import nested

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
 from rthm_core.effects import effect
+from rthm_core.effects.registry import changing
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -81,6 +82,16 @@ class Fault:
     interval: tuple[float, float] | None = None
     value: float | None = None
     marked: bool = False
+
+
+WRONG_ENTRY = changing("controller", "entry").kind
+"""Kind of a fault of timing or compensator, which is called as that of a block that computes with another
+value."""
+
+
+def wrong_entry(block: str, name: str, words: str, value: float | None) -> Fault:
+    """An entry of the spec with which the test was not run, and the value that it really had."""
+    return Fault(block, WRONG_ENTRY, name, words, None, value)
 
 
 @dataclass(frozen=True)

@@ -38,11 +38,8 @@ BLOCK_WORDS = {
     "sensor.force": "the force sensor",
 }
 
-ADVICE = {
-    ("motor", "extra_delay"): " Compare timing.tau4 in the spec with the delays that the drive and its node "
-    "were set to."
-}
-"""What to look at where software rather than the rig may be the reason."""
+LATE_MOTOR = " Compare timing.tau4 in the spec with the delays that the drive and its node were set to."
+"""What to look at where software rather than the motor may be the reason."""
 
 FAR = 3.0
 """Stated standard deviations from which a new value is said to be far from what was expected."""
@@ -76,7 +73,7 @@ def physics_words(
     more = f" ({', '.join(further)})" if further else ""
     text = f"{said[:1].upper()}{said[1:]}{more}."
     text += "".join(_at_bound(declared, key, v) for key, v in parameters.items() if isinstance(v, Value))
-    text += ADVICE.get((block, kind), "")
+    text += LATE_MOTOR if block == "motor" and declared.changes == "delay" else ""
     if math.isfinite(share) and share > 0.0:
         text += f" It removes {percent(share)} of the squared error on data that the fit has not seen."
     if math.isfinite(energy) and energy:

@@ -6,26 +6,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rthm_core.effects import effect
-from rthm_core.effects.laws import PlantLaw, WireLaw
 from rthm_core.errors import InputError
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-    from rthm_core.spec.schema import EffectSpec
-
-LINEAR = {
-    "motor": ("lag", "second_order", "extra_delay"),
-    "link": ("extra_delay", "clock_offset"),
-    "sensor": ("scale", "lag"),
-    "numerical": ("wrong_parameter",),
-    "controller": ("wrong_parameter",),
-}
-"""Kinds that are linear and constant, by family of blocks; laws of plant and wire say it themselves."""
-
-FORCING = {"plant": ("harmonic_load", "constant_load"), "sensor": ("bias", "drift")}
-"""Kinds that are only a load or an offset: they move the loop without changing its dynamics."""
 
 COMPENSATORS = ("none", "taylor", "polynomial")
 """Compensators whose linear equations are known here."""
@@ -49,9 +34,9 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
     check_compensator(str(spec.loop().actuator.compensator))
     kept, left_out = [], []
     for one in spec.effects:
-        if _linear(one):
+        if one.law.linear:
             kept.append(one.name)
-        elif one.kind not in FORCING.get(one.block.partition(".")[0], ()):
+        elif not one.law.additive:
             left_out.append(f"{one.name} ({one.kind} of {one.place}) is not linear and is left out.")
     slack = [name for name, force in zip(spec.loop().actuator.names, _pretension(spec), strict=True) if force]
     left_out += [f"The wire of {name} is taken as never slack." for name in slack]
@@ -72,13 +57,6 @@ def check_compensator(name: str) -> None:
             f"actuator.compensator is {name!r}, whose linear equations are not known, but must be one of "
             f"{', '.join(COMPENSATORS)}; choose one of them, or simulate the loop."
         )
-
-
-def _linear(one: EffectSpec) -> bool:
-    law = effect(one.kind, one.block)
-    if issubclass(law, PlantLaw | WireLaw):
-        return law.linear
-    return one.kind in LINEAR.get(one.block.partition(".")[0], ())
 
 
 def _pretension(spec: Spec) -> tuple[float, ...]:

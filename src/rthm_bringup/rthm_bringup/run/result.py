@@ -168,7 +168,7 @@ def _analyse(result: Result) -> None:
 def _lost_between_nodes(result: Result) -> list[str]:
     """Samples that a receiver waited for in vain, unless the spec itself has links that lose some."""
     lost = {name: link["lost"] for name, link in result.links.items() if link["lost"]}
-    meant = any(effect.kind == "loss" for effect in result.plan.spec.effects)
+    meant = any(effect.law.changes == "lost" for effect in result.plan.spec.effects)
     whole = not (result.ending.interrupted or result.ending.reason or result.ending.abort)
     return [
         f"{count} samples are missing on the link {name}: they were lost, or never sent."

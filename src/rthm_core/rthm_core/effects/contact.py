@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import EffectParameter, register
+from collections.abc import Iterator
+
+import numpy as np
+
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Seen, Values, between
+from rthm_core.effects.registry import register
 
 
 def _reached(p: Values, seen: Seen) -> tuple[float, float]:
@@ -36,9 +42,32 @@ class EndStop(PlantLaw):
     equation = "F = -k (x - p) - c v where x is beyond p"
     depends_on = ("x", "v")
     words = "a stop at {position}, with a stiffness of {stiffness}, catches {dof}"
+    noun = "an end stop"
+    experiment = "Push {place} slowly against the stop."
     possible = {"position": _reached}
     secondary = ("damping",)
     split = "position"
+    rank = 60
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """A stop on either side, reached for 2 to 30 % of the time."""
+        for side in (1.0, -1.0):
+            for share in (0.02, 0.06, 0.15, 0.3):
+                position = float(np.quantile(side * signals.x, 1.0 - share))
+                if position <= 0.0:
+                    continue
+                depth = rms(np.maximum(side * signals.x - position, 0.0))
+                if depth <= 0.0:
+                    continue
+                k = SMALL * signals.size / depth
+                values = {"position": side * position, "stiffness": k, "damping": 1e-3 * k}
+                yield Guess(values, ("stiffness", "damping"), apart=True)
+
+    @staticmethod
+    def steepest(p: Values) -> tuple[float, float]:
+        """Those of the stop where it is reached."""
+        return p["stiffness"], p["damping"]
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -64,8 +93,20 @@ class Clearance(PlantLaw):
     equation = "F = -k (x - gap sign x) where |x| > gap"
     depends_on = ("x",)
     words = "a spring of {stiffness} acts on {dof}, after a play of {gap} to either side"
+    noun = "a spring with play"
+    experiment = "Push {place} slowly through the gap, both ways."
     possible = {"gap": _played, "stiffness": between(0.0)}
     split = "position"
+    rank = 70
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """A gap left for 10 to 70 % of the time."""
+        for share in (0.1, 0.25, 0.45, 0.7):
+            gap = float(np.quantile(np.abs(signals.x), 1.0 - share))
+            depth = rms(np.maximum(np.abs(signals.x) - gap, 0.0))
+            if depth > 0.0:
+                yield Guess({"gap": gap, "stiffness": SMALL * signals.size / depth}, ("stiffness",))
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

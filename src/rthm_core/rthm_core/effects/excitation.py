@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
-from rthm_core.effects.base import EffectParameter, register
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, in_band
+from rthm_core.effects.registry import register
 
 
 @register
 class HarmonicLoad(PlantLaw):
-    """Unlisted harmonic force."""
+    """Unlisted harmonic force.
+
+    It has no guesses of its own: a search takes tones from the spectrum of what a model leaves.
+    """
 
     kind = "harmonic_load"
     flexible = True
@@ -24,6 +30,12 @@ class HarmonicLoad(PlantLaw):
     equation = "F = A sin(w t + phase)"
     depends_on = ("t",)
     words = "a harmonic force of {amplitude} at {frequency}, which the spec does not list, acts on {dof}"
+    noun = "an unlisted harmonic force"
+    experiment = "Record the rig at rest with everything switched on."
+    additive = True
+    is_tone = True
+    repeats = True
+    rank = 130
     possible = {"frequency": in_band}
     secondary = ("phase",)
     plainer = (Plainer("constant_load", lambda p: {"force": p["amplitude"] * math.sin(p["phase"])}),)
@@ -46,6 +58,16 @@ class ConstantLoad(PlantLaw):
     parameters = {"force": EffectParameter("N", "force along +x")}
     equation = "F = F_0"
     words = "a constant force of {force}, which the spec does not list, acts on {dof}"
+    noun = "an unlisted constant force"
+    experiment = "Record the rig at rest, before and after turning it over."
+    additive = True
+    power = 0
+    rank = 120
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Linear in its force."""
+        yield Guess({"force": SMALL * signals.size}, ("force",), signed=True)
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import EffectParameter, register
+from collections.abc import Iterator
+
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, Possible, Seen, Values, between
+from rthm_core.effects.registry import register
 
 BOUC_WEN_PARAMETERS = {
     "alpha": EffectParameter(
@@ -43,6 +47,28 @@ BOUC_WEN_POSSIBLE: dict[str, Possible] = {
 
 BOUC_WEN_SECONDARY = ("A", "gamma")
 
+BOUC_WEN_ALONG = {"gamma": "beta"}
+
+BOUC_WEN_NOUN = "Bouc-Wen hysteresis"
+
+BOUC_WEN_EXPERIMENT = "Move {place} slowly through growing loops, and draw force over displacement."
+
+
+def loops(signals: Signals, reach: float) -> Iterator[Guess]:
+    """Loops that yield early or late, that bulge (gamma > 0) or pinch and stiffen (gamma < 0)."""
+    for share, n, beta, gamma in (
+        (0.12, 1.0, 0.65, 0.35),
+        (0.3, 1.0, 0.65, 0.35),
+        (0.3, 2.0, 0.65, 0.35),
+        (0.8, 1.0, 0.65, 0.35),
+        (0.8, 1.0, 0.5, -0.5),
+        (2.0, 1.0, 0.5, -0.7),
+    ):
+        z = share * reach
+        alpha, total = SMALL * signals.size / min(z, reach), z**-n
+        values = {"alpha": alpha, "A": 1.0, "beta": beta * total, "gamma": gamma * total, "n": n}
+        yield Guess(values, ("alpha",), fixed=("A",))
+
 
 @register
 class BoucWen(PlantLaw):
@@ -58,11 +84,26 @@ class BoucWen(PlantLaw):
         "the spring at {dof} is hysteretic (Bouc-Wen): its force depends on where the motion last turned; "
         "in small motions it adds a stiffness of {alpha}"
     )
+    noun = BOUC_WEN_NOUN
+    experiment = BOUC_WEN_EXPERIMENT
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY
+    along = BOUC_WEN_ALONG
     plainer = (Plainer("coulomb_friction", lambda p: {"force": yield_force(p)}),)
     states = 1
     split = "velocity"
+    kinked = True
+    rank = 80
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Loops of a hysteretic spring."""
+        yield from loops(signals, rms(signals.x - signals.x.mean()))
+
+    @staticmethod
+    def steepest(p: Values) -> tuple[float, float]:
+        """Slope near zero, where the convention A = 1 holds."""
+        return p["alpha"], 0.0
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

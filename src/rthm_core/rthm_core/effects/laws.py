@@ -23,7 +23,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rthm_core.effects.base import Effect
+from rthm_core.effects.declaration import Effect
+from rthm_core.effects.possible import Values
 
 Parameters = tuple[float, ...]
 
@@ -35,7 +36,6 @@ class PlantLaw(Effect):
     """Force on one dof of the plant, in N, + along +x."""
 
     split: ClassVar[str] = "none"
-    linear: ClassVar[bool] = False
     constant: ClassVar[bool] = False
     """Whether the force depends on the piece alone."""
 
@@ -68,6 +68,13 @@ class PlantLaw(Effect):
         return None
 
     @staticmethod
+    def steepest(p: Values) -> tuple[float, float]:
+        """Slopes of the force over x (N/m) and v (N s/m) by which it can make the motion stiff, given the
+        parameters by name: that called stiffness, if there is one, unless a law says otherwise.
+        """
+        return float(p.get("stiffness", 0.0)), 0.0
+
+    @staticmethod
     def initial(x: float, p: Parameters) -> tuple[float, ...]:
         """Own states in steady state, the dof at rest at `x`."""
         return ()
@@ -82,7 +89,6 @@ class WireLaw(Effect):
     """
 
     order: ClassVar[int] = 0
-    linear: ClassVar[bool] = False
 
     @staticmethod
     def settle(u: float, x: float, k: float, z: list[float], p: list[float]) -> None:

@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import EffectParameter, register
+from collections.abc import Iterator
+
+import numpy as np
+
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, between, in_band, less_than_the_dof, relaxing
+from rthm_core.effects.registry import register
 
 WIDEST = 2.0
 """Largest damping ratio of a memory: beyond, it has no peak and relaxes."""
+
+
+MAXWELL_NOUN = "relaxation (a Maxwell branch)"
+
+MAXWELL_EXPERIMENT = "Hold {place} after a step, and watch the force relax."
+
+
+def relaxations(signals: Signals, reach: float) -> Iterator[Guess]:
+    """Branches that relax slower than, as fast as and faster than a motion of this size."""
+    for ratio in (0.3, 1.0, 3.0):
+        k = SMALL * signals.size / reach
+        values = {"stiffness": k, "damping": k / (ratio * signals.frequency)}
+        yield Guess(values, ("stiffness", "damping"))
 
 
 @register
@@ -30,9 +49,17 @@ class MaxwellBranch(PlantLaw):
         "the spring at {dof} relaxes: a branch of {stiffness} in series with {damping} acts beside "
         "it (Maxwell)"
     )
+    noun = MAXWELL_NOUN
+    experiment = MAXWELL_EXPERIMENT
     possible = {"damping": relaxing}
     states = 1
     linear = True
+    rank = 90
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Relaxation slower than, as fast as and faster than the motion."""
+        yield from relaxations(signals, rms(signals.x - signals.x.mean()))
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -62,10 +89,22 @@ class HiddenMode(PlantLaw):
     equation = "F = m (w^2 (y - x) + 2 zeta w (dy - v)); m ddy = -F"
     depends_on = ("x", "v")
     words = "a hidden resonator of {mass} at {frequency} hangs on {dof}"
+    noun = "a hidden resonator"
+    experiment = "Sweep a sine slowly through the suspected resonance."
+    repeats = True
     possible = {"mass": less_than_the_dof, "frequency": in_band, "damping_ratio": between(0.0, 1.0)}
     secondary = ("damping_ratio",)
     states = 2
     linear = True
+    rank = 100
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Resonators below, at and above the main frequency."""
+        for ratio in np.geomspace(0.45, 4.0, 14):
+            frequency = float(ratio) * signals.frequency
+            values = {"mass": 0.01 * signals.mass, "frequency": frequency, "damping_ratio": 0.05}
+            yield Guess(values, ("mass",))
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -99,6 +138,8 @@ class FluidMemory(PlantLaw):
         "the waves that {dof} makes in the fluid act back on it (radiation force): strongest near "
         "{frequency}, with a gain of {gain}"
     )
+    noun = "radiation of a fluid"
+    experiment = "Sweep a sine slowly, and record a decay in air."
     possible = {"frequency": in_band, "damping_ratio": between(0.0, WIDEST)}
     secondary = ("damping_ratio",)
     plainer = (
@@ -112,6 +153,15 @@ class FluidMemory(PlantLaw):
     )
     states = 2
     linear = True
+    rank = 110
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Memory that peaks below, at and above the main frequency."""
+        gain = SMALL * signals.size / rms(signals.v) * signals.frequency
+        for ratio in (0.5, 0.8, 1.2, 1.8, 2.7):
+            values = {"gain": gain, "frequency": ratio * signals.frequency, "damping_ratio": 0.3}
+            yield Guess(values, ("gain",))
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

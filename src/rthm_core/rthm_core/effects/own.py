@@ -18,8 +18,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from rthm_core.effects.base import declared, forget
 from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
+from rthm_core.effects.registry import declared, forget
 from rthm_core.errors import InputError, shown
 from rthm_core.quantity import Text
 

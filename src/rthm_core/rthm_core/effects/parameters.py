@@ -6,7 +6,8 @@ uncertainty.
 
 from __future__ import annotations
 
-from rthm_core.effects.base import Effect, EffectParameter, EffectText, register
+from rthm_core.effects.declaration import Effect, EffectParameter, EffectText
+from rthm_core.effects.registry import register
 
 
 @register
@@ -23,3 +24,9 @@ class WrongParameter(Effect):
     }
     equation = "entry = value, in this block only"
     words = "the {block} computes with {value} for {name}"
+    experiment = (
+        "Compare the parameters that the node was started with (`ros2 param dump`) with the "
+        "spec: {name} differs. No test of the rig is needed for that."
+    )
+    changes = "entry"
+    linear = True

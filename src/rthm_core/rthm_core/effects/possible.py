@@ -7,7 +7,7 @@ found that the kind is another.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 UNSURE = 0.5
@@ -100,11 +100,15 @@ class Plainer:
     grows : tuple of str
         Parameters of the other that all grow by the same where the plainer kind grows: it is then a special
         case of the other. Empty where it is only a limit of it.
+    beyond : callable or None
+        Where a fit of the other may begin, from the fitted values of the plainer kind and those of its own
+        first guess.
     """
 
     kind: str
     values: Callable[[Values], dict[str, float]]
     grows: tuple[str, ...] = ()
+    beyond: Callable[[Values, Values], Iterable[dict[str, float]]] | None = None
 
 
 def identified(values: Values, stds: Values) -> bool:

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import Effect, EffectParameter, register
+from collections.abc import Iterator
+
+from rthm_core.effects.declaration import Effect, EffectParameter
+from rthm_core.effects.guess import Guess, SensorSignals
+from rthm_core.effects.registry import register
+
+PART = 0.3
+"""Part of the noise by which a reading is changed in a trial."""
 
 
 @register
@@ -14,6 +21,17 @@ class Bias(Effect):
     parameters = {"bias": EffectParameter("signal", "reading at a true value of zero")}
     equation = "y = s + bias"
     words = "{block} of {dof} reads what is true plus {bias}"
+    experiment = (
+        "Rest {place} at a position, or under a force, that is known, and read the sensor for ten seconds."
+    )
+    changes = "offset"
+    additive = True
+    rank = 10
+
+    @classmethod
+    def guesses(cls, signals: SensorSignals) -> Iterator[Guess]:
+        """Linear, of either sign."""
+        yield Guess({"bias": PART * signals.noise}, ("bias",), signed=True)
 
 
 @register
@@ -25,6 +43,17 @@ class Scale(Effect):
     parameters = {"scale": EffectParameter("1", "reading over true value; 1 is right", above=0.0)}
     equation = "y = scale s"
     words = "{block} of {dof} reads {scale} times the true value"
+    experiment = "Rest {place} at three known positions, or under three known forces, on both sides of zero."
+    changes = "gain"
+    linear = True
+    rank = 20
+
+    @classmethod
+    def guesses(cls, signals: SensorSignals) -> Iterator[Guess]:
+        """Linear in what it differs from one, either way."""
+        yield Guess(
+            {"scale": 1.0 + PART * signals.noise / signals.spread}, ("scale",), signed=True, neutral=1.0
+        )
 
 
 @register
@@ -37,6 +66,15 @@ class Drift(Effect):
     equation = "y = s + rate t"
     depends_on = ("t",)
     words = "{block} of {dof} drifts by {rate}"
+    experiment = "Record {place} at rest for as long as the test took, after the same warm-up."
+    changes = "growth"
+    additive = True
+    rank = 30
+
+    @classmethod
+    def guesses(cls, signals: SensorSignals) -> Iterator[Guess]:
+        """Linear, of either sign."""
+        yield Guess({"rate": PART * signals.noise / signals.duration}, ("rate",), signed=True)
 
 
 @register
@@ -48,7 +86,17 @@ class SensorLag(Effect):
     parameters = {"time_constant": EffectParameter("s", "time constant of the filter", above=0.0)}
     equation = "time_constant dy/dt = s - y"
     words = "{block} of {dof} is filtered with a lag of {time_constant}"
+    experiment = "Record steps of {place} together with a faster sensor, or ask the amplifier for its filter."
     states = 1
+    changes = "smoothing"
+    linear = True
+    rank = 40
+
+    @classmethod
+    def guesses(cls, signals: SensorSignals) -> Iterator[Guess]:
+        """Linear in a short time constant."""
+        short = min(PART * signals.noise / max(signals.rate, 1e-300), 1e-3)
+        yield Guess({"time_constant": short}, ("time_constant",))
 
 
 @register
@@ -60,3 +108,7 @@ class SensorQuantisation(Effect):
     parameters = {"step": EffectParameter("signal", "resolution of the reading", above=0.0)}
     equation = "y = step round(s / step)"
     words = "{block} of {dof} reads in steps of {step}"
+    experiment = (
+        "Move {place} very slowly over ten steps of the reading, and look up the resolution of the converter."
+    )
+    changes = "step"

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import EffectParameter, register
+from collections.abc import Iterator
+
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.registry import register
+
+STATICALLY = "Pull {place} statically to several displacements on both sides."
 
 
 @register
@@ -21,6 +27,16 @@ class CubicStiffness(PlantLaw):
         "the spring at {dof} is not linear: its force grows with the cube of the displacement, "
         "by {coefficient}"
     )
+    experiment = STATICALLY
+    power = 3
+    rank = 40
+    common = True
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Linear in its coefficient, of either sign."""
+        coefficient = SMALL * signals.size / rms(signals.x**3)
+        yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -42,6 +58,15 @@ class QuadraticStiffness(PlantLaw):
         "the spring at {dof} is not symmetric: its force grows with the square of the displacement, "
         "by {coefficient}"
     )
+    experiment = STATICALLY
+    power = 2
+    rank = 50
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Linear in its coefficient, of either sign."""
+        coefficient = SMALL * signals.size / rms(signals.x**2)
+        yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
@@ -58,7 +83,15 @@ class QuadraticDrag(PlantLaw):
     equation = "F = -c |v| v"
     depends_on = ("v",)
     words = "a drag that grows with the square of the speed acts on {dof}: {coefficient}"
+    experiment = "Repeat the test at twice the amplitude."
     split = "velocity"
+    rank = 30
+    common = True
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Linear in its coefficient."""
+        yield Guess({"coefficient": SMALL * signals.size / rms(signals.v**2)}, ("coefficient",))
 
     @staticmethod
     def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]

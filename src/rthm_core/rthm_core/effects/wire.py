@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
-from rthm_core.effects.base import EffectParameter, register
+from collections.abc import Iterator
+
+import numpy as np
+
+from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.hysteresis import (
+    BOUC_WEN_ALONG,
+    BOUC_WEN_EXPERIMENT,
+    BOUC_WEN_NOUN,
     BOUC_WEN_PARAMETERS,
     BOUC_WEN_POSSIBLE,
     BOUC_WEN_SECONDARY,
+    loops,
     yield_force,
 )
 from rthm_core.effects.laws import WireLaw
+from rthm_core.effects.memory import MAXWELL_EXPERIMENT, MAXWELL_NOUN, relaxations
 from rthm_core.effects.possible import Plainer, less_than_the_dof, relaxing
+from rthm_core.effects.registry import register
 
 
 @register
@@ -25,8 +36,17 @@ class Backlash(WireLaw):
     equation = "F = k (y - x); y follows u with play gap/2 on either side"
     depends_on = ("x", "u")
     words = "the drive of {actuator} has a backlash of {gap}"
+    experiment = "Reverse the motor slowly under a small load."
     states = 1
     order = 0
+    kinked = True
+    rank = 10
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Nearly linear in a small gap; a larger one moves the plant otherwise."""
+        for part in (SMALL, 0.1, 0.4):
+            yield Guess({"gap": part * rms(signals.elongation)}, ("gap",))
 
     @staticmethod
     def drive(u, z, p):  # type: ignore[no-untyped-def]
@@ -56,11 +76,23 @@ class PulleyInertia(WireLaw):
     equation = "F = 2 k (y - x); m ddy = 2 k (u - y) - 2 k (y - x) - c dy"
     depends_on = ("x", "u")
     words = "the pulley of {actuator} is not massless: {mass} moves with the wire"
+    noun = "inertia of the pulley"
+    experiment = "Sweep the motor with the dof locked."
     possible = {"mass": less_than_the_dof}
     secondary = ("damping",)
     states = 2
     order = 1
     linear = True
+    rank = 40
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Half a per cent of the dof's mass, and pulleys that would ring as the wire's force does."""
+        masses = [5e-3 * signals.mass]
+        masses += [4.0 * signals.stiffness / w**2 for w in signals.ringing(3.0 * signals.frequency)]
+        for mass in masses:
+            damping = 0.05 * np.sqrt(signals.stiffness * mass)
+            yield Guess({"mass": mass, "damping": damping}, ("mass", "damping"), apart=True)
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -88,8 +120,17 @@ class PulleyFriction(WireLaw):
     equation = "F = 2 k (y - x); y follows (u + x)/2 with play F_f/(4 k) on either side"
     depends_on = ("x", "u")
     words = "the pulley of {actuator} rubs: it holds back up to {force} before it turns"
+    noun = "friction of the pulley"
+    experiment = "Reverse the motor slowly with the dof locked."
     states = 1
     order = 2
+    kinked = True
+    rank = 50
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Nearly linear in a small force."""
+        yield Guess({"force": 2.0 * SMALL * signals.size}, ("force",))
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -119,7 +160,16 @@ class Hardening(WireLaw):
         "the wire of {actuator} is not linear: its force grows with the cube of its elongation, "
         "by {coefficient}"
     )
+    noun = "a hardening wire"
+    experiment = "Pull statically at the wire to several elongations."
     order = 3
+    rank = 30
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Linear in its coefficient, of either sign."""
+        coefficient = SMALL * signals.size / rms(signals.elongation**3)
+        yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -143,10 +193,18 @@ class WireMaxwellBranch(WireLaw):
         "the wire of {actuator} relaxes: a branch of {stiffness} in series with {damping} acts "
         "beside it (Maxwell)"
     )
+    noun = MAXWELL_NOUN
+    experiment = MAXWELL_EXPERIMENT
     possible = {"damping": relaxing}
     states = 1
     order = 4
     linear = True
+    rank = 70
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Relaxation slower than, as fast as and faster than the motion."""
+        yield from relaxations(signals, rms(signals.elongation))
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -179,11 +237,22 @@ class WireBoucWen(WireLaw):
         "the wire of {actuator} is hysteretic (Bouc-Wen): its force depends on where its elongation last "
         "turned; in small motions it adds a stiffness of {alpha}"
     )
+    noun = BOUC_WEN_NOUN
+    experiment = BOUC_WEN_EXPERIMENT
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY
+    along = BOUC_WEN_ALONG
     plainer = (Plainer("pulley_friction", lambda p: {"force": 2.0 * yield_force(p)}),)
     states = 2
     order = 5
+    kinked = True
+    cost = 10
+    rank = 60
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Loops of a hysteretic wire."""
+        yield from loops(signals, rms(signals.elongation))
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -225,7 +294,20 @@ class Slack(WireLaw):
     equation = "F >= -F_0"
     depends_on = ("x", "u")
     words = "the wire of {actuator} goes slack: its pretension is only {pretension}"
+    noun = "a slack wire"
+    experiment = "Repeat the test with more pretension."
     order = 9
+    changes = "pretension"
+    kinked = True
+    rank = 20
+
+    @classmethod
+    def guesses(cls, signals: Signals) -> Iterator[Guess]:
+        """Tensions that are lost for 0.5 to 30 % of the time."""
+        for share in (0.005, 0.02, 0.06, 0.15, 0.3):
+            level = float(np.quantile(-signals.force, 1.0 - share))
+            if level > 0.0:
+                yield Guess({"pretension": level}, scales={"pretension": 0.2 * signals.size})
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]

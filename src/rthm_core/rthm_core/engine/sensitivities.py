@@ -127,7 +127,7 @@ def _within(name: str, sections: Sequence[str]) -> bool:
 
 def _shifts_time(one: EffectSpec) -> bool:
     """Whether an effect decides when something happens, which is an instant in ns."""
-    return one.block.startswith("link") or one.kind == "extra_delay"
+    return one.block.startswith("link") or one.law.changes == "delay"
 
 
 @kept

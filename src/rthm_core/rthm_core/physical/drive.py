@@ -1,8 +1,8 @@
 """Motors: from the commands to the motor positions u, one linear chain per actuator.
 
 ``u = h(s) u_d(t - tau4)`` with ``h(s) = 1 / ((1 + s/kv)(1 + s/ka))`` (paper, (1) and (2)), followed by the
-motor effects ``lag`` and ``second_order``. Before the chain
-stand the effects on the command itself: ``quantisation``, ``saturation`` and ``rate_limit``, in this order.
+elements that effects add. Before the chain stand the effects on the command itself: on its step, its limit
+and its rate, in this order.
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, called
+from rthm_core.effects.motor import Element, MotorEffect, first_order
 from rthm_core.linear import LinearSystem, linear_system
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
+    from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
 
 
@@ -41,44 +44,21 @@ QUANTUM, LIMIT, RATE = range(3)
 """Rows of ``Drive.conditioning``."""
 
 
-Stage = tuple[Floats, Floats, Floats]
-"""One element of a chain: its dynamics, the effect of its input on its states, and the row that gives its
-output."""
-
-
-def _first_order(time_constant: float) -> Stage:
-    return np.array([[-1.0 / time_constant]]), np.array([1.0 / time_constant]), np.array([1.0])
-
-
-def _second_order(frequency: float, damping_ratio: float) -> Stage:
-    dynamics = np.array([[0.0, 1.0], [-(frequency**2), -2.0 * damping_ratio * frequency]])
-    return dynamics, np.array([0.0, frequency**2]), np.array([1.0, 0.0])
-
-
-def _stages(spec: Spec, actuator: str, *, effects: bool) -> list[Stage]:
+def _chain(spec: Spec, actuator: str, *, effects: bool) -> list[Element]:
     """Elements of one motor in the order in which the command passes them."""
     assert spec.actuator is not None
-    stages = [_first_order(1.0 / pole) for pole in spec.actuator.motor_poles or ()]
-    for effect in spec.effects if effects else ():
-        if effect.block == "motor" and effect.actuator == actuator:
-            if effect.kind == "lag" and float(effect.parameters["time_constant"]) > 0.0:
-                stages.append(_first_order(float(effect.parameters["time_constant"])))
-            elif effect.kind == "second_order":
-                stages.append(
-                    _second_order(
-                        float(effect.parameters["frequency"]), float(effect.parameters["damping_ratio"])
-                    )
-                )
-    return stages
+    chain = [first_order(1.0 / pole) for pole in spec.actuator.motor_poles or ()]
+    for one in spec.effects if effects else ():
+        if one.actuator == actuator and issubclass(law := one.law, MotorEffect):
+            element = law.element(one.numbers)
+            chain += [] if element is None else [element]
+    return chain
 
 
-def _conditioning(spec: Spec, kind: str, parameter: str, absent: float) -> Floats:
+def _conditioning(spec: Spec, changes: Change, absent: float) -> Floats:
     assert spec.actuator is not None
-    values = np.full(len(spec.actuator.names), absent)
-    for effect in spec.effects:
-        if effect.block == "motor" and effect.kind == kind:
-            values[spec.actuator.names.index(str(effect.actuator))] = effect.parameters[parameter]
-    return values
+    found = (sizes(spec.effects, "motor", changes, name) for name in spec.actuator.names)
+    return np.array([[absent, *values][-1] for values in found])
 
 
 def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int | None = None) -> Drive:
@@ -87,8 +67,8 @@ def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int |
     """
     names = spec.actuator.names[:actuators] if spec.actuator else ()
     m = len(names)
-    chains = [_stages(spec, name, effects=effects) for name in names]
-    nq = sum(stage[1].size for chain in chains for stage in chain)
+    chains = [_chain(spec, name, effects=effects) for name in names]
+    nq = sum(element.entry.size for chain in chains for element in chain)
     a, b = np.zeros((nq, nq)), np.zeros((nq, m))
     out, through = np.zeros((m, nq)), np.zeros((m, m))
     at = 0
@@ -106,9 +86,9 @@ def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int |
         through[actuator, actuator] = from_command
     conditioning = np.array([np.zeros(m), np.full(m, np.inf), np.full(m, np.inf)])
     if m and effects:
-        conditioning[QUANTUM] = _conditioning(spec, "quantisation", "step", 0.0)
-        conditioning[LIMIT] = _conditioning(spec, "saturation", "limit", np.inf)
-        conditioning[RATE] = _conditioning(spec, "rate_limit", "rate", np.inf)
+        conditioning[QUANTUM] = _conditioning(spec, "step", 0.0)
+        conditioning[LIMIT] = _conditioning(spec, "limit", np.inf)
+        conditioning[RATE] = _conditioning(spec, "rate", np.inf)
     return Drive(linear_system(a, b, orders), np.hstack([out, through]), conditioning)
 
 

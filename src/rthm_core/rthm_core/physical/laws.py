@@ -10,10 +10,8 @@ from numba.core.errors import NumbaError
 
 from rthm_core.addressed import FIRST_ADDRESS, Call, table_of
 from rthm_core.compiled import Floats, Integers, chosen
-from rthm_core.effects import effect
-from rthm_core.effects.base import shipped
 from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
-from rthm_core.effects.wire import Slack
+from rthm_core.effects.registry import changing, shipped
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
 _SHIPPED: tuple[Any, ...] = shipped("plant")
 PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not law.linear]
 WIRE_LAWS: list[Any] = list(shipped("wire"))
-SLACK = WIRE_LAWS.index(Slack)
+SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
 """Code of the law by which a wire goes slack."""
 
 PLANT_CALLS = {"force": Call("x, v, z, t, p, piece", True), "rate": Call("x, v, z, t, p, piece, dz", False)}
@@ -147,8 +145,7 @@ def wire_law(code: int) -> Any:
 
 def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
     """Law of an effect of the spec, and its parameters in the order of their declaration."""
-    law = effect(entry.kind, entry.block)
-    return law, tuple(float(entry.parameters[name]) for name in law.parameters)
+    return entry.law, tuple(float(entry.parameters[name]) for name in entry.law.parameters)
 
 
 def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
@@ -170,8 +167,8 @@ def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[An
     slack.
     """
     found = [_law(e) for e in spec.effects if e.block == "wire" and e.actuator == actuator]
-    if pretension > 0.0 and not any(law.kind == "slack" for law, _ in found):
-        found.append((Slack, (pretension,)))
+    if pretension > 0.0 and not any(law.changes == "pretension" for law, _ in found):
+        found.append((WIRE_LAWS[SLACK], (pretension,)))
     return sorted(found, key=lambda pair: pair[0].order)
 
 

@@ -33,6 +33,7 @@ from rthm_core.physical.laws import (
     wire_table,
 )
 from rthm_core.physical.sensors import Sensors, sensor_states, sensors
+from rthm_core.spec.effect import sizes
 from rthm_core.substructure import Substructure, substructure
 
 if TYPE_CHECKING:
@@ -258,7 +259,7 @@ def physical_model(
 
 
 def _limits_rate(spec: Spec) -> bool:
-    return any(effect.block == "motor" and effect.kind == "rate_limit" for effect in spec.effects)
+    return bool(sizes(spec.effects, "motor", "rate"))
 
 
 def _whole(motors: Drive, parts: _Assembly, orders: int) -> LinearSystem:

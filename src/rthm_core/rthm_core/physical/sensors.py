@@ -1,7 +1,6 @@
-"""Sensors: what is measured of the motion and the force, with noise and the effects ``bias``, ``scale``,
-``drift``, ``lag`` and ``quantisation``.
+"""Sensors: what is measured of the motion and the force, with noise and what effects change.
 
-A measured value is ``scale * lagged + bias + drift t``, plus noise, rounded to the quantisation step.
+A measured value is ``gain * smoothed + offset + growth t``, plus noise, rounded to a step.
 """
 
 from __future__ import annotations
@@ -13,8 +12,10 @@ import numpy as np
 
 from rthm_core.chance import normal_at, stream_key
 from rthm_core.compiled import Floats, Integers, inlined
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
+    from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
 
 CHANNELS = ("position", "velocity", "force", "motor")
@@ -26,7 +27,7 @@ class Sensors(NamedTuple):
     Attributes
     ----------
     values : (S, 5) array
-        Scale, bias, drift per second, quantisation step and standard deviation of the noise.
+        Gain, offset, its growth per second, step and standard deviation of the noise.
     lagged : (S,) array
         Index of the state of a lagging sensor; -1: none.
     key : (S,) array
@@ -45,17 +46,13 @@ def _channels(spec: Spec) -> list[tuple[str, str]]:
     return [(channel, where) for channel in CHANNELS for where in wheres[channel]]
 
 
-def _effects(spec: Spec, channel: str, where: str, kind: str) -> list[dict[str, Any]]:
-    return [
-        e.parameters
-        for e in spec.effects
-        if e.block == f"sensor.{channel}" and e.kind == kind and where in (e.dof, e.actuator)
-    ]
-
-
 def sensor_states(spec: Spec) -> int:
     """How many lagging sensors there are."""
-    return sum(len(_effects(spec, channel, where, "lag")) > 0 for channel, where in _channels(spec))
+    return sum(bool(_sizes(spec, channel, where, "smoothing")) for channel, where in _channels(spec))
+
+
+def _sizes(spec: Spec, channel: str, where: str, changes: Change) -> list[float]:
+    return sizes(spec.effects, f"sensor.{channel}", changes, where)
 
 
 def sensors(spec: Spec, parts: Any, at: int, *, measured: bool = True) -> Sensors:
@@ -64,16 +61,16 @@ def sensors(spec: Spec, parts: Any, at: int, *, measured: bool = True) -> Sensor
     """
     channels = _channels(spec) if measured else []
     lagged = np.full(len(channels), -1, dtype=np.int64)
-    columns: dict[str, list[float]] = {name: [] for name in ("scale", "bias", "drift", "quantum", "noise")}
+    values = np.empty((len(channels), 5))
     for row, (channel, where) in enumerate(channels):
-        columns["scale"].append(float(np.prod([p["scale"] for p in _effects(spec, channel, where, "scale")])))
-        columns["bias"].append(float(sum(p["bias"] for p in _effects(spec, channel, where, "bias"))))
-        columns["drift"].append(float(sum(p["rate"] for p in _effects(spec, channel, where, "drift"))))
-        columns["quantum"].append(
-            float(max([p["step"] for p in _effects(spec, channel, where, "quantisation")], default=0.0))
+        values[row] = (
+            np.prod(_sizes(spec, channel, where, "gain")),
+            sum(_sizes(spec, channel, where, "offset")),
+            sum(_sizes(spec, channel, where, "growth")),
+            max(_sizes(spec, channel, where, "step"), default=0.0),
+            getattr(spec.noise, channel),
         )
-        columns["noise"].append(float(getattr(spec.noise, channel)))
-        lag = sum(p["time_constant"] for p in _effects(spec, channel, where, "lag"))
+        lag = sum(_sizes(spec, channel, where, "smoothing"))
         if lag > 0.0:
             lagged[row] = at
             _add_lag(parts, channel, row, at, lag)
@@ -82,8 +79,7 @@ def sensors(spec: Spec, parts: Any, at: int, *, measured: bool = True) -> Sensor
         [stream_key(int(spec.noise.seed), f"{channel}.{where}") for channel, where in channels],
         dtype=np.uint64,
     )
-    values = np.array([columns[name] for name in columns], dtype=float).T
-    return Sensors(np.ascontiguousarray(values), lagged, keys)
+    return Sensors(values, lagged, keys)
 
 
 def _add_lag(parts: Any, channel: str, row: int, at: int, time_constant: float) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.effects.base import PLACES, check_block, effect, family
+from rthm_core.effects.blocks import PLACES, check_block, family
 from rthm_core.errors import MISSING, RefusedError, suggestion
 from rthm_core.spec.load import MultisineLoad
 
@@ -185,7 +185,7 @@ def _effect(spec: Spec, one: EffectSpec) -> None:
             raise RefusedError(
                 given, f"left out, as {block} has no {key}", f"remove {key}", f"{one.name}.{key}"
             )
-    if effect(one.kind, block).kind == "wrong_parameter":
+    if one.law.changes == "entry":
         _wrong_parameter(spec, one)
 
 
@@ -206,11 +206,11 @@ def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
 def _delays_left(spec: Spec) -> None:
     """A delay may be shorter than its tau, but nothing arrives before it was sent."""
     for one in spec.effects:
-        if one.kind != "extra_delay" or spec.timing is None or float(one.parameters["delay"]) >= 0.0:
+        if one.law.changes != "delay" or spec.timing is None or float(one.parameters["delay"]) >= 0.0:
             continue
         name = one.link or "tau4"
         also = (f"link.{name}", one.block)
-        others = [e for e in spec.effects if e.kind == "extra_delay" and e.block in also and e is not one]
+        others = [e for e in spec.effects if e.law.changes == "delay" and e.block in also and e is not one]
         rest = getattr(spec.timing, name) + sum(float(e.parameters["delay"]) for e in others)
         if to_ns(rest + float(one.parameters["delay"])) < 0:
             besides = f" and {', '.join(e.name for e in others)}" if others else ""

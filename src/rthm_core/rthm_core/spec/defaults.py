@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rthm_core.effects.base import PLACES
+from rthm_core.effects.blocks import PLACES
 
 FILLED_IN = {
     "plant.initial_velocity": "zeros",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from rthm_core.effects.base import LINKS, PLACES, check_block, effect
+from rthm_core.effects import Effect, effect
+from rthm_core.effects.blocks import LINKS, PLACES, check_block
+from rthm_core.effects.declaration import Change
 from rthm_core.errors import MISSING, RefusedError, printable, shown, suggestion
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
@@ -24,6 +27,16 @@ class EffectSpec(Section):
     dof: Annotated[str | None, Name("dof at which it acts")] = None
     actuator: Annotated[str | None, Name("actuator that has it")] = None
     parameters: Annotated[dict[str, float | str], Field(validate_default=True)] = {}
+
+    @property
+    def law(self) -> type[Effect]:
+        """What its kind declares."""
+        return effect(self.kind, self.block)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Its parameters but for texts."""
+        return {name: value for name, value in self.parameters.items() if not isinstance(value, str)}
 
     @property
     def link(self) -> str | None:
@@ -93,6 +106,24 @@ def from_section(name: str, section: dict[str, Any]) -> dict[str, Any]:
         head["block"] = f"link.{link}"
     rest = {key: value for key, value in section.items() if key not in HEAD}
     return {"name": name, **head, "parameters": rest}
+
+
+def sizes(
+    effects: Iterable[EffectSpec], block: str, changes: Change, place: str | None = None
+) -> list[float]:
+    """By how much each of some effects changes something of a block, as of `place` in it.
+
+    Examples
+    --------
+    >>> late = EffectSpec(name="late", block="link.tau1", kind="extra_delay", parameters={"delay": 0.002})
+    >>> sizes([late], "link.tau1", "delay"), sizes([late], "link.tau2", "delay")
+    ([0.002], [])
+    """
+    return [
+        next(iter(one.numbers.values()))
+        for one in effects
+        if one.block == block and place in (None, one.place) and one.law.changes == changes
+    ]
 
 
 def place_key(block: str) -> str | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rthm_core.effects.base import effect
+from rthm_core.effects import effect
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec.effect import EffectSpec
 from rthm_core.spec.entries import Entry, Name, Names

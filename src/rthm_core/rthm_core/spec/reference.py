@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from rthm_core.effects.base import BLOCKS, PLACES, Effect, family, shipped
+from rthm_core.effects import BLOCKS, Effect
+from rthm_core.effects.blocks import PLACES, family
+from rthm_core.effects.registry import shipped
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec.catalogue import sections
 from rthm_core.spec.defaults import FILLED_IN
@@ -91,7 +93,7 @@ def _effects() -> Iterator[str]:
         yield f"### {', '.join(f'`{block}`' for block in blocks)}\n"
         if places:
             yield f"Place: {' or '.join(f'`{place}`' for place in reversed(places))}.\n"
-        declared = map(_kind, shipped(family(blocks[0])))
+        declared = map(_kind, shipped(blocks[0]))
         yield _table(["kind", "what", "equation", "parameters"], declared)
 
 

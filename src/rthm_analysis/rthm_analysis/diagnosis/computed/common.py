@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.result import Part, Physics, Value
+from rthm_core.effects.registry import changing
 
 FLOOR = 1e-3
 """Noise floor of a block that computes, over the rms of its output (contract, section 7)."""
 
 FEWEST = 30
 """Ticks or commands below which nothing is said."""
+
+
+def wrong_kind(block: str) -> str:
+    """Kind of effect by which a block computes with another value than the spec's."""
+    return changing(block, "entry").kind
 
 
 def unchecked(block: str, reason: str) -> Part:
@@ -21,4 +27,4 @@ def effect_of(block: str, one: Physics) -> dict[str, object]:
     value = one.parameters["value"]
     number = value.value if isinstance(value, Value) else value
     parameters = {"name": one.parameters["name"], "value": number}
-    return {"block": block, "kind": "wrong_parameter", "parameters": parameters}
+    return {"block": block, "kind": one.kind, "parameters": parameters}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import words
-from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked
+from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked, wrong_kind
 from rthm_analysis.diagnosis.computed.compensators import Law, changed, is_law, law_with, other_law
 from rthm_analysis.diagnosis.computed.controller import (
     MOST,
@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.computed.controller import (
 from rthm_analysis.diagnosis.computed.latched import Latched, latched
 from rthm_analysis.diagnosis.computed.numerical import size_of
 from rthm_analysis.diagnosis.computed.replayed import samples_used
-from rthm_analysis.diagnosis.result import Fault, Fit, Limit, Mismatch, Part, Physics, Value
+from rthm_analysis.diagnosis.result import Fault, Fit, Limit, Mismatch, Part, Physics, Value, wrong_entry
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
@@ -78,7 +78,7 @@ def _fault(spec: Spec, right: Spec, name: str) -> Fault:
     value = getattr(right.loop().actuator, name.removeprefix("actuator."))
     number = float(value) if isinstance(value, int | float) else None
     text = words.wrong_compensator(spec, right, name)
-    return Fault("controller", "wrong_parameter", name, text, None, number)
+    return wrong_entry("controller", name, text, number)
 
 
 def _law(recording: Recording, spec: Spec, held: Latched) -> Law | str:
@@ -124,7 +124,7 @@ def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator
     off = commands.error(compliance)
     label = "actuator.stiffness" if k_tot.size == 1 else f"actuator.stiffness[{actuator}]"
     weight = max(size_of(commands.force), 1e-12) * compliance / k_tot[actuator]
-    limits = {f"controller.wrong_parameter.{label}": Limit(RIGHT * commands.size / weight, "N/m")}
+    limits = {f"controller.{wrong_kind('controller')}.{label}": Limit(RIGHT * commands.size / weight, "N/m")}
     mismatch = size_of(off) / (FLOOR * commands.size)
     if commands.right(off) >= MOST:
         limited = commands.right(off) < 1.0 - 1e-3
@@ -146,7 +146,7 @@ def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator
     text = words.wrong("controller", label, float(k_tot[actuator]), stiffness, share, "")
     work = energy(recording, spec, commands, off, actuator)
     parameters: dict[str, Value | str] = {"name": label, "value": stiffness}
-    one = Physics("controller", "wrong_parameter", None, parameters, text, work, share)
+    one = Physics("controller", wrong_kind("controller"), None, parameters, text, work, share)
     return Part(
         blocks=(block,),
         physics=(one,),

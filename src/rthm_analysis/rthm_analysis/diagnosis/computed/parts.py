@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import words
-from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked
+from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked, wrong_kind
 from rthm_analysis.diagnosis.computed.control import diagnose_controller
 from rthm_analysis.diagnosis.computed.latched import delayed, latched
 from rthm_analysis.diagnosis.computed.numerical import (
@@ -131,7 +131,7 @@ def _numerical_part(
         _wrong(nominal, found, i, share, work / len(found.names)) for i in range(len(found.names))
     )
     others = tuple(
-        Alternative("numerical", "wrong_parameter", fit.nrmse["nominal"] * error / found.nominal, True)
+        Alternative("numerical", wrong_kind("numerical"), fit.nrmse["nominal"] * error / found.nominal, True)
         for name, error in sorted(found.tried.items(), key=lambda item: item[1])[1:3]
     )
     still = found.left > max(10.0 * enough, 0.05 * found.nominal)
@@ -157,7 +157,9 @@ def _wrong(nominal: Structure, found: Search, i: int, share: float, work: float)
         after = words.second_best(nominal.spec_name(others[0][1]), others[0][0] / max(found.left, 1e-15))
     label = nominal.spec_name(name)
     text = words.wrong("numerical", label, nominal.value(name), value, share, after)
-    return Physics("numerical", "wrong_parameter", None, {"name": label, "value": value}, text, work, share)
+    return Physics(
+        "numerical", wrong_kind("numerical"), None, {"name": label, "value": value}, text, work, share
+    )
 
 
 def _numerical_fit(unseen: Ticks, nominal: Structure, found: Search, duration: float) -> Fit:
@@ -183,7 +185,7 @@ def _numerical_limits(unseen: Ticks, nominal: Structure, enough: float) -> dict[
         reach = 1e-4 * max(abs(nominal.value(name)), 1e-3)
         moved = errors(unseen, nominal.changed(name, nominal.value(name) + reach), sizes)
         change = size_of(moved - error) / reach
-        label = f"numerical.wrong_parameter.{nominal.spec_name(name)}"
+        label = f"numerical.{wrong_kind('numerical')}.{nominal.spec_name(name)}"
         limits[label] = Limit(enough / max(change, 1e-15), nominal.unit(name))
     return limits
 

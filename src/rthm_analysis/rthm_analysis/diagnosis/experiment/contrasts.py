@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rthm_analysis.diagnosis.experiment.planning import Hypothesis
-from rthm_analysis.diagnosis.experiment.sentences import kind_words
 from rthm_analysis.diagnosis.result import Limit, Physics, Retuned
+from rthm_core.effects import effect
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 
 MOVED = ("plant", "wire")
 """Blocks of which other motions of the rig say more."""
-
-COMMON = ("coulomb_friction", "cubic_stiffness", "quadratic_drag")
-"""What rigs have most often: whether there is a little of it is what a test without findings leaves open."""
 
 
 class Contrast(NamedTuple):
@@ -37,7 +34,7 @@ def without_weakest(patched: Spec, physics: Sequence[Physics]) -> Contrast | Non
     label = weakest.block, weakest.kind, weakest.place or weakest.block
     kept = [e.name for e in patched.effects if (e.block, e.kind, e.place) != label]
     without = apply(patched, {"effects": kept or None})
-    name = kind_words(weakest.kind)
+    name = effect(weakest.kind, weakest.block).called()
     return Contrast(name, (Hypothesis(f"with {name}", patched), Hypothesis("without", without)))
 
 
@@ -52,17 +49,23 @@ def least_known(patched: Spec, retuned: Mapping[str, Retuned]) -> Contrast | Non
 
 
 def smallest_seen(nominal: Spec, limits: Mapping[str, Limit]) -> list[tuple[Contrast, Limit]]:
-    """For each common effect with a detection limit: the nominal spec without and with it at that limit."""
+    """For each common effect with a detection limit: the nominal spec without and with it at that limit.
+
+    Whether there is a little of it is what a test without findings leaves open.
+    """
     found: dict[str, tuple[Contrast, Limit]] = {}
     for key, limit in limits.items():
         block, *middle, kind, parameter = key.split(".")
-        if block != "plant" or kind not in COMMON or not 0.0 < limit.value < math.inf or kind in found:
+        if block != "plant" or kind in found or not 0.0 < limit.value < math.inf:
+            continue
+        law = effect(kind, block)
+        if not law.common:
             continue
         assert nominal.plant is not None
         dof = middle[0] if middle else nominal.plant.dofs[0]
         more = having(nominal, {"block": block, "kind": kind, "dof": dof, parameter: limit.value})
-        pair = Hypothesis("nothing", nominal), Hypothesis(kind_words(kind), more)
-        found[kind] = Contrast(kind_words(kind), pair), limit
+        pair = Hypothesis("nothing", nominal), Hypothesis(law.called(), more)
+        found[kind] = Contrast(law.called(), pair), limit
     return list(found.values())
 
 

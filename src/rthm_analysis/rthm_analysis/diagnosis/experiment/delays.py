@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rthm_core.compensators import NONE, compensation
+from rthm_core.spec.effect import sizes
 from rthm_core.substructure import as_built
 
 if TYPE_CHECKING:
@@ -61,5 +62,4 @@ def _motor(spec: Spec) -> float:
 
 def _extra(spec: Spec, block: str) -> float:
     """Extra delay of a link by effects of the spec, s."""
-    late = (e for e in spec.effects if e.block == block and e.kind == "extra_delay")
-    return sum(float(e.parameters["delay"]) for e in late)
+    return sum(sizes(spec.effects, block, "delay"))

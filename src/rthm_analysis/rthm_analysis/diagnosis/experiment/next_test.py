@@ -16,10 +16,11 @@ from rthm_analysis.diagnosis.experiment.contrasts import (
 )
 from rthm_analysis.diagnosis.experiment.planning import BUDGET, Hypothesis, Planned, plan_experiment
 from rthm_analysis.diagnosis.experiment.repeating import repeated
-from rthm_analysis.diagnosis.experiment.sentences import gain_words, kind_words, listed, what_to_run
+from rthm_analysis.diagnosis.experiment.sentences import gain_words, listed, what_to_run
 from rthm_analysis.diagnosis.numbers import bare, percent, with_unit
 from rthm_analysis.diagnosis.result import Fault, Limit, Physics, Retuned, Verdict
-from rthm_core.effects.base import family
+from rthm_core.effects import effect
+from rthm_core.effects.blocks import family
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -128,7 +129,7 @@ def _of_physics(found: Found) -> Next:
 
 
 def _told_apart(found: Found, moved: Sequence[Physics]) -> Next:
-    names = [kind_words(moved[-1].kind), *(one.name for one in found.rivals[:2])]
+    names = [effect(moved[-1].kind, moved[-1].block).called(), *(one.name for one in found.rivals[:2])]
     survivors = [Hypothesis(names[0], found.patched), *found.rivals[:2]]
     plan = plan_experiment(found.nominal, survivors, found.noise, found.duration, known=found.known)
     if plan is None:

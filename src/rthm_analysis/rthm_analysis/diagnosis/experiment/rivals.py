@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from rthm_analysis.diagnosis.experiment.advice import SOFTWARE
 from rthm_analysis.diagnosis.experiment.contrasts import MOVED, having
 from rthm_analysis.diagnosis.experiment.planning import Hypothesis
-from rthm_analysis.diagnosis.experiment.sentences import kind_words
 from rthm_analysis.diagnosis.search.judging import distinguishable
-from rthm_core.effects.base import family
+from rthm_core.effects.blocks import family
 from rthm_core.spec.effect import place_key
 
 if TYPE_CHECKING:
@@ -27,16 +26,16 @@ def rivals_of(physical: Physical, patched: Spec) -> list[Hypothesis]:
         The best one, with what was found in the software of the loop, which the rivals share.
     """
     best = physical.selection.best
-    found: dict[str, Spec] = {}
+    found: dict[str, tuple[str, Spec]] = {}
     for tried in physical.selection.rounds:
         for other in tried:
             block, kind, _ = other.label
             if block in MOVED and other.fitted is not best and not distinguishable(best, other.fitted):
-                found.setdefault(kind, other.fitted.model.spec)
+                found.setdefault(kind, (other.law.called(), other.fitted.model.spec))
     named = {e.kind for e in patched.effects}
     return [
-        Hypothesis(kind_words(kind), _with_software(spec, patched))
-        for kind, spec in found.items()
+        Hypothesis(name, _with_software(spec, patched))
+        for kind, (name, spec) in found.items()
         if kind not in named
     ]
 

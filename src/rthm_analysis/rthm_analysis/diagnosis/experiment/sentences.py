@@ -9,29 +9,6 @@ from rthm_analysis.diagnosis.experiment.trials import Trial
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_core.spec import ConstantLoad, HarmonicLoad, LoadSpec, MultisineLoad, Spec
 
-NAMES = {
-    "coulomb_friction": "dry friction",
-    "stribeck_friction": "Stribeck friction",
-    "bouc_wen": "Bouc-Wen hysteresis",
-    "maxwell_branch": "relaxation (a Maxwell branch)",
-    "fluid_memory": "radiation of a fluid",
-    "harmonic_load": "an unlisted harmonic force",
-    "constant_load": "an unlisted constant force",
-    "hidden_mode": "a hidden resonator",
-    "end_stop": "an end stop",
-    "clearance": "a spring with play",
-    "slack": "a slack wire",
-    "hardening": "a hardening wire",
-    "pulley_inertia": "inertia of the pulley",
-    "pulley_friction": "friction of the pulley",
-}
-"""Kinds within a sentence, where it takes more than the kind's own name."""
-
-
-def kind_words(kind: str) -> str:
-    """A kind within a sentence: ``dry friction``."""
-    return NAMES.get(kind, kind.replace("_", " "))
-
 
 def listed(names: Sequence[str]) -> str:
     """``a``, ``a from b``, ``a, b and c from each other``."""

@@ -27,6 +27,8 @@ from rthm_analysis.diagnosis.result import Fault
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
+SATURATED = "saturation"
+
 SEEN = 7
 """Readings at the end of a range that chance does not make."""
 
@@ -89,4 +91,4 @@ def _told(evidence: Evidence, column: int, at: Flags, ends: list[float]) -> Faul
         f"{last:.3f} s: the range of the sensor or of its amplifier ends there. These stretches are left "
         "out; give it more range."
     )
-    return fault_of(channel, "saturation", words, (first, last), largest)
+    return fault_of(channel, SATURATED, words, (first, last), largest)

@@ -33,7 +33,8 @@ def _denied(evidence: Evidence, spec: Spec, channel: Channel) -> bool:
         return _travel(evidence, Channel("position", channel.place)) > 0.0
     if channel.family == "position":
         return _travel(evidence, Channel("velocity", channel.place)) > 0.0
-    if spec.actuator is None or not evidence.due_ns.size or any(e.kind == "slack" for e in spec.effects):
+    goes_slack = any(e.law.changes == "pretension" for e in spec.effects)
+    if spec.actuator is None or not evidence.due_ns.size or goes_slack:
         return False
     command = evidence.commands[:, spec.actuator.names.index(channel.place)]
     liveliest = max(_travel(evidence, c) for c in evidence.channels if c.family == "position")

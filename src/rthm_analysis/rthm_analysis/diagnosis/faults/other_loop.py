@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rthm_analysis.diagnosis.result import Fault, Part
+from rthm_core.effects import effect
 
 MANY = 5
 """Delays, periods and computing blocks unlike the spec's from which it is of another test: a slow network
@@ -36,6 +37,7 @@ def find_other_loop(parts: Iterable[Part]) -> list[Fault]:
 def _unlike(part: Part) -> Iterator[str]:
     """What does not agree with the spec: its timing by name, and blocks that compute something else."""
     yield from (one.channel for one in part.faults if one.channel.startswith("timing."))
-    late = [one.block for one in part.physics if one.block.startswith("link.") and one.kind == "extra_delay"]
+    links = (one for one in part.physics if one.block.startswith("link."))
+    late = [one.block for one in links if effect(one.kind, one.block).changes == "delay"]
     yield from (block.replace("link.", "timing.") for block in late)
     yield from (COMPUTED[one.block] for one in part.blocks if one.significant and one.block in COMPUTED)

@@ -11,12 +11,15 @@ import numpy.typing as npt
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_delay
 from rthm_analysis.diagnosis.replay.readings import lattice
+from rthm_core.effects.registry import changing, ranked
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
     from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_core.compiled import Floats
+    from rthm_core.effects import Effect
+    from rthm_core.effects.motor import MotorEffect
     from rthm_core.spec import Spec
 
 Limits = dict[tuple[str, str, str], dict[str, float]]
@@ -26,16 +29,6 @@ HALVINGS = 8
 
 COINCIDENT_NS = 10_000
 """A sample this near to a command's step sees it or not by chance."""
-
-MOTOR = {
-    "lag": ("time_constant", 1e-6, 0.1, {}),
-    "second_order": ("frequency", 1e5, 1.0, {"damping_ratio": 0.7}),
-    "extra_delay": ("delay", 1e-6, 0.1, {}),
-    "rate_limit": ("rate", 1e3, 1e-3, {}),
-    "saturation": ("limit", 1e1, 1e-5, {}),
-    "quantisation": ("step", 1e-8, 1e-1, {}),
-}
-"""Parameter of each kind, a value that hardly matters, one that nobody could miss, and what else it needs."""
 
 
 def just_seen(power: Callable[[float], float], harmless: float, gross: float, enough: float) -> float | None:
@@ -57,27 +50,31 @@ def just_seen(power: Callable[[float], float], harmless: float, gross: float, en
 def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
     """Limits of what can be wrong with the motors, whose positions alone `fitting` sees."""
     model = here.model
-    present = {(one.kind, one.place) for one in model.added}
+    present = {(one.law, one.place) for one in model.added}
     places = [one.place for one in fitting.experiment.evidence.channels]
     apart = _apart(fitting.experiment.evidence, model.spec)
-    asked = [(kind, place) for kind in MOTOR for place in places if (kind, place) not in present]
+    asked = [(law, place) for law in ranked("motor") for place in places if (law, place) not in present]
 
-    def limit(one: tuple[str, str]) -> float | None:
-        kind, place = one
-        key, harmless, gross, others = MOTOR[kind]
+    def limit(one: tuple[type[MotorEffect], str]) -> float | None:
+        law, place = one
 
         def power(value: float) -> float:
-            added = EffectInstance("motor", kind, place, {key: value, **others})
+            added = EffectInstance("motor", law.kind, place, {_first(law): value, **law.typical})
             try:
                 change = fitting.residual(model.plus(added, (), {})) - here.residual
             except InputError:
                 return np.inf
             return float(np.sum(np.square(change.reshape(apart.size, -1)[apart])))
 
-        return just_seen(power, harmless, gross, enough)
+        return just_seen(power, law.harmless, law.gross, enough)
 
     found = zip(asked, fitting.cores.each(limit, asked), strict=True)
-    return {("motor", kind, place): {MOTOR[kind][0]: value} for (kind, place), value in found if value}
+    return {("motor", law.kind, place): {_first(law): value} for (law, place), value in found if value}
+
+
+def _first(law: type[Effect]) -> str:
+    """Name of the first parameter of a kind."""
+    return next(iter(law.parameters))
 
 
 def _apart(evidence: Evidence, spec: Spec) -> npt.NDArray[np.bool_]:
@@ -99,7 +96,8 @@ def slack_limits(model: Model, forces: dict[str, Floats], noise: dict[str, float
     noise : dict
         Of its sensor, N.
     """
-    slack = {one.place for one in model.spec.effects if one.kind == "slack"}
+    law = changing("wire", "pretension")
+    slack = {one.place for one in model.spec.effects if one.law.changes == law.changes}
     limits: Limits = {}
     for place, force in forces.items():
         lowest = max(-float(force.min()), 0.0)
@@ -111,7 +109,7 @@ def slack_limits(model: Model, forces: dict[str, Floats], noise: dict[str, float
 
         found = just_seen(power, lowest, 1e-6 * lowest, enough)
         if found:
-            limits["wire", "slack", place] = {"pretension": found}
+            limits["wire", law.kind, place] = {_first(law): found}
     return limits
 
 
@@ -120,4 +118,5 @@ def rounding_limits(fitting: Fitting, matters: float) -> Iterator[tuple[tuple[st
     evidence = fitting.experiment.evidence
     for channel, noise, column in zip(evidence.channels, fitting.sigma, evidence.measured.T, strict=True):
         if np.isfinite(noise) and lattice(column) is None:
-            yield (f"sensor.{channel.family}", "quantisation", channel.place), matters * float(noise)
+            block = f"sensor.{channel.family}"
+            yield (block, changing(block, "step").kind, channel.place), matters * float(noise)

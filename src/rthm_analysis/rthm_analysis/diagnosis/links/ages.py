@@ -62,7 +62,7 @@ def expected(evidence: LinkEvidence, model: Model, at: Integers) -> tuple[Floats
     mean, square = np.zeros(at.size), np.zeros(at.size)
     for back in range(DEEPEST):
         row = np.maximum(newest - back, 0)
-        arrived = (1.0 - model.loss) * model.arrived((at - evidence.due[row]) / NS)
+        arrived = (1.0 - model.lost) * model.arrived((at - evidence.due[row]) / NS)
         if back == DEEPEST - 1:
             arrived = np.ones(at.size)
         age = (at - evidence.stamp[row]) / NS

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Integers
     from rthm_core.spec import Spec
 
-BESIDE: tuple[tuple[str, ...], ...] = ((), ("jitter",), ("loss",), ("jitter", "loss"))
+BESIDE: tuple[tuple[str, ...], ...] = ((), ("spread",), ("lost",), ("spread", "lost"))
 """What a link may do beside its delay."""
 
 

@@ -14,18 +14,17 @@ from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.outages import faults_of
-from rthm_analysis.diagnosis.links.selection import DISTINCT, Selection
+from rthm_analysis.diagnosis.links.selection import DISTINCT, KINDS, Selection
 from rthm_analysis.diagnosis.links.words import lateness, sentence
 from rthm_analysis.diagnosis.result import Alternative, Fault, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS
+from rthm_core.effects.registry import changing
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
+    from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
-
-KINDS = {"delay": ("extra_delay", "delay"), "jitter": ("jitter", "std"), "loss": ("loss", "fraction")}
-"""Kind and parameter in the spec of what a model calls delay, jitter and loss."""
 
 FLOOR = 1e-5
 """Error in the age of a sample that clocks and rounding leave, s."""
@@ -112,14 +111,23 @@ def _values(finding: Finding) -> dict[tuple[str, str], Value]:
     """Parameters of what was found, by kind and name."""
     values, model = {}, finding.selection.model
     if finding.evidence.offset_ns:
-        values["clock_offset", "offset"] = Value(
-            finding.evidence.offset_ns / NS, finding.evidence.offset_std, "s"
-        )
+        offset = Value(finding.evidence.offset_ns / NS, finding.evidence.offset_std, "s")
+        values[_kind_and_parameter("stamps")] = offset
     data = counted(finding.evidence.between(0, finding.train_end))
     for kind in finding.selection.kinds:
         std = deviation(data, model, kind)
-        values[KINDS[kind]] = Value(getattr(model, kind), std, "1" if kind == "loss" else "s")
+        values[_kind_and_parameter(kind)] = Value(getattr(model, kind), std, _unit(kind))
     return values
+
+
+def _kind_and_parameter(changes: Change) -> tuple[str, str]:
+    """Kind of effect that changes something of a link, and its parameter."""
+    law = changing("link", changes)
+    return law.kind, next(iter(law.parameters))
+
+
+def _unit(changes: Change) -> str:
+    return changing("link", changes).unit(_kind_and_parameter(changes)[1], "link")
 
 
 def _told(
@@ -178,13 +186,14 @@ def _alternatives(finding: Finding, fit: Fit) -> tuple[Alternative, ...]:
     reached = fit.nrmse["explained"]
     others = []
     if finding.selection.kinds == ("delay",) and not finding.evidence.offset_ns:
-        others.append(Alternative(finding.block, "clock_offset", reached, False))
+        others.append(Alternative(finding.block, changing("link", "stamps").kind, reached, False))
         if finding.evidence.name == "tau4":
-            others.append(Alternative("motor", "extra_delay", reached, False))
+            others.append(Alternative("motor", changing("motor", "delay").kind, reached, False))
     for kinds, gain in finding.selection.gains.items():
         if len(kinds) == 1 and kinds[0] not in finding.selection.kinds:
             worse = fit.nrmse["nominal"] if gain < -DISTINCT else reached
-            others.append(Alternative(finding.block, KINDS[kinds[0]][0], worse, gain < -DISTINCT))
+            kind = changing("link", kinds[0]).kind
+            others.append(Alternative(finding.block, kind, worse, gain < -DISTINCT))
     return tuple(others)
 
 
@@ -192,7 +201,12 @@ def _limits(finding: Finding) -> dict[str, Limit]:
     """Smallest effects that would have been seen."""
     allowance = BUSY * finding.busy + GRAIN
     nothing, limits = finding.selection.nothing, {}
-    for name, (kind, parameter) in KINDS.items():
-        value = smallest(finding.evidence, nothing, name, allowance)
-        limits[f"{finding.block}.{kind}.{parameter}"] = Limit(value, "1" if name == "loss" else "s")
-    return limits | {f"{finding.block}.clock_offset.offset": Limit(GRAIN, "s")}
+    for changes in KINDS:
+        value = smallest(finding.evidence, nothing, changes, allowance)
+        limits[_key(finding, changes)] = Limit(value, _unit(changes))
+    return limits | {_key(finding, "stamps"): Limit(GRAIN, "s")}
+
+
+def _key(finding: Finding, changes: Change) -> str:
+    """Name of a detection limit."""
+    return ".".join((finding.block, *_kind_and_parameter(changes)))

@@ -24,9 +24,9 @@ BLOCKS = 10
 
 BOUNDS = {
     "delay": (-60.0, 60.0),
-    "jitter": (1e-6, 1.0),
+    "spread": (1e-6, 1.0),
     "mean": (2e-6, 7e-4),
-    "loss": (1e-5, 0.999),
+    "lost": (1e-5, 0.999),
     "share": (1e-5, 1.0 - 1e-9),
 }
 """Within which parameters are searched; longer lateness is a stray."""
@@ -42,16 +42,16 @@ def _share(z: float) -> float:
 
 _ENCODE: dict[str, Callable[[float], float]] = {
     "delay": float,
-    "jitter": math.log,
+    "spread": math.log,
     "mean": math.log,
-    "loss": _odds,
+    "lost": _odds,
     "share": _odds,
 }
 _DECODE: dict[str, Callable[[float], float]] = {
     "delay": float,
-    "jitter": math.exp,
+    "spread": math.exp,
     "mean": math.exp,
-    "loss": _share,
+    "lost": _share,
     "share": _share,
 }
 
@@ -185,8 +185,8 @@ def _start(data: Counted, kinds: tuple[str, ...]) -> Model:
     """Rough model without lateness; a delay is what most samples can have."""
     return Model(
         delay=0.5 * sum(most_common(data)) if "delay" in kinds else 0.0,
-        jitter=max(_median_wait(data), 2e-5) if "jitter" in kinds else 0.0,
-        loss=0.02 if "loss" in kinds else 0.0,
+        spread=max(_median_wait(data), 2e-5) if "spread" in kinds else 0.0,
+        lost=0.02 if "lost" in kinds else 0.0,
     )
 
 
@@ -249,10 +249,10 @@ def gain(data: tuple[Counted, Counted], richer: Fitted, simpler: Fitted) -> floa
 def deviation(data: Counted, model: Model, kind: str) -> float:
     """Standard deviation of a parameter of a fitted model, from the curvature of the likelihood."""
     low, high = most_common(data)
-    if kind == "delay" and model.share == 0.0 and model.jitter == 0.0:
+    if kind == "delay" and model.share == 0.0 and model.spread == 0.0:
         return max(high - low, 1e-6) / math.sqrt(12.0)
     value = getattr(model, kind)
-    step = 0.03 * abs(value) if kind != "delay" else max(0.1 * (model.late + model.jitter), 1e-6)
+    step = 0.03 * abs(value) if kind != "delay" else max(0.1 * (model.late + model.spread), 1e-6)
     sides = [data.total(model.but(**{kind: value + sign * step})) for sign in (-1.0, 1.0)]
     drop = max(data.total(model) - 0.5 * sum(sides), 1e-3)
     return step / math.sqrt(2.0 * drop)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis.links.evidence import LinkEvidence
     from rthm_core.compiled import Floats
 
-RANGES = {"delay": (1e-6, 1.0), "jitter": (1e-6, 1.0), "loss": (1e-5, 1.0)}
+RANGES = {"delay": (1e-6, 1.0), "spread": (1e-6, 1.0), "lost": (1e-5, 1.0)}
 ENOUGH = 15.0
 """Expected gain in the logarithm of the likelihood at which an effect is as good as always found."""
 
@@ -21,12 +21,12 @@ EDGES = np.concatenate([[-np.inf], np.geomspace(GRAIN / 2, 1.0, 90), [np.inf]])
 
 
 def smallest(evidence: LinkEvidence, nothing: Model, kind: str, allowance: float) -> float:
-    """Smallest delay or jitter (s) or loss (1) that would have been told from `nothing`.
+    """Smallest delay or spread of it (s) or part lost (1) that would have been told from `nothing`.
 
     Parameters
     ----------
     allowance : float
-        Delay or jitter below which the lateness of the machine is the better explanation.
+        Delay or spread below which the lateness of the machine is the better explanation.
     """
     slack, count = _slack(evidence)
     low, high = RANGES[kind]
@@ -37,7 +37,7 @@ def smallest(evidence: LinkEvidence, nothing: Model, kind: str, allowance: float
             high = middle
         else:
             low = middle
-    return max(high, allowance) if kind != "loss" else high
+    return max(high, allowance) if kind != "lost" else high
 
 
 def _slack(evidence: LinkEvidence) -> tuple[Floats, Floats]:

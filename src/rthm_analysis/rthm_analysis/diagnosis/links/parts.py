@@ -119,7 +119,7 @@ def _told_late(recording: Recording, evidence: LinkEvidence) -> bool:
 
 def _beyond_machine(selection: Selection, busy: float) -> Selection:
     """Take kinds out that are no more than what the machine does to the other links."""
-    least = {"delay": BUSY * busy + GRAIN, "jitter": BUSY * busy + GRAIN, "loss": 0.0}
+    least = {"delay": BUSY * busy + GRAIN, "spread": BUSY * busy + GRAIN, "lost": 0.0}
     kept = tuple(kind for kind in selection.kinds if abs(getattr(selection.model, kind)) > least[kind])
     if kept == selection.kinds:
         return selection

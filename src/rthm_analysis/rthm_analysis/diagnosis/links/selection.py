@@ -11,11 +11,12 @@ from rthm_analysis.diagnosis.links.models import Model
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.links.evidence import LinkEvidence
+    from rthm_core.effects.declaration import Change
 
-KINDS = ("delay", "jitter", "loss")
-"""Parameters of the models that are physics, one per kind."""
+KINDS: tuple[Change, ...] = ("delay", "spread", "lost")
+"""Parameters of the models that are physics: what a kind of effect changes of a link."""
 
-PLAIN = ("loss", "delay", "jitter")
+PLAIN = ("lost", "delay", "spread")
 """Which kind is named where the recording does not tell them from each other."""
 
 DISTINCT = 3.0

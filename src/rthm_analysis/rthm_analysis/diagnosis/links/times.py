@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rthm_analysis.diagnosis.links.clocks import other_periods
 from rthm_analysis.diagnosis.links.delays import other_delays
-from rthm_analysis.diagnosis.result import Fault, Part
+from rthm_analysis.diagnosis.result import Fault, Part, wrong_entry
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS
 from rthm_core.spec import apply
@@ -63,7 +63,7 @@ def _wrong_period(recording: Recording, spec: Spec, name: str, period: int) -> F
         f"The spec says timing.{name} = {_milliseconds(spec.loop().timing.ns(name))}, but "
         f"{shown.format(value=value)}{also}. {COMPARE}; all else here assumes the recorded period."
     )
-    return Fault(block, "wrong_parameter", f"timing.{name}", words, None, period / NS)
+    return wrong_entry(block, f"timing.{name}", words, period / NS)
 
 
 def _wrong_delay(recording: Recording, spec: Spec, name: str, tau: int) -> Fault:
@@ -77,7 +77,7 @@ def _wrong_delay(recording: Recording, spec: Spec, name: str, tau: int) -> Fault
         f"recording, with which the test was run, says {_milliseconds(tau)}{uses}. {COMPARE}; all else here "
         "assumes the delay of the test."
     )
-    return Fault(f"link.{name}", "wrong_parameter", f"timing.{name}", words, None, tau / NS)
+    return wrong_entry(f"link.{name}", f"timing.{name}", words, tau / NS)
 
 
 def _milliseconds(ns: int) -> str:

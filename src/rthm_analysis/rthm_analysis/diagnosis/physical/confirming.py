@@ -22,8 +22,6 @@ SMALL_PART = 0.95
 removes nearly everything.
 """
 
-CONTACTS, CURVED = ("clearance", "end_stop"), ("cubic_stiffness", "quadratic_stiffness")
-
 PATCHING = "beside a curved spring it did little but bend the curve of that spring"
 
 IMITATES = "it can imitate others, and with it, too, more than the noise is left"
@@ -94,9 +92,9 @@ def _refused(label: tuple[str, str, str], why: str) -> Refused:
 
 def _patches(selection: Selection) -> bool:
     """Whether the last effect is a contact beside a curved spring on the same dof: it may patch its curve."""
-    *others, (block, kind, place) = (tried[0].label for tried in selection.rounds)
-    springs = [(block, spring, place) for spring in CURVED]
-    return block == "plant" and kind in CONTACTS and any(one in springs for one in others)
+    *others, last = (tried[0] for tried in selection.rounds)
+    springs = [one.label[2] for one in others if one.label[0] == "plant" and (one.law.power or 0) > 1]
+    return last.label[0] == "plant" and last.law.split == "position" and last.label[2] in springs
 
 
 def _without_last(selection: Selection) -> Selection:

@@ -87,7 +87,7 @@ def _open_delays(rounds: list[list[FittedCandidate]]) -> Iterator[Parameter]:
     """Delays of the effects that were added, which the steps of the motors leave open between bounds."""
     for i, tried in enumerate(rounds):
         one, uncertainty = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
-        if one.kind == "extra_delay" and uncertainty > SURE:
+        if one.law.changes == "delay" and uncertainty > SURE:
             value = float(one.parameters["delay"])
             prior = (value, uncertainty / np.sqrt(3.0))
             yield Parameter(

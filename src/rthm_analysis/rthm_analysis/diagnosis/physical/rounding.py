@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_analysis.diagnosis.result import Physics, Value, place_key
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
+from rthm_core.effects.registry import changing
 
 MATTERS = 0.8
 """Step, over what the best model leaves unexplained, from which rounding is worth a word."""
@@ -19,7 +20,7 @@ MATTERS = 0.8
 def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
     """Sensors whose rounding matters beside everything else that is left."""
     found = []
-    known = {(e.block, e.place) for e in physical.spec.effects if e.kind == "quantisation"}
+    known = {(e.block, e.place) for e in physical.spec.effects if e.law.changes == "step"}
     for k, channel in enumerate(physical.evidence.channels):
         block = f"sensor.{channel.family}"
         if (block, channel.place) in known:
@@ -30,8 +31,9 @@ def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
         if step is None or step < MATTERS * left:
             continue
         values: dict[str, Value | str] = {"step": Value(step, 1e-6 * step, _unit(channel.family))}
-        words = physics_words(block, "quantisation", channel.place, values, float("nan"), 0.0)
-        found.append(Physics(block, "quantisation", channel.place, values, words, 0.0, 0.0))
+        kind = changing(block, "step").kind
+        words = physics_words(block, kind, channel.place, values, float("nan"), 0.0)
+        found.append(Physics(block, kind, channel.place, values, words, 0.0, 0.0))
     return found
 
 

@@ -26,6 +26,7 @@ from rthm_analysis.diagnosis.replay.resolution import (
 from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.spec import apply
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -263,7 +264,7 @@ class Experiment:
         m = e.commands.shape[1] if e.driven_by == "command" else 0
         fine = self._grid(delay, LONGEST_NS, samples=True)
         points = fine
-        if m and not self._motors_alone and not any(one.kind == "rate_limit" for one in spec.effects):
+        if m and not self._motors_alone and not sizes(spec.effects, "motor", "rate"):
             points = self._grid(delay, self._longest_interval(spec), samples=False)
         course = motor = np.zeros((fine.time_ns.size, 3, m))
         if m:

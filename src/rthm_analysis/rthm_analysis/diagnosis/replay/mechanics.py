@@ -124,11 +124,7 @@ def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
     for effect in spec.effects:
         if effect.block == "plant" and effect.dof and spec.plant:
             dof = spec.plant.dofs.index(effect.dof)
-            stiff = float(effect.parameters.get("stiffness", effect.parameters.get("alpha", 0.0)))
-            a[n : 2 * n, dof] -= mechanics.inverse_mass[:, dof] * abs(stiff)
-            a[n : 2 * n, n + dof] -= mechanics.inverse_mass[:, dof] * _damping(effect.kind, effect.parameters)
+            stiffness, damping = effect.law.steepest(effect.numbers)
+            a[n : 2 * n, dof] -= mechanics.inverse_mass[:, dof] * abs(stiffness)
+            a[n : 2 * n, n + dof] -= mechanics.inverse_mass[:, dof] * damping
     return np.asarray(np.linalg.eigvals(a))
-
-
-def _damping(kind: str, parameters: dict[str, float | str]) -> float:
-    return float(parameters.get("damping", 0.0)) if kind == "end_stop" else 0.0

@@ -28,10 +28,6 @@ PROPERTIES = {
 """Properties that a spec can call uncertain, and their units."""
 
 
-ALONG = {("bouc_wen", "gamma"): "beta"}
-"""Parameters of either sign that are sizes in the same unit as a positive one; a fit moves their ratio."""
-
-
 @dataclass(frozen=True)
 class Parameter:
     """A number of the model that may move.
@@ -185,7 +181,7 @@ class Model:
         for key in free:
             low, high = one.bounds(key, one.parameters)
             value = float(one.parameters[key])
-            along = ALONG.get((one.kind, key))
+            along = one.law.along.get(key)
             place = len(self.parameters) + free.index(along) if along in free else None
             scale = scales.get(key, abs(value) or 1.0)
             new.append(Parameter(self._key(len(self.added), key), value, scale, low, high, along=place))

@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.physical.drive import LIMIT, QUANTUM, RATE, Drive, drive
+from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -21,9 +22,8 @@ Complex = npt.NDArray[np.complex128]
 
 
 def motor_delay(spec: Spec) -> int:
-    """Delay of the motors beside tau4, in ns: the effect ``extra_delay``."""
-    delays = [e for e in spec.effects if e.block == "motor" and e.kind == "extra_delay"]
-    return round(sum(float(e.parameters["delay"]) for e in delays) * NS)
+    """Delay of the motors beside tau4, in ns."""
+    return round(sum(sizes(spec.effects, "motor", "delay")) * NS)
 
 
 def drive_speed(spec: Spec) -> float:

@@ -10,7 +10,6 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, modes
 from rthm_analysis.diagnosis.replay.motor import drive_speed
 from rthm_core.clock import NS
-from rthm_core.effects import effect
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -33,12 +32,6 @@ MOST_SUBSTEPS = 50
 
 AFFORDED = 20_000
 """Steps of a replay up to which they are as short as long motions need: a search repeats it by thousands."""
-
-KINKED = ("bouc_wen", "backlash", "pulley_friction", "slack")
-"""Laws with kinks that the replay does not locate."""
-
-COSTLY = {("wire", "bouc_wen"): 10}
-"""Laws that take more than others: of how many steps a step with one is worth."""
 
 LONGEST_NS = 5_000_000
 """Longest interval of the grid."""
@@ -67,7 +60,7 @@ def can_be_sharper(spec: Spec) -> bool:
 
 def worth(spec: Spec) -> int:
     """Work of a step, in those of most models."""
-    return max((COSTLY.get((e.block, e.kind), 1) for e in spec.effects), default=1)
+    return max((e.law.cost for e in spec.effects), default=1)
 
 
 def substeps(
@@ -91,18 +84,18 @@ def substeps(
 
 def _longest_step(spec: Spec) -> float:
     """Longest step in s: short where a law has kinks that nobody locates."""
-    kinks = any(e.kind in KINKED for e in spec.effects)
+    kinks = any(e.law.kinked for e in spec.effects)
     return 2.1e-3 if kinks or _remembers(spec) else np.inf
 
 
 def _remembers(spec: Spec) -> bool:
     """Whether a wire has kinks: its force depends on where the motor has been."""
     pretension = spec.actuator is not None and any(spec.actuator.pretension)
-    return pretension or any(e.block == "wire" and e.kind in KINKED for e in spec.effects)
+    return pretension or any(e.block == "wire" and e.law.kinked for e in spec.effects)
 
 
 def _moves(spec: Spec) -> bool:
     """Whether a wire has a motion of its own between motor and plant."""
     transmission = spec.actuator.transmission if spec.actuator else None
     pulley = transmission is not None and transmission.moves
-    return pulley or any(e.block == "wire" and effect(e.kind, e.block).states for e in spec.effects)
+    return pulley or any(e.block == "wire" and e.law.states for e in spec.effects)

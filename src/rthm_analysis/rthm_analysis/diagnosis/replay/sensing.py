@@ -1,7 +1,8 @@
-"""Effects of the sensors on a replayed signal: lag, scale, bias, drift and quantisation, in this order."""
+"""What effects change of the reading of a replayed signal: smoothing, gain, offset and its growth."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,21 +16,27 @@ if TYPE_CHECKING:
 
 def time_constant(effects: list[EffectSpec]) -> float:
     """Time constant (s) of the effects on one sensor; 0: none of them lags."""
-    return sum(float(one.parameters["time_constant"]) for one in effects if one.kind == "lag")
+    return sum(size for one, size in _sizes(effects) if one.law.changes == "smoothing")
 
 
 def sensed(time: Floats, reading: Floats, effects: list[EffectSpec]) -> Floats:
     """Reading (s,) of a sensor at the instants `time` (s), without noise, from what it lags behind to."""
     value = reading
-    for effect in effects:
-        if effect.kind == "scale":
-            value = value * float(effect.parameters["scale"])
-    for effect in effects:
-        if effect.kind == "bias":
-            value = value + float(effect.parameters["bias"])
-        elif effect.kind == "drift":
-            value = value + float(effect.parameters["rate"]) * time
+    for one, size in _sizes(effects):
+        if one.law.changes == "gain":
+            value = value * size
+    for one, size in _sizes(effects):
+        if one.law.changes == "offset":
+            value = value + size
+        elif one.law.changes == "growth":
+            value = value + size * time
     return value
+
+
+def _sizes(effects: list[EffectSpec]) -> Iterator[tuple[EffectSpec, float]]:
+    """Effects of one sensor, each with its one number."""
+    for one in effects:
+        yield one, next(iter(one.numbers.values()))
 
 
 def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:

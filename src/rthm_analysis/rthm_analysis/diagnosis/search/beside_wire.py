@@ -117,7 +117,7 @@ def _with_any(
 
 def _most_telling(fitting: Fitting, tried: list[FittedCandidate]) -> list[FittedCandidate]:
     """The best of some candidates, best first; of the plain ones where none comes near the noise."""
-    plain = [one for one in tried if not one.is_flexible]
+    plain = [one for one in tried if not one.law.flexible]
     near = bool(tried) and _near(fitting, tried[0])
     return (tried if near or not plain else plain)[:1]
 

@@ -143,9 +143,9 @@ def _plain_first(
 
     A kind with the freedom to imitate others says something only where it explains everything.
     """
-    if not tried or not tried[0].is_flexible or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
+    if not tried or not tried[0].law.flexible or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
         return tried
-    plain = [one for one in tried if not one.is_flexible and better(one, selection.best)]
+    plain = [one for one in tried if not one.law.flexible and better(one, selection.best)]
     plain = [one for one in plain if relevant(fitting, one, selection)]
     return [*plain[:1], *(one for one in tried if not plain or one is not plain[0])]
 

@@ -28,7 +28,7 @@ from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself
 from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.subsets import promised
-from rthm_analysis.diagnosis.search.tone_evidence import TONE, lasts
+from rthm_analysis.diagnosis.search.tone_evidence import lasts
 
 AGAIN = 2
 """How often a combination that did better is left for another."""
@@ -118,7 +118,7 @@ def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: 
     ):
         return None
     done = finished_by_itself(fitting, begun)
-    tones = [i for i, one in enumerate(pieces) if one.start.added.kind == TONE]
+    tones = [i for i, one in enumerate(pieces) if one.start.added.law.is_tone]
     if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
         return None
     plain = [i for i, one in enumerate(pieces) if is_plain(one.start)]

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
-from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_analysis.diagnosis.search.starts import InitialGuess, guessed
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
+from rthm_core.effects.registry import changing, ranked
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
 
@@ -40,33 +41,38 @@ def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[InitialGuess]:
     evidence = fitting.experiment.evidence
     residual = evidence.measured - fitting.experiment.predicted(spec, fitting.windows)
     for column, channel in enumerate(evidence.channels):
-        name, u = channel.place, np.nan_to_num(evidence.measured[:, column])
-        left = np.nan_to_num(residual[:, column])
+        u, left = np.nan_to_num(evidence.measured[:, column]), np.nan_to_num(residual[:, column])
+        scene = MotorScene(spec, fitting, channel.place, u, left)
+        for law in ranked("motor"):
+            yield from guessed(law, "motor", channel.place, scene)
 
-        def start(
-            kind: str, free: tuple[str, ...], amplitude: tuple[str, ...] = (), **p: float
-        ) -> InitialGuess:
-            scales = {key: abs(value) for key, value in p.items()}
-            return InitialGuess(EffectInstance("motor", kind, name, dict(p)), free, amplitude, scales)  # noqa: B023
 
-        for lag in (2e-4, 1e-3, 5e-3):
-            yield start("lag", ("time_constant",), ("time_constant",), time_constant=lag)
-        for frequency in (15.0, 40.0, 120.0, 400.0, 1200.0, 3600.0):
-            yield start(
-                "second_order", ("frequency", "damping_ratio"), frequency=frequency, damping_ratio=0.6
-            )
-        delay, reduced_chi2 = _best_delay(spec, fitting, name)
-        if delay != 0.0:
-            yield replace(start("extra_delay", (), delay=delay), scales={"delay": reduced_chi2})
-        rate = np.abs(np.diff(u)) / np.diff(evidence.time)
-        for share in (0.999, 0.99, 0.9):
-            yield start("rate_limit", ("rate",), rate=max(float(np.quantile(rate, share)), 1e-6))
-        for share in (1.0, 0.99, 0.9):
-            yield start("saturation", ("limit",), limit=max(float(np.quantile(np.abs(u), share)), 1e-9))
-        actuator = spec.actuator.names.index(name) if spec.actuator else 0
-        step = _step(evidence, actuator, left)
-        if step:
-            yield start("quantisation", (), step=step)
+@dataclass(frozen=True)
+class MotorScene:
+    """Recorded position of one motor; attributes as of `rthm_core.effects.guess.MotorSignals`.
+
+    `left` (s,) is what a motor as the spec says leaves of it, m.
+    """
+
+    spec: Spec
+    fitting: Fitting
+    place: str
+    position: Floats
+    left: Floats
+
+    @property
+    def speed(self) -> Floats:
+        """Between samples, m/s."""
+        return np.abs(np.diff(self.position)) / np.diff(self.fitting.experiment.evidence.time)
+
+    def delay(self) -> tuple[float, float]:
+        """Delay beside the spec's that fits best, and how far it may be from it without a difference, s."""
+        return _best_delay(self.spec, self.fitting, self.place)
+
+    def step(self) -> float | None:
+        """Step to which commands are rounded, m; None where none shows."""
+        actuator = self.spec.actuator.names.index(self.place) if self.spec.actuator else 0
+        return _step(self.fitting.experiment.evidence, actuator, self.left)
 
 
 def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
@@ -85,7 +91,7 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
         if delay < earliest:
             return np.inf
         model = Model(spec, prefix="trial").plus(
-            EffectInstance("motor", "extra_delay", name, {"delay": delay}), (), {}
+            EffectInstance("motor", changing("motor", "delay").kind, name, {"delay": delay}), (), {}
         )
         left = experiment.evidence.measured - experiment.predicted(model.spec, fitting.windows)
         return float(np.nansum(np.square(left)))

@@ -10,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.starts import InitialGuess
-from rthm_core.effects import effect
+from rthm_core.effects import Effect, effect
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.search.screening import ScoredCandidate
@@ -60,16 +60,9 @@ class FittedCandidate:
         return self.start.label
 
     @property
-    def is_flexible(self) -> bool:
-        """Whether its kind has enough freedom to imitate others."""
-        return self.start.added.law.flexible
-
-
-TERMS = ("quadratic_stiffness", "cubic_stiffness", "constant_load")
-"""Springs that together are the first terms of many another one."""
-
-REPEATED = ("harmonic_load", "hidden_mode")
-"""Kinds of which a rig may have several at one place."""
+    def law(self) -> type[Effect]:
+        """What its kind declares."""
+        return self.start.added.law
 
 
 @dataclass
@@ -106,13 +99,13 @@ class Selection:
     @property
     def in_pieces(self) -> bool:
         """Whether the same law of force acts twice at one place: a curve of another shape, put together."""
-        labels = [tried[0].label for tried in self.rounds if tried[0].label[1] not in REPEATED]
+        labels = [tried[0].label for tried in self.rounds if not tried[0].law.repeats]
         return len(set(labels)) < len(labels)
 
     @property
     def in_terms(self) -> bool:
-        """Whether several springs act at one place, as the first terms of a curve of another shape do."""
-        places = [tried[0].label[2] for tried in self.rounds if tried[0].label[1] in TERMS]
+        """Whether several powers act at one place, as the first terms of a curve of another shape do."""
+        places = [tried[0].label[2] for tried in self.rounds if tried[0].law.power is not None]
         return len(set(places)) < len(places)
 
     @property

@@ -34,7 +34,7 @@ def paired(fitting: Fitting, base: Fitted, tried: list[FittedCandidate]) -> list
         All that the first was chosen from. A companion is looked for those that are plain: a flexible kind
         imitates both.
     """
-    for first in [one for one in tried if not one.is_flexible][:PAIRED]:
+    for first in [one for one in tried if not one.law.flexible][:PAIRED]:
         if fitting.budget.spent:
             break
         fitting.progress(f"looking for what goes with {first.label[1]}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.candidates import FRICTION, candidates
+from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, looked_for
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
@@ -42,7 +42,7 @@ class Piece:
     @property
     def rubs_at(self) -> str | None:
         """Place where it is dry friction, of which there can only be one."""
-        return self.start.added.place if self.start.added.kind in FRICTION else None
+        return self.start.added.place if self.start.added.law.jump else None
 
     @property
     def bends(self) -> bool:

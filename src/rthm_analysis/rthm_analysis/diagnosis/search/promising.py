@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
-from rthm_analysis.diagnosis.replay.resolution import COSTLY
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
@@ -84,7 +83,8 @@ def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     chosen = list(firsts)
     for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
         label = one.start.label
-        enough = label[:2] in COSTLY and sum(other.start.label == label for other in chosen) >= STARTS
+        starts = sum(other.start.label == label for other in chosen)
+        enough = starts >= STARTS and one.start.added.law.cost > 1
         if label[:2] in kinds and one not in chosen and not enough:
             chosen.append(one)
     return chosen

@@ -22,6 +22,7 @@ from rthm_analysis.diagnosis.search.screening import ScoredCandidate
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tone_evidence import without_unproven_tones
 from rthm_core.compiled import Floats
+from rthm_core.effects import Plainer
 from rthm_core.errors import InputError
 
 HEATS = ((2, 0), (3, 6), (8, 2))
@@ -35,13 +36,6 @@ PARTS = (1.0, 0.5, 0.25, 0.1)
 
 FINISHING, FINISHED = 24, 1e-5
 """Steps for which the fit of an effect that was chosen goes on, and the part that each must bring."""
-
-STRIBECK = "stribeck_friction"
-
-GROWN, WIDER = (0.95, 1.4), (1.0, 3.0)
-"""Parts of a dry friction from which that of Stribeck may begin in motion and at rest, and how much wider it
-falls than where it was looked for at first.
-"""
 
 
 def refined(
@@ -75,23 +69,27 @@ def unfitted(start: InitialGuess, fitted: Fitted, model: Model) -> FittedCandida
 
 
 def _grown(tried: list[FittedCandidate], promising: list[ScoredCandidate]) -> Iterator[InitialGuess]:
-    """Starts of Stribeck's friction from the dry friction that fits best, which is most of it."""
-    fitted = [one for one in tried if one.label[1] == "coulomb_friction" and np.isfinite(one.error)]
-    looked_for = [one.start for one in promising if one.start.added.kind == STRIBECK]
-    if not fitted or not looked_for:
+    """Starts of kinds from the plainer one that fits best, which is most of them."""
+    firsts: dict[tuple[str, str], InitialGuess] = {}
+    for one in promising:
+        firsts.setdefault(one.start.added.label, one.start)
+    for start in firsts.values():
+        for plainer in start.added.law.plainer:
+            if plainer.beyond is not None:
+                yield from _beyond(plainer, start, tried)
+
+
+def _beyond(plainer: Plainer, start: InitialGuess, tried: list[FittedCandidate]) -> Iterator[InitialGuess]:
+    """Starts of a kind from the fit of one plainer kind; none where that could not be fitted."""
+    label = start.added.block, plainer.kind
+    fitted = [one for one in tried if one.label[:2] == label and np.isfinite(one.error)]
+    if not fitted:
         return
-    best, start = min(fitted, key=lambda one: one.error), looked_for[0]
-    force = float(best.fitted.model.effect_values(len(best.fitted.model.added) - 1)["force"])
-    for wider in WIDER:
-        values: dict[str, float | str] = {
-            "coulomb_force": GROWN[0] * force,
-            "static_force": GROWN[1] * force,
-            "stribeck_velocity": wider * float(start.added.parameters["stribeck_velocity"]),
-        }
-        scales = {key: float(value) for key, value in values.items()}
-        yield replace(
-            start, added=replace(start.added, place=best.label[2], parameters=values), scales=scales
-        )
+    best = min(fitted, key=lambda one: one.error)
+    plain = best.fitted.model.effect_values(len(best.fitted.model.added) - 1)
+    for values in plainer.beyond(plain, start.added.parameters):
+        added = replace(start.added, place=best.label[2], parameters=values)
+        yield replace(start, added=added, scales=dict(values))
 
 
 def _begun(fitting: Fitting, model: Model, one: ScoredCandidate) -> Model:

@@ -10,8 +10,15 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_core.compiled import Floats
+from rthm_core.effects.guess import rms
 from rthm_core.effects.possible import Seen
 from rthm_core.spec import Spec
+
+PEAK = 2.0
+"""Width over which a spectrum is averaged before its peaks are taken, rad/s."""
+
+STANDS_OUT = 6.0
+"""Standard deviations by which a peak must rise above the noise of a spectrum."""
 
 
 @dataclass(frozen=True)
@@ -64,19 +71,51 @@ class Scene:
         reached = {"lowest": float(self.x.min()), "highest": float(self.x.max())}
         return replace(shown, mass=self.mass, speed=float(np.abs(self.v).max()), **reached)
 
-    def level(self, signal: Floats, share: float) -> float:
-        """Magnitude that a signal exceeds for this share of the time."""
-        return float(np.quantile(np.abs(signal), 1.0 - share))
+    def ringing(self, lowest: float) -> list[float]:
+        """Frequencies above `lowest`, rad/s, at which what a linear wire leaves of its force rings most."""
+        return peaks(self.time, self.left, lowest) if self.left.size else []
+
+
+def peaks(time: Floats, signal: Floats, lowest: float, most: int = 2) -> list[float]:
+    """Frequencies above `lowest`, rad/s, at which a signal rings most, and more than noise would.
+
+    The spectrum is smoothed by PEAK.
+    """
+    step = float(np.median(np.diff(time)))
+    even = np.interp(np.arange(time[0], time[-1], step), time, signal)
+    omega = 2.0 * np.pi * np.fft.rfftfreq(even.size, step)
+    width = max(int(PEAK / omega[1]), 1)
+    power = np.convolve(np.abs(np.fft.rfft(even - even.mean())) ** 2, np.ones(width), "same")
+    power[omega < lowest] = 0.0
+    floor = float(np.median(power[power > 0.0])) * (1.0 + STANDS_OUT / np.sqrt(width)) if power.any() else 0.0
+    found = []
+    for _ in range(most):
+        best = int(np.argmax(power))
+        if power[best] > floor:
+            found.append(float(omega[best]))
+        power[max(best - 2 * width, 0) : best + 2 * width] = 0.0
+    return found
+
+
+@dataclass(frozen=True)
+class SensorScene:
+    """Reading of one sensor; attributes as of `rthm_core.effects.guess.SensorSignals`."""
+
+    noise: float
+    spread: float
+    rate: float
+    duration: float
+
+
+def sensor_scene(time: Floats, reading: Floats, noise: float) -> SensorScene:
+    """Scene of a sensor with a reading (s,) at some instants (s,) and a noise of this standard deviation."""
+    rate = rms(np.nan_to_num(np.gradient(reading, time)))
+    return SensorScene(noise, float(np.nanstd(reading)) or 1.0, rate, float(time[-1]) or 1.0)
 
 
 def seen_in(time: Floats) -> Seen:
     """What samples at some instants show of any effect."""
     return Seen(float(np.median(np.diff(time))), float(time[-1] - time[0]))
-
-
-def rms(signal: Floats) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(signal)))) if signal.size else 0.0
 
 
 def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene:

@@ -69,7 +69,7 @@ def _reconsidered(fitting: Fitting, selection: Selection) -> Selection:
     A flexible kind that came first may have imitated what two plain ones do together.
     """
     others = [tried[0] for tried in selection.rounds]
-    if len(others) < 2 or not others[0].is_flexible or fitting.reduced_chi2 < _look_elsewhere(fitting):
+    if len(others) < 2 or not others[0].law.flexible or fitting.reduced_chi2 < _look_elsewhere(fitting):
         return selection
     if len(others) == 2:  # the second was the best companion of the first
         others = others[1:]

@@ -17,8 +17,6 @@ from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_core.compiled import Floats
 
-TONE = "harmonic_load"
-
 PARTS = 5
 """Parts of the training data that have to agree on a tone; each has some periods of all but the slowest."""
 
@@ -51,13 +49,13 @@ def without_unproven_tones(
     without : Fitted
         Model to which they were added.
     """
-    lasting = [one for one in tried if one.label[1] != TONE or lasts(fitting, one.fitted, -1)]
-    if not lasting or lasting[0].label[1] != TONE:
+    lasting = [one for one in tried if not one.law.is_tone or lasts(fitting, one.fitted, -1)]
+    if not lasting or not lasting[0].law.is_tone:
         return lasting
     before = float(without.left_out.sum())
     share = INSTEAD_WELL if _says_little(fitting, lasting[0].fitted.model, -1) else INSTEAD
     enough = share * (before - lasting[0].error)
-    instead = [one for one in lasting if one.label[1] != TONE and before - one.error > enough]
+    instead = [one for one in lasting if not one.law.is_tone and before - one.error > enough]
     return [*instead[:1], *(one for one in lasting if one is not (instead or [None])[0])]
 
 
@@ -86,7 +84,7 @@ def _differences(fitting: Fitting, fitted: Fitted, index: int) -> Floats:
 
 def _says_little(fitting: Fitting, model: Model, index: int) -> bool:
     """Whether a tone is at a frequency of the known loads or of the rig itself, or beside another tone."""
-    if sum(one.kind == TONE for one in model.added) > 1:
+    if sum(one.law.is_tone for one in model.added) > 1:
         return True
     frequency = float(model.effect_values(index % len(model.added))["frequency"])
     evidence = fitting.experiment.evidence

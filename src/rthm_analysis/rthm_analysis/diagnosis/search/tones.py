@@ -1,4 +1,4 @@
-"""Starting values of a harmonic load: the tone in the residual that a force on the dof would make."""
+"""Starting values of a tone: the one in the residual that a force on the dof would make."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.replay.model import EffectInstance
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_core.effects.registry import ranked
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -29,7 +30,7 @@ HIGHEST = 400.0
 def harmonic_starts(
     spec: Spec, experiment: Experiment, residual: Floats, sigma: Floats
 ) -> Iterator[InitialGuess]:
-    """Starts of a harmonic load on each dof.
+    """Starts of a tone on each dof.
 
     Parameters
     ----------
@@ -51,6 +52,7 @@ def harmonic_starts(
         spectra.append(np.fft.rfft(np.interp(even, time[known], column[known]), count)[band])
     look_elsewhere = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
     gains = _gains(mechanics(spec, experiment.first), spec, experiment, omega[band], sigma)
+    tone = next(law for law in ranked("plant") if law.is_tone)
     for d, dof in enumerate(spec.plant.dofs):
         gain = gains[:, :, d]
         matched = np.sum(np.conj(gain) * np.stack(spectra), axis=0) * 2.0 / even.size
@@ -67,7 +69,7 @@ def harmonic_starts(
                 "phase": phase,
             }
             scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
-            added = EffectInstance("plant", "harmonic_load", dof, values, seen_in(time))
+            added = EffectInstance("plant", tone.kind, dof, values, seen_in(time))
             yield InitialGuess(added, tuple(values), ("amplitude",), scales, look_elsewhere=look_elsewhere)
             score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
 

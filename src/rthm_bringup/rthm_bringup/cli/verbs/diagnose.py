@@ -80,13 +80,15 @@ def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:
 
 def _lines(found: Diagnosis) -> Iterator[str]:
     """The answer, how much better it is, what else it could be, what to try next."""
-    from rthm_analysis.diagnosis.experiment.sentences import kind_words
+    from rthm_core.effects import effect
 
     yield f"{found.verdict}: {found.words}"
     yield from found.unexplained
     for fit in found.fits:
         yield _fit(fit)
-    unclear = [f"{kind_words(a.kind)} ({a.block})" for a in found.alternatives if not a.distinguishable]
+    unclear = [
+        f"{effect(a.kind, a.block).called()} ({a.block})" for a in found.alternatives if not a.distinguishable
+    ]
     if unclear:
         yield f"this recording does not tell it from: {', '.join(dict.fromkeys(unclear))}"
     yield f"next: {found.next_experiment}"

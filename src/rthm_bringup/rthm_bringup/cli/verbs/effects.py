@@ -40,7 +40,8 @@ def verb(
 
 def _found(kind: str | None) -> Iterator[tuple[str, type[Effect]]]:
     """Blocks and their effects, of one kind or of all; a link stands for the four, a sensor for the three."""
-    from rthm_core.effects.base import BLOCKS, effect, family, kinds
+    from rthm_core.effects import BLOCKS, effect, kinds
+    from rthm_core.effects.blocks import family
 
     seen: set[str] = set()
     for block in BLOCKS:

@@ -97,6 +97,7 @@ def test_the_button_is_reached_by_keyboard_and_aborts(tab, server, hub, test, ab
     tab.value("document.body.focus()")
     tab.press("Tab")
     assert tab.value("document.activeElement.id") == "abort"
+    assert tab.value("getComputedStyle(document.activeElement).outlineStyle") == "solid"
     assert aborts == []
     tab.press("Enter")
     tab.wait_for("document.getElementById('abort-words').textContent == 'Abort asked for.'")

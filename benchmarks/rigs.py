@@ -20,6 +20,21 @@ from rthm_analysis.recording import Recording, read_recording
 RTHM = [sys.executable, "-m", "rthm_bringup"]
 
 
+def virtual_bag(spec: Path, duration: float) -> Path:
+    """Bag of a run of the node graph in simulated time; its folder is made beside the spec.
+
+    Raises
+    ------
+    RuntimeError
+        What the run said, if there is no recording.
+    """
+    words = ["run", str(spec), "--virtual", "--duration", str(duration), "--out", str(spec.with_name("out"))]
+    done = subprocess.run([*RTHM, *words, "--json", "-"], capture_output=True, text=True, check=False)
+    if not done.stdout:
+        raise RuntimeError(done.stderr)
+    return Path(json.loads(done.stdout)["bag"])
+
+
 @dataclass
 class Told:
     """A run that is over: its status, its JSON, its output, what it said beside it, and its recording."""

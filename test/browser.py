@@ -20,7 +20,7 @@ from tornado.httpclient import AsyncHTTPClient
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 30.0
+PATIENCE = 60.0
 """How long a browser on a busy host may take for anything, s."""
 
 
@@ -32,13 +32,16 @@ class Tab:
     requests : list of str
         Addresses of everything that it asked for.
     complaints : list of str
-        What it wrote to the console, exceptions included.
+        Exceptions, errors and warnings.
+    said : list of str
+        What else it wrote to the console.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, socket: WebSocketClientConnection) -> None:
         self._loop, self._socket, self._number = loop, socket, 0
         self.requests: list[str] = []
         self.complaints: list[str] = []
+        self.said: list[str] = []
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(f"{domain}.enable")
 
@@ -52,19 +55,25 @@ class Tab:
         assert "error" not in told, (method, told["error"])
         return told["result"]
 
+    def forget(self) -> None:
+        """Forget what it asked for and wrote so far."""
+        for told in (self.requests, self.complaints, self.said):
+            told.clear()
+
     def open(self, address: str) -> None:
         """Go to an address."""
         self.call("Page.navigate", url=address)
 
-    def resize(self, width: int, height: int = 900, *, dark: bool = False) -> None:
-        """Be a screen of this size, px."""
+    def resize(self, width: int, height: int = 900, *, dark: bool = False, phone: bool | None = None) -> None:
+        """Be a screen of this size, px; by default a narrow one is a phone's, without touch."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
             height=height,
             deviceScaleFactor=1,
-            mobile=width < 500,
+            mobile=width < 500 if phone is None else phone,
         )
+        self.call("Emulation.setTouchEmulationEnabled", enabled=bool(phone))
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.call("Emulation.setEmulatedMedia", features=[scheme])
 
@@ -90,6 +99,19 @@ class Tab:
         self.call("Input.dispatchKeyEvent", type="keyDown", **pressed, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", **pressed)
 
+    def swipe(self) -> None:
+        """Draw a finger up the middle of what is shown."""
+        for y in range(600, 270, -30):
+            kind = "touchStart" if y == 600 else "touchMove"
+            self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": 200, "y": y}])
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.value("new Promise(done => setTimeout(done, 200))")
+
+    def printed(self) -> bytes:
+        """The page as PDF, A4."""
+        told = self.call("Page.printToPDF", paperWidth=8.27, paperHeight=11.69, preferCSSPageSize=True)
+        return base64.b64decode(told["data"])
+
     def picture(self, file: Path) -> None:
         """Write what the whole page looks like as PNG."""
         data = self.call("Page.captureScreenshot", captureBeyondViewport=True)["data"]
@@ -105,7 +127,8 @@ class Tab:
         if method == "Network.requestWillBeSent":
             self.requests.append(what["request"]["url"])
         elif method == "Runtime.consoleAPICalled":
-            self.complaints.append(str([one.get("value") for one in what["args"]]))
+            told_as = self.complaints if what["type"] in ("error", "warning") else self.said
+            told_as.append(str([one.get("value") for one in what["args"]]))
         elif method == "Runtime.exceptionThrown":
             self.complaints.append(str(what["exceptionDetails"].get("exception") or what["exceptionDetails"]))
         elif method == "Log.entryAdded":

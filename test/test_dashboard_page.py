@@ -55,8 +55,7 @@ def test(hub: Hub) -> RunningTest:
 
 
 def opened(tab: Tab, server: Server, width: int = 1200, *, dark: bool = False) -> None:
-    tab.requests.clear()
-    tab.complaints.clear()
+    tab.forget()
     tab.resize(width, dark=dark)
     tab.open(server.address)
     tab.wait_for(DRAWN)
@@ -67,7 +66,7 @@ def test_the_page_fits_complains_of_nothing_and_asks_nobody_else(tab, server, te
     opened(tab, server, width, dark=dark)
     assert tab.value("document.documentElement.scrollWidth <= innerWidth")
     assert tab.value(LOST) == []
-    assert tab.complaints == []
+    assert tab.complaints == tab.said == []
     hosts = {urlsplit(address).netloc for address in tab.requests} - {""}
     assert hosts == {f"127.0.0.1:{server.server_port}"}
     light = tab.value("getComputedStyle(document.body).backgroundColor.match(/\\d+/)[0] > 128")
@@ -97,6 +96,7 @@ def test_the_button_is_reached_by_keyboard_and_aborts(tab, server, hub, test, ab
     tab.value("document.body.focus()")
     tab.press("Tab")
     assert tab.value("document.activeElement.id") == "abort"
+    assert tab.value("getComputedStyle(document.activeElement).outlineStyle") == "solid"
     assert aborts == []
     tab.press("Enter")
     tab.wait_for("document.getElementById('abort-words').textContent == 'Abort asked for.'")

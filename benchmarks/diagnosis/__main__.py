@@ -18,9 +18,10 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from benchmarks.rigs import RTHM, virtual_bag
+
 from rthm_core.spec import Spec, apply, shipped_spec, write_spec
 
-RTHM = [sys.executable, "-m", "rthm_bringup"]
 NOMINAL = "paper_noisy"
 GUIDE = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.03}
 HIDDEN: dict[str, dict[str, Any]] = {
@@ -45,14 +46,7 @@ def recording(spec: Spec, folder: Path, duration: float) -> Path:
     """Bag of a run of the node graph in simulated time."""
     folder.mkdir()
     (folder / "spec.yaml").write_text(write_spec(spec), encoding="utf-8")
-    words = ["run", str(folder / "spec.yaml"), "--virtual", "--duration", str(duration)]
-    done = subprocess.run(
-        [*RTHM, *words, "--out", str(folder / "out"), "--json", "-"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return Path(json.loads(done.stdout)["bag"])
+    return virtual_bag(folder / "spec.yaml", duration)
 
 
 def sources_of(commit: str, folder: Path) -> str:

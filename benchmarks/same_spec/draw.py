@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.concealed.amounts import Scene
 from benchmarks.concealed.kinds import CATALOGUE, make_effect
 
-from rthm_core.engine import simulate
+from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply, shipped_spec, spec_from_parameters
 
@@ -25,10 +25,7 @@ DURATION = 24.0
 BOUNDED = 2.0
 """Motion, m, beyond which a draw is no test that anybody would run."""
 
-KINDS = {
-    where: [(block, kind) for block, kind in CATALOGUE if block in where]
-    for where in (("plant",), ("plant", "wire"))
-}
+OF_PLANT, OF_WIRE = ([one for one in CATALOGUE if one[0] == block] for block in ("plant", "wire"))
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ def draws(count: int, seed: int) -> list[Draw]:
     made = []
     for index in range(count):
         in_loop, velocity = bool(index % 2), bool(index // 2 % 2)
-        kinds = KINDS["plant", "wire"] if in_loop else KINDS["plant",]
+        kinds = [*OF_PLANT, *OF_WIRE] if in_loop else OF_PLANT
         block, kind = kinds[index // 2 % len(kinds)]
         size, td1 = float(rng.choice(SIZES)), float(rng.choice(PERIODS))
         made.append(Draw(index, int(rng.integers(2**31)), block, kind, size, td1, velocity, in_loop))
@@ -71,7 +68,7 @@ def spec_of(draw: Draw) -> Spec:
         effect = make_effect(draw.block, draw.kind, draw.size, scene)
         try:
             spec = apply(base, {"effects": ["one"], "one": effect})
-            if np.abs(_motion(spec)).max() < BOUNDED:
+            if np.abs(_simulated(spec).plant_position).max() < BOUNDED:
                 return spec
         except InputError:
             continue
@@ -79,7 +76,10 @@ def spec_of(draw: Draw) -> Spec:
 
 def _base(draw: Draw, rng: np.random.Generator) -> Spec:
     """A rig without the effect: the paper's, each number up to 1.4 times off, under a multisine."""
-    near = lambda value: float(f"{value * np.exp(rng.uniform(-0.34, 0.34)):.4g}")  # noqa: E731
+
+    def near(value: float) -> float:
+        return float(f"{value * np.exp(rng.uniform(-0.34, 0.34)):.4g}")
+
     mass, stiffness = near(1.2), near(12.0)
     plant = {"plant.mass": mass, "plant.stiffness": stiffness, "plant.damping": near(0.3)}
     start = {"plant.initial_position": near(0.08)}
@@ -98,7 +98,7 @@ _NOISE = {"position": 1e-4, "velocity": 2e-3, "force": 0.02, "motor": 1e-5}
 
 def _pilot(spec: Spec) -> np.ndarray:
     """x1, v1, u, F of the rig without the effect; of a plant alone u is at rest and F is its spring's."""
-    run = simulate(spec, DURATION, 0.01, energies=False)
+    run = _simulated(spec)
     x, v = run.plant_position[:, 0], run.plant_velocity[:, 0]
     if spec.timing is None:
         return np.stack([x, v, 0.0 * x, spec.plant.stiffness[0] * x], axis=1)
@@ -106,8 +106,8 @@ def _pilot(spec: Spec) -> np.ndarray:
     return np.stack([x, v, x + force / spec.k_tot[0], force], axis=1)
 
 
-def _motion(spec: Spec) -> np.ndarray:
-    return simulate(spec, DURATION, 0.01, energies=False).plant_position
+def _simulated(spec: Spec) -> Trajectory:
+    return simulate(spec, DURATION, 0.01, energies=False)
 
 
 def _as_concealed(spec: Spec) -> dict[str, Any]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from benchmarks.rigs import virtual_bag
 from benchmarks.same_spec.draw import DURATION, Draw
 
 from rthm_analysis.energy.model import load_at
@@ -27,26 +25,13 @@ def bag_of(draw: Draw, spec: Spec, path: Path) -> Path:
     if not draw.in_loop:
         write_bag(folder, {PLANT: _plant_alone(draw, spec)}, {}, text)
         return folder
-    bag = _run(path)
+    bag = virtual_bag(path, DURATION)
     if draw.velocity:
         return bag
     made = read_recording(bag)
     without = replace(made.plant, velocity=np.full_like(made.plant.velocity, np.nan))
     write_bag(folder, made.tables | {PLANT: without}, made.links, text)
     return folder
-
-
-def _run(path: Path) -> Path:
-    words = ["run", str(path), "--virtual", "--duration", str(DURATION), "--out", str(path.parent / "out")]
-    done = subprocess.run(
-        [sys.executable, "-m", "rthm_bringup", *words, "--json", "-"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if not done.stdout:
-        raise RuntimeError(done.stderr)
-    return Path(json.loads(done.stdout)["bag"])
 
 
 def _plant_alone(draw: Draw, spec: Spec) -> Table:

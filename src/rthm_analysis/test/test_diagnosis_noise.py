@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import chdtri
 
-from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, whitened_from
+from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, white, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import colours
@@ -64,6 +64,23 @@ def test_a_colour_is_noise_where_it_is_small_beside_the_motion_or_no_louder_than
     assert not colour_of(noise, noise + 0.05 * MOTION, 1.0).is_white
     assert not colour_of(loud, loud + MOTION, 1.0).is_white
     assert colour_of(loud, loud + 0.05 * MOTION, 1.0).is_white
+
+
+def test_a_sensor_that_drifts_has_no_colour() -> None:
+    noise = np.random.default_rng(6).normal(size=COUNT) + np.linspace(0.0, 8.0, COUNT)
+    assert colour_of(noise, noise + MOTION, 1.0).is_white
+
+
+@pytest.mark.parametrize("memory", [20.0, 400.0])
+def test_what_two_sensors_show_is_no_noise_of_one(memory: float) -> None:
+    start, colour = np.array([0]), Colour(float(np.exp(-1.0 / memory)), 0.8, 1.0, 3.0)
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        alone = np.stack([wandering(rng, memory, 3.0) for _ in range(3)], axis=1)
+        assert colours.in_common(alone, [colour] * 3, start) == [False] * 3
+        shared = alone.copy()
+        shared[:, 1] = rng.normal(size=COUNT) - 0.3 * alone[:, 0]
+        assert colours.in_common(shared, [colour, white(1.0), colour], start) == [True, False, False]
 
 
 def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPatch) -> None:

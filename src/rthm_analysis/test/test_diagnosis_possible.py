@@ -30,6 +30,12 @@ def fitted_to(kind: str, start: dict[str, float], wanted: dict[str, float]) -> d
         ("end_stop", {"position": 0.3, "stiffness": 1.0}, {"position": -4e-13}, {"position": 0.02}),
         ("end_stop", {"position": -0.3, "stiffness": 1.0}, {"position": -0.7}, {"position": -0.48}),
         (
+            "end_stop",
+            {"position": 0.3, "stiffness": 5.0, "damping": 0.1},
+            {"damping": 40.0},
+            {"damping": 10.0 * 5.0 * (0.5 - 0.3) / 2.0},
+        ),
+        (
             "stribeck_friction",
             {"coulomb_force": 0.1, "static_force": 0.2, "stribeck_velocity": 0.1},
             {"coulomb_force": 0.3, "stribeck_velocity": 30.0},

@@ -11,12 +11,13 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical import diagnose_physical, verdict
-from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.findings import _has_rivals, physical_part
 from rthm_analysis.diagnosis.physical.judged import Simulated
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Part
+from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_core.spec import Spec, apply
 
 from .plain import DAMPING, STIFFNESS, plant, recorded, wandering
@@ -149,3 +150,29 @@ def test_a_kind_of_the_library_is_named_with_its_value() -> None:
     assert [one.kind for one in part.physics] == ["cubic_stiffness"] and not part.unexplained
     value = part.physics[0].parameters["coefficient"]
     assert abs(value.value - 20.0) < 3.0 * value.std
+
+
+def test_what_matters_little_is_told_unless_another_kind_would_do_nearly_as_well() -> None:
+    def tried(*errors: float) -> list[SimpleNamespace]:
+        return [SimpleNamespace(error=error) for error in errors]
+
+    base = SimpleNamespace(left_out=np.array([1000.0]))
+    selection = SimpleNamespace(
+        base=base, rounds=[tried(500.0, 510.0), tried(400.0, 480.0), tried(300.0, 305.0)]
+    )
+    assert [_has_rivals(cast(Selection, selection), i) for i in range(3)] == [True, False, True]
+
+
+def test_a_drift_of_one_sensor_is_named_as_that() -> None:
+    seen = recorded()
+    drifting = seen.measured + np.arange(seen.measured.shape[0])[:, None] * np.array([0.0, 1e-2 / 4800])
+    assert [(one.block, one.kind) for one in part_of(replace(seen, measured=drifting)).physics] == [
+        ("sensor.velocity", "drift")
+    ]
+
+
+def test_a_slow_force_that_two_sensors_show_is_no_noise() -> None:
+    def wind(t: float, x: float, v: float) -> float:
+        return 0.004 * float(np.sin(np.array([0.23, 0.37, 0.61, 0.83]) * t + np.arange(4.0)).sum())
+
+    assert part_of(recorded(wind)).unexplained

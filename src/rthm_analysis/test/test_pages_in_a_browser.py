@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import Tab, browser
 
 from rthm_analysis.comparison import compare, motions_at
 from rthm_analysis.diagnosis.missing.binned import spread_over
@@ -20,16 +21,14 @@ from rthm_analysis.report.diagnosis import write_diagnosis
 from rthm_analysis.reproduce import reproduce
 from rthm_core.spec import shipped_spec
 
-from .browser import CHROMIUM, Browser
 from .conftest import mcap_file
 from .loop import recorded
 from .test_diagnosis_page import SAID
 
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
-
 NAMES = ("report", "diagnosis", "compare", "reproduce")
 WITH_PLOTS = NAMES[:3]
 
+READY = "document.readyState == 'complete' && (!window.Bokeh || document.documentElement.dataset.ready)"
 FOCUSED = "document.activeElement.outerHTML.slice(0, 300)"
 REACHABLE = """[...document.querySelectorAll('main a, main button, main summary')]
     .filter(one => one.checkVisibility()).map(one => one.outerHTML.slice(0, 300))"""
@@ -57,90 +56,91 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    opened = Browser(tmp_path_factory.mktemp("profile"))
-    yield opened
-    opened.close()
+def tab() -> Iterator[Tab]:
+    with browser() as tab:
+        yield tab
+
+
+def opened(tab: Tab, page: Path, width: int = 1300, *, dark: bool = False, phone: bool = False) -> None:
+    """Load a page anew, and wait until its plots are drawn."""
+    tab.resize(width, dark=dark, phone=phone)
+    tab.forget()
+    tab.open(page.resolve().as_uri())
+    tab.wait_for(READY)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_page_complains_of_nothing_asks_nobody_and_fits_a_phone(
-    browser: Browser, pages: dict[str, Path], name: str
+    tab: Tab, pages: dict[str, Path], name: str
 ) -> None:
-    browser.open(pages[name], 390, phone=True)
-    assert browser.complaints == []
-    assert browser.requests == []
-    assert browser.evaluate("document.documentElement.scrollWidth") == 390
+    opened(tab, pages[name], 390, phone=True)
+    assert tab.complaints == []
+    assert [one for one in tab.requests if not one.startswith(("file:", "data:", "blob:"))] == []
+    assert tab.value("document.documentElement.scrollWidth") == 390
 
 
 @pytest.mark.parametrize("name", WITH_PLOTS)
 def test_a_finger_that_swipes_over_a_plot_scrolls_the_page(
-    browser: Browser, pages: dict[str, Path], name: str
+    tab: Tab, pages: dict[str, Path], name: str
 ) -> None:
-    browser.open(pages[name], 390, phone=True)
-    top = browser.evaluate(
-        "(document.querySelector('.live').scrollIntoView({block: 'center'}), window.scrollY)"
-    )
-    browser.swipe()
-    assert browser.evaluate("window.scrollY") > top + 200
+    opened(tab, pages[name], 390, phone=True)
+    top = tab.value("(document.querySelector('.live').scrollIntoView({block: 'center'}), window.scrollY)")
+    tab.swipe()
+    assert tab.value("window.scrollY") > top + 200
 
 
 @pytest.mark.parametrize("name", WITH_PLOTS)
 @pytest.mark.parametrize("width", [1600, 390])
 def test_every_figure_is_whole_on_paper_however_wide_the_window_was(
-    browser: Browser, pages: dict[str, Path], name: str, width: int
+    tab: Tab, pages: dict[str, Path], name: str, width: int
 ) -> None:
-    browser.open(pages[name], width)
-    browser.evaluate(f"addEventListener('beforeprint', () => {{ window.cut = {CUT}; }})")
-    browser.evaluate(
+    opened(tab, pages[name], width)
+    tab.value(f"addEventListener('beforeprint', () => {{ window.cut = {CUT}; }})")
+    tab.value(
         "addEventListener('beforeprint', () => { window.sheets = "
         "[...document.querySelectorAll('.on-paper')].map(one => one.getBoundingClientRect().width); })"
     )
-    assert browser.printed().startswith(b"%PDF")
-    sheets = browser.evaluate("window.sheets")
-    assert len(sheets) == browser.evaluate("document.querySelectorAll('figure.plot').length") > 0
-    assert browser.evaluate("window.cut") == 0
+    assert tab.printed().startswith(b"%PDF")
+    sheets = tab.value("window.sheets")
+    assert len(sheets) == tab.value("document.querySelectorAll('figure.plot').length") > 0
+    assert tab.value("window.cut") == 0
     assert max(sheets) < 182 / 25.4 * 96 + 1
-    assert browser.evaluate("document.querySelectorAll('.on-paper').length") == 0
+    assert tab.value("document.querySelectorAll('.on-paper').length") == 0
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_keyboard_reaches_every_control(browser: Browser, pages: dict[str, Path], name: str) -> None:
-    browser.open(pages[name])
-    browser.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
-    wanted = browser.evaluate(REACHABLE)
-    browser.evaluate(
-        f"window.reached = [], addEventListener('focusin', () => window.reached.push({FOCUSED}))"
-    )
-    plots = browser.evaluate("document.querySelectorAll('.live').length")
+def test_the_keyboard_reaches_every_control(tab: Tab, pages: dict[str, Path], name: str) -> None:
+    opened(tab, pages[name])
+    tab.value("document.querySelectorAll('details').forEach(one => { one.open = true; })")
+    wanted = tab.value(REACHABLE)
+    tab.value(f"window.reached = [], addEventListener('focusin', () => window.reached.push({FOCUSED}))")
+    plots = tab.value("document.querySelectorAll('.live').length")
     for _ in range(len(wanted) + plots + 20):
-        browser.press("Tab")
-    assert set(wanted) <= set(browser.evaluate("window.reached"))
+        tab.press("Tab")
+    assert set(wanted) <= set(tab.value("window.reached"))
 
 
-def test_a_control_does_what_it_says(browser: Browser, pages: dict[str, Path]) -> None:
-    browser.open(pages["report"])
+def test_a_control_does_what_it_says(tab: Tab, pages: dict[str, Path]) -> None:
+    opened(tab, pages["report"])
     view = "[...Bokeh.index.roots].find(one => one.model.toolbar)"
-    whole = browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start")
+    whole = tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start")
     press = "[...document.querySelectorAll('.bar button')].find(one => one.{}).click()"
-    browser.evaluate(press.format("ariaLabel === 'zoom in'"))
-    assert browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start") < 0.6 * whole
-    browser.evaluate(press.format("ariaLabel === 'show all'"))
-    assert browser.evaluate(f"{view}.model.x_range.end - {view}.model.x_range.start") == whole
-    browser.evaluate(press.format("textContent === 'x1 plant'"))
-    assert browser.evaluate(f"{view}.model.renderers.find(one => one.name === 'x1 plant').visible") is False
+    tab.value(press.format("ariaLabel === 'zoom in'"))
+    assert tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start") < 0.6 * whole
+    tab.value(press.format("ariaLabel === 'show all'"))
+    assert tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start") == whole
+    tab.value(press.format("textContent === 'x1 plant'"))
+    assert tab.value(f"{view}.model.renderers.find(one => one.name === 'x1 plant').visible") is False
 
 
-def test_a_figure_leaves_the_page_as_svg_and_csv(
-    browser: Browser, pages: dict[str, Path], tmp_path: Path
-) -> None:
-    browser.open(pages["report"], dark=True)
-    browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+def test_a_figure_leaves_the_page_as_svg_and_csv(tab: Tab, pages: dict[str, Path], tmp_path: Path) -> None:
+    opened(tab, pages["report"], dark=True)
+    tab.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
     for kind in ("SVG", "CSV"):
-        browser.evaluate(
+        tab.value(
             f"[...document.querySelectorAll('.bar button')].find(one => one.textContent === '{kind}').click()"
         )
-        browser.evaluate("new Promise(done => setTimeout(done, 300))")
+        tab.value("new Promise(done => setTimeout(done, 300))")
     svg, csv = (
         tmp_path / f"hybrid-test-loop-mcap-position-beside-the-ideal-system.{kind}" for kind in ("svg", "csv")
     )
@@ -152,14 +152,14 @@ def test_a_figure_leaves_the_page_as_svg_and_csv(
 
 
 @pytest.mark.parametrize("name", WITH_PLOTS)
-def test_plots_take_the_colours_of_the_dark(browser: Browser, pages: dict[str, Path], name: str) -> None:
-    browser.open(pages[name], dark=True)
-    paper = browser.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--paper').trim()")
+def test_plots_take_the_colours_of_the_dark(tab: Tab, pages: dict[str, Path], name: str) -> None:
+    opened(tab, pages[name], dark=True)
+    paper = tab.value("getComputedStyle(document.documentElement).getPropertyValue('--paper').trim()")
     assert paper != palette()["--paper"]
     fills = (
         "[...Bokeh.index.roots].filter(one => one.model.toolbar).map(one => one.model.background_fill_color)"
     )
-    shown = {one["value"] if isinstance(one, dict) else one for one in browser.evaluate(fills)}
+    shown = {one["value"] if isinstance(one, dict) else one for one in tab.value(fills)}
     assert shown == {paper}
 
 

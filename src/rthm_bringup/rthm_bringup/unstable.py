@@ -6,14 +6,13 @@ import math
 import sys
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from rthm_analysis.lifted.cycle import TooManySamplesError
 from rthm_analysis.outcome import Margin, margin_of, margin_or_why
 from rthm_analysis.stability import spectral_radius
 from rthm_analysis.stability.limits import DELAYS
 from rthm_core.engine.coupled.body import coupled_body
 from rthm_core.errors import InputError
+from rthm_core.substructure import natural_frequencies
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -33,8 +32,7 @@ def long_delays(spec: Spec) -> tuple[str, ...]:
     if not spec.is_loop:
         return ()
     body = coupled_body(spec, "ideal")
-    squares = np.linalg.eigvals(np.linalg.solve(body.mass, body.stiffness)).real
-    slowest = math.sqrt(max(0.0, float(squares.min())))
+    slowest = float(natural_frequencies(body.mass, body.stiffness)[0])
     period = 2.0 * math.pi / slowest if slowest else math.inf
     delays = ((name, value) for name, value in spec.loop().timing.items() if name in DELAYS)
     return tuple(

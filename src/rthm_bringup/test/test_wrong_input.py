@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -274,13 +275,21 @@ def test_a_motion_without_bounds_is_told_in_words(
 @pytest.mark.parametrize("signalled", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_simulation_leaves_nothing(signalled: signal.Signals, tmp_path: Path) -> None:
     words = ["simulate", "paper", "--duration", "9e8", "--sample", "1000", "--out", "long.npz"]
-    running = subprocess.Popen(
-        [sys.executable, "-m", "rthm_bringup", *words], cwd=tmp_path, stderr=subprocess.PIPE, text=True
-    )
-    deadline = time.monotonic() + 120.0
-    while not list(tmp_path.glob("*/t")) and running.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.02)
-    running.send_signal(signalled)
-    assert "interrupted." in running.communicate(timeout=60.0)[1]
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # what runs in the background may ignore it
+    with subprocess.Popen(
+        [sys.executable, "-m", "rthm_bringup", *words],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heard,
+    ) as running:
+        try:
+            deadline = time.monotonic() + 120.0
+            while not list(tmp_path.glob("*/t")) and running.poll() is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+            running.send_signal(signalled)
+            assert "interrupted." in running.communicate(timeout=60.0)[1]
+        finally:
+            running.kill()
     assert running.returncode == 130
     assert list(tmp_path.iterdir()) == []

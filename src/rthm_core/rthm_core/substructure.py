@@ -37,6 +37,18 @@ class Substructure(NamedTuple):
         return int(self.position.size)
 
 
+def natural_frequencies(mass: Floats, stiffness: Floats) -> Floats:
+    """Undamped natural frequencies (n,), rad/s, ascending, from (n, n) matrices; 0: it does not swing.
+
+    Examples
+    --------
+    >>> natural_frequencies(np.diag([1.0, 2.0]), np.diag([4.0, 2.0]))
+    array([1., 2.])
+    """
+    squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
+    return np.asarray(np.sqrt(np.maximum(np.sort(squares), 0.0)), dtype=float)
+
+
 class Interface(NamedTuple):
     """Springs and dampers between the substructures, one per actuator.
 

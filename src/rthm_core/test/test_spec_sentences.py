@@ -431,5 +431,7 @@ def test_a_bad_entry_of_a_file_is_told_with_the_path(tmp_path: Path) -> None:
 
 
 def test_an_unknown_shipped_spec_is_told_with_those_there_are() -> None:
-    with pytest.raises(InputError, match=r"no shipped spec 'papper', only decay, .*; use one of them\."):
+    with pytest.raises(InputError, match=r"no shipped spec 'papper', only decay, .*; write paper\."):
         shipped_spec("papper")
+    with pytest.raises(InputError, match=r"no shipped spec 'zzz', only decay, .*; use one of them\."):
+        shipped_spec("zzz")

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.live import FAR_NS
+from rthm_analysis.live import FAR_NS, JOINT_STATE, TIME_REFERENCE
 from rthm_analysis.recording.raw import RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
-
-JOINT_STATE, TIME_REFERENCE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/TimeReference"
 
 TOPICS = {
     "plant/state": JOINT_STATE,

@@ -9,10 +9,9 @@ from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
-import numpy as np
-
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec, apply, shipped_spec
+from rthm_core.substructure import natural_frequencies
 
 
 class Candidate(NamedTuple):
@@ -63,4 +62,4 @@ def modes(one: Candidate) -> Floats:
     from rthm_core.engine.coupled.body import coupled_body
 
     body = coupled_body(loop(one), "ideal")
-    return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(body.mass, body.stiffness)).real))
+    return natural_frequencies(body.mass, body.stiffness)

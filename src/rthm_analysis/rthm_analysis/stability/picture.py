@@ -9,26 +9,14 @@ import numpy as np
 
 from rthm_analysis.sweep.labels import label
 from rthm_core.compiled import Floats
-from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from rthm_analysis.stability.map import StabilityMap
 
-KINDS = (".png", ".svg", ".pdf")
-
 LABELLED = 0.03
 """Part of a map from which a region has room for its name."""
-
-
-def check_name(path: Path) -> None:
-    """Refuse a name that no picture can have."""
-    if path.suffix.lower() not in KINDS or not path.parent.is_dir():
-        raise InputError(
-            f"{path} is not a name for a picture, which must end in {', '.join(KINDS)} and lie in a folder "
-            f"that is there; correct it."
-        )
 
 
 def draw(over: StabilityMap, nominal: tuple[float | None, float | None], path: Path) -> None:

@@ -2,25 +2,8 @@
 
 from __future__ import annotations
 
-UNITS = {
-    "mass": "kg",
-    "damping": "N s/m",
-    "stiffness": "N/m",
-    "force": "N",
-    "pretension": "N",
-    "amplitude": "N",
-    "initial_position": "m",
-    "initial_velocity": "m/s",
-    "motor_poles": "rad/s",
-    "frequency": "rad/s",
-    "phase": "rad",
-    "gap": "m",
-    "position": "m",
-    "velocity": "m/s",
-    "delay": "s",
-    "time_constant": "s",
-}
-"""Of the last part of a key."""
+from rthm_core.effects import BLOCKS, effect, kinds
+from rthm_core.spec.catalogue import entry_at
 
 
 def label(key: str) -> str:
@@ -30,11 +13,21 @@ def label(key: str) -> str:
     --------
     >>> label("actuator.stiffness[0]")
     'actuator.stiffness[0] (N/m)'
+    >>> label("guide.static_force")
+    'guide.static_force (N)'
     >>> label("timing.scale")
     'timing.scale (factor on all periods and delays)'
     """
     if key == "timing.scale":
         return f"{key} (factor on all periods and delays)"
-    last = key.rpartition(".")[2].partition("[")[0]
-    unit = "s" if key.startswith("timing.") else UNITS.get(last)
+    bare = key.partition("[")[0]
+    entry = entry_at(bare)
+    unit = entry.unit if entry is not None else _of_effects(bare.rpartition(".")[2])
     return f"{key} ({unit})" if unit else key
+
+
+def _of_effects(name: str) -> str:
+    """Unit of a parameter of effects; empty where kinds differ in it."""
+    every = (effect(kind, block) for block in BLOCKS for kind in kinds(block))
+    units = {str(one.parameters[name].unit) for one in every if name in one.parameters}
+    return units.pop() if len(units) == 1 else ""

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from rthm_bringup.cli import verbs
+from rthm_bringup.interruption import interrupted_by
 from rthm_core.errors import InputError
 
 UsageError = typer.BadParameter.__bases__[0]
@@ -66,13 +67,10 @@ def _version(asked: bool) -> None:
 
 def main() -> None:
     """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)  # asked to end: as Ctrl-C does
-    try:
-        with warnings.catch_warnings():  # a motion without bounds is told in the words of each result
-            warnings.filterwarnings("ignore", OVERFLOW, RuntimeWarning)
-            status = _status()
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    with interrupted_by(signal.SIGTERM), warnings.catch_warnings():
+        # A motion without bounds is told in the words of each result.
+        warnings.filterwarnings("ignore", OVERFLOW, RuntimeWarning)
+        status = _status()
     sys.exit(status)
 
 

@@ -57,7 +57,21 @@ Effects = Annotated[
         help="Python file that declares kinds of effects; it is executed. Can be repeated.",
     ),
 ]
+PICTURES = (".png", ".svg", ".pdf")
+"""Endings of a picture."""
+
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
+
+
+def check_picture(path: Path) -> None:
+    """Refuse a name that no picture can have."""
+    from rthm_core.errors import InputError
+
+    if path.suffix.lower() not in PICTURES or not path.parent.is_dir():
+        raise InputError(
+            f"{path} is not a name for a picture, which must end in {', '.join(PICTURES)} and lie in a "
+            "folder that is there; correct it."
+        )
 
 
 def spec_named(name: str, effects: list[str] | None = None) -> Spec:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import to_ns
+from rthm_core.energy import TERMS
 from rthm_core.errors import InputError
 from rthm_core.files import not_written
 
@@ -33,8 +34,8 @@ MOTION = (
 """Arrays beside the energies; one row per instant, one column per degree of freedom or actuator."""
 
 
-ENERGIES = 8
-"""Energies beside the motion, each a column."""
+ENERGIES = len(TERMS) + 2
+"""Energies beside the motion, each a column: of every term, and their two sums."""
 
 UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
@@ -44,14 +44,6 @@ AGAIN = 1.0
 """Time between two questions, and between two looks at the graph, s."""
 SILENT = 5.0
 """After how long without samples a test without a leader is over, s."""
-
-KINDS = {
-    ParameterType.PARAMETER_BOOL: "bool_value",
-    ParameterType.PARAMETER_INTEGER: "integer_value",
-    ParameterType.PARAMETER_DOUBLE: "double_value",
-    ParameterType.PARAMETER_STRING: "string_value",
-}
-"""Where a parameter of each kind has its value."""
 
 _STAMP = Struct("<iI")
 _DEPTH = 5000  # some seconds, as this process may have to wait for others
@@ -211,14 +203,8 @@ class _Question:
     def _take(self, answered: Any) -> None:
         result = answered.result()
         if result is not None and len(result.values) == len(self._names):
-            values = map(_value, result.values)
+            values = map(parameter_value_to_python, result.values)
             self.answers = dict(zip(self._names, values, strict=True))
-
-
-def _value(parameter: Any) -> Any:
-    """Value of a rcl_interfaces/ParameterValue of one of the kinds that are asked for; None of another."""
-    member = KINDS.get(parameter.type)
-    return getattr(parameter, member) if member else None
 
 
 def _stamp(message: bytes) -> int:

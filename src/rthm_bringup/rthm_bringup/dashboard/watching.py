@@ -8,6 +8,7 @@ import time
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from signal import SIGINT, SIGTERM
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -15,9 +16,9 @@ from rthm_bringup.dashboard.cost import Cost, step_back
 from rthm_bringup.dashboard.hub import Hub
 from rthm_bringup.dashboard.report import Report
 from rthm_bringup.dashboard.server import Server
+from rthm_bringup.interruption import interrupted_by
 from rthm_bringup.run.domain import led
 from rthm_bringup.run.environment import BUILTIN, PROFILES, Network
-from rthm_bringup.run.perform import requests_to_end
 from rthm_core.errors import InputError
 from rthm_core.ros.reach import HOST
 
@@ -64,7 +65,7 @@ class Dashboard:
         """Go on until somebody interrupts."""
         step_back()
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
-        with TemporaryDirectory() as log, closing(self.server), requests_to_end():
+        with TemporaryDirectory() as log, closing(self.server), interrupted_by(SIGINT, SIGTERM):
             os.environ.update(variables(self._network) | {"ROS_LOG_DIR": log})
             try:
                 while True:

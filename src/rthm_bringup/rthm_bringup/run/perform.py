@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
+from signal import SIGINT, SIGTERM
 
+from rthm_bringup.interruption import interrupted_by
 from rthm_bringup.run.environment import ros_in_words
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.result import Result, result_of
@@ -26,7 +25,7 @@ def perform(plan: Plan) -> Result:
     """
     plan.lay_out()
     os.environ.update(plan.network.variables() | {"ROS_LOG_DIR": str(plan.log.absolute())})
-    with Caretaker(), View() as view, requests_to_end():
+    with Caretaker(), View() as view, interrupted_by(SIGINT, SIGTERM):
         from rthm_bringup.run.session import Session  # ROS reads its environment when it is first imported
 
         view.note(f"{ros_in_words()}, {plan.network.place()}, {plan.out}")
@@ -36,17 +35,3 @@ def perform(plan: Plan) -> Result:
         system.as_usual()
         view.phase("analysing the recording")
         return result_of(plan, ending)
-
-
-@contextmanager
-def requests_to_end() -> Iterator[None]:
-    """Let a polite request to end be obeyed as Ctrl-C is, which a shell's background job would ignore."""
-    before = {
-        number: signal.signal(number, signal.default_int_handler)
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

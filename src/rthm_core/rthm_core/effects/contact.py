@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,12 +13,22 @@ from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Seen, Values, between
 from rthm_core.effects.registry import register
 
+DAMPED = 10.0
+"""Largest damping force of a stop, over the largest force of its spring."""
+
 
 def _reached(p: Values, seen: Seen) -> tuple[float, float]:
     """Positions of a stop on its side of rest, within the motion."""
     if p["position"] >= 0.0:
         return seen.margin, seen.highest - seen.margin
     return seen.lowest + seen.margin, -seen.margin
+
+
+def _sprung(p: Values, seen: Seen) -> tuple[float, float]:
+    """Damping of a stop that is a spring all the same; with more it is a damper beyond a position."""
+    depth = max(seen.highest - p["position"] if p["position"] >= 0.0 else p["position"] - seen.lowest, 0.0)
+    known = math.isfinite(depth) and seen.speed > 0.0
+    return 0.0, DAMPED * p["stiffness"] * depth / seen.speed if known else math.inf
 
 
 def _played(p: Values, seen: Seen) -> tuple[float, float]:
@@ -44,7 +55,7 @@ class EndStop(PlantLaw):
     words = "a stop at {position}, with a stiffness of {stiffness}, catches {dof}"
     noun = "an end stop"
     experiment = "Push {place} slowly against the stop."
-    possible = {"position": _reached}
+    possible = {"position": _reached, "damping": _sprung}
     secondary = ("damping",)
     split = "position"
     rank = 60

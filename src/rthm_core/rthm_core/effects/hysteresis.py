@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rthm_core.effects.declaration import EffectParameter
+from rthm_core.effects.friction import CoulombFriction
 from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, Possible, Seen, Values, between
@@ -89,7 +90,7 @@ class BoucWen(PlantLaw):
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY
     along = BOUC_WEN_ALONG
-    plainer = (Plainer("coulomb_friction", lambda p: {"force": yield_force(p)}),)
+    plainer = (Plainer(CoulombFriction.kind, lambda p: {"force": yield_force(p)}),)
     states = 1
     split = "velocity"
     kinked = True

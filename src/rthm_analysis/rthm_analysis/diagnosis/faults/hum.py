@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with
 from rthm_analysis.diagnosis.replay.evidence import UNITS, Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Fault
+from rthm_core.substructure import natural_frequencies
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Floats
@@ -102,8 +103,7 @@ def _natural(spec: Spec) -> float:
     size = len(spec.plant.dofs)
     mass = np.reshape(spec.plant.mass, (size, size))
     stiffness = np.reshape(spec.plant.stiffness, (size, size)) + np.diag([sum(spec.k_tot)] * size)
-    squares = np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real
-    return float(np.sqrt(max(float(squares.max()), 0.0))) / (2.0 * np.pi)
+    return float(natural_frequencies(mass, stiffness)[-1]) / (2.0 * np.pi)
 
 
 def _aliased(frequency: float, rate: float) -> float:

@@ -127,12 +127,15 @@ def colour_of(residual: Floats, measured: Floats, level: float, *, moves: bool =
 
 
 def spectrum(signal: Floats) -> tuple[Floats, Floats]:
-    """Frequencies in radians per sample, and power of a signal there: 1 for white noise of power 1."""
+    """Frequencies in radians per sample, and power of a signal there: 1 for white noise of power 1.
+
+    A line through all of it is taken out: that is a sensor that drifts, and no noise.
+    """
     known = np.isfinite(signal)
     at = np.arange(signal.size)
     even = signal if known.all() else np.interp(at, at[known], signal[known])
     taper = np.hanning(signal.size)
-    lines = np.fft.rfft((even - even.mean()) * taper)[1:]
+    lines = np.fft.rfft((even - np.polyval(np.polyfit(at, even, 1), at)) * taper)[1:]
     return np.pi * np.arange(1, lines.size + 1) / lines.size, np.abs(lines) ** 2 / float(taper @ taper)
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
-from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of
+from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of, whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
 from rthm_analysis.diagnosis.physical.unrelated import is_rare, possible_causes, unrelated
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 
 SHIFTS = (-2, -1, 0, 1, 2)
 """Samples by which a predicted force is shifted: with all of them goes what a wrong wire or motor leaves."""
@@ -21,6 +23,9 @@ LEVELS, BLOCKS = 16, 8
 
 OWN = 0.3
 """Part of an error, foretold by the signal's own value in other stretches, from which it is no noise."""
+
+LINES, UNLIKELY = 8, 1e-6
+"""Frequencies, and the chance that independent errors are as coherent at them."""
 
 MEASURED = 0.9
 """Part of the samples that must be readings, for their neighbours to tell a colour."""
@@ -51,7 +56,41 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
             colour = colour_of(error, evidence.measured[:, k], before.level, moves=False)
         return colour
 
-    return Noise(tuple(fitting.cores.each(of_channel, range(len(evidence.channels)))))
+    colours = fitting.cores.each(of_channel, range(len(evidence.channels)))
+    shared = in_common(left, colours, fitting.windows.start)
+    of_all = zip(colours, noise.colours, shared, strict=True)
+    return Noise(tuple(before if both else now for now, before, both in of_all))
+
+
+def in_common(errors: Floats, colours: Sequence[Colour], starts: Integers) -> list[bool]:
+    """Whether the coloured part of each channel shows in another one as well: then it is motion, not noise.
+
+    Two sensors err independently of each other: at as few as `LINES` frequencies, their errors are coherent
+    by a chance that is known.
+
+    Parameters
+    ----------
+    errors : (s, k) array
+        Measured minus simulated.
+    colours : sequence of k Colour
+    starts : (w,) array
+        First samples of the runs.
+    """
+    white = whitened_from(np.nan_to_num(errors), colours, starts)
+    lines = np.fft.rfft(white - white.mean(axis=0), axis=0)[1:]
+    counts = [LINES * 2**i for i in range(int(np.log2(max(lines.shape[0] / (4 * LINES), 1.0))) + 1)]
+    return [
+        not colour.is_white
+        and any(_coherent(lines[:n, [k, j]], n) for j in range(len(colours)) if j != k for n in counts)
+        for k, colour in enumerate(colours)
+    ]
+
+
+def _coherent(pair: npt.NDArray[np.complex128], count: int) -> bool:
+    """Whether two signals have more in common at some frequencies (n, 2) than chance would have it."""
+    power = np.square(np.abs(pair)).sum(axis=0)
+    both = float(np.abs(np.vdot(pair[:, 0], pair[:, 1]))) ** 2
+    return both > (1.0 - UNLIKELY ** (1.0 / (count - 1))) * float(power.prod())
 
 
 def left_by(fitting: Fitting, fitted: Fitted) -> Floats:

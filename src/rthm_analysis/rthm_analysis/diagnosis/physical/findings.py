@@ -43,8 +43,10 @@ from rthm_core.spec import apply
 TRACE = 0.01
 """Part of the mismatch below which an effect does not matter."""
 
-RIVAL = 0.5
+RIVAL = 0.9
 """Part of what an effect brings that another kind may bring, too: with more, both only mend a shape."""
+
+VAGUE = "it does little in the unseen data, and another kind would do nearly as well"
 
 DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
@@ -62,7 +64,7 @@ def physical_part(physical: Physical) -> Part:
     retuned = _determined(retuned_values(physical))
     left = not judged.settled
     rounded = rounded_sensors(physical, runs["explained"].predicted)
-    physics, traces = _named(physical, judged)
+    physics, traces, vague = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]
     driven = DRIVEN if judged.is_driven_wrong else ()
     curves = _described(judged) if left else ()
@@ -91,7 +93,7 @@ def physical_part(physical: Physical) -> Part:
         ),
         described=curves,
         traces=tuple(traces),
-        refused=(*refused, *judged.refused),
+        refused=(*refused, *vague, *judged.refused),
         free_run=free_runs(physical, runs),
     )
 
@@ -166,33 +168,34 @@ def _on_the_load(physical: Physical) -> tuple[str, ...]:
     return (f"Between its samples the load {between.value}; a smooth curve would explain less.",)
 
 
-def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace]]:
-    """Effects that were earned, and those of them that do not matter; above the noise these say nothing."""
-    selection, found, traces = physical.selection, [], []
+def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace], list[Refused]]:
+    """Effects that were earned, and those of them that do not matter, with those whose kind is not sure.
+
+    Above the noise what does not matter says nothing.
+    """
+    selection, found, traces, vague = physical.selection, [], [], []
     if not judged.earned:
-        return [], []
+        return [], [], []
     whole = max(judged.gone * judged.mismatch, 1e-300)
     for i, share in enumerate(judged.shares):
         one = selection.best.model.added[i]
         values = values_of(selection.best, i)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(selection.rounds) > 1 and 0.0 <= share < TRACE * whole:
+        if len(selection.rounds) == 1 or not 0.0 <= share < TRACE * whole:
+            found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
+        elif judged.at_noise and not _has_rivals(selection, i):
             traces.append(Trace(one.block, one.kind, share, words))
         else:
-            found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
-    return found, traces if judged.at_noise and not _has_rivals(selection) else []
+            vague.append(Refused(one.block, one.kind, f"{one.kind.replace('_', ' ').capitalize()}: {VAGUE}."))
+    return found, traces, vague
 
 
-def _has_rivals(selection: Selection) -> bool:
-    """Whether beside one of the effects that were added later another one would have done nearly as well."""
-    before = [float(selection.base.left_out.sum())] + [tried[0].error for tried in selection.rounds]
-    return any(
-        before[i] - other.error > RIVAL * (before[i] - tried[0].error)
-        for i, tried in enumerate(selection.rounds)
-        for other in tried[1:]
-        if i
-    )
+def _has_rivals(selection: Selection, index: int) -> bool:
+    """Whether another effect would have done nearly as well as one that was added to others."""
+    before = selection.rounds[index - 1][0].error if index else float(selection.base.left_out.sum())
+    first, *others = selection.rounds[index]
+    return any(before - other.error > RIVAL * (before - first.error) for other in others)
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:

@@ -30,6 +30,9 @@ STEADY = 6.0
 """Power of the loudest stretch over that of the middle one, from which something happened there."""
 
 
+DRIFTING = 0.5
+"""Part of an error that a line over time leaves, below which its sensor drifts."""
+
 FEW = 0.01
 """Median square of an error over its mean square, below which a few samples hold all of it: 0.45 in noise,
 0.2 where its tails are heavy.
@@ -43,7 +46,8 @@ def possible_causes(evidence: Evidence, predicted: Floats) -> list[Floats]:
 
 
 def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
-    """Whether an error is equally large throughout, and nothing that might have caused it foretells it.
+    """Whether an error is equally large throughout, follows no line, and nothing that might have caused it
+    foretells it.
 
     Parameters
     ----------
@@ -57,7 +61,7 @@ def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
     error = np.where(known, error - np.nanmean(error), 0.0)
     power = np.bincount(blocks, np.square(error)) / np.maximum(np.bincount(blocks, known), 1)
     whole = float(np.square(error).sum())
-    if power.max() > STEADY * float(np.median(power)) or is_rare(error[known]):
+    if power.max() > STEADY * float(np.median(power)) or is_rare(error[known]) or _drifts(error[known]):
         return False
     return not any(
         _missed(_parts(cause) * known, error, blocks) < (1.0 - RELATED) * whole for cause in causes
@@ -68,6 +72,13 @@ def is_rare(error: Floats) -> bool:
     """Whether a few samples hold nearly all of an error (s,): no noise does that."""
     squares = np.square(error - np.median(error))
     return bool(np.median(squares) < FEW * np.mean(squares))
+
+
+def _drifts(error: Floats) -> bool:
+    """Whether a line over time is more than half of an error (s,)."""
+    at = np.arange(error.size)
+    straight = np.polyval(np.polyfit(at, error, 1), at)
+    return float(np.square(error - straight).sum()) < DRIFTING * float(np.square(error).sum())
 
 
 def _missed(parts: Floats, error: Floats, blocks: Integers) -> float:

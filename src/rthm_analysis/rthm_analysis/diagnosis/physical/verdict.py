@@ -140,8 +140,10 @@ class Judgement:
         physical, predicted = self.physical, self.runs["explained"].predicted
         if not np.isfinite(predicted).all() or not denied(physical, predicted, channel):
             return False
-        error = physical.evidence.measured[:, channel] - predicted[:, channel]
-        return unrelated(error, possible_causes(physical.evidence, predicted))
+        measured = physical.evidence.measured
+        error = measured[:, channel] - predicted[:, channel]
+        causes = [*possible_causes(physical.evidence, predicted), *np.delete(measured, channel, axis=1).T]
+        return unrelated(error, [np.nan_to_num(one) for one in causes])
 
     @property
     def _is_vague(self) -> bool:

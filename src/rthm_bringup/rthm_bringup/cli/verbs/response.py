@@ -35,15 +35,14 @@ def verb(
     import numpy as np
 
     from rthm_analysis.response import response
-    from rthm_analysis.stability.picture import check_name
     from rthm_analysis.sweep.ranges import numbers
-    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.options import check_picture, spec_named
     from rthm_bringup.cli.output import put
 
     frequencies = np.concatenate([numbers(text)[0] for text in omega])
     test = spec_named(spec)
     if plot is not None:
-        check_name(plot)
+        check_picture(plot)
     result = response(test, frequencies)
     if plot is not None:
         _draw(test, result, plot)

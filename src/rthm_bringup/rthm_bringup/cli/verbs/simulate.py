@@ -64,8 +64,7 @@ def verb(
 ) -> int:
     """Simulate a test exactly; write it to an npz file."""
     from rthm_analysis.outcome import IdealComparison, Outcome
-    from rthm_analysis.stability.picture import check_name
-    from rthm_bringup.cli.options import spec_named
+    from rthm_bringup.cli.options import check_picture, spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
     from rthm_bringup.cli.trajectory import check_room, trajectory_file
     from rthm_bringup.unstable import told_margin
@@ -87,7 +86,7 @@ def verb(
             "hybrid and without --sensitivity."
         )
     if plot is not None:
-        check_name(plot)
+        check_picture(plot)
     schedule = None if as_recorded is None else _recorded_schedule(test, as_recorded)
     is_judged = test.is_loop and system is System.hybrid
     margin = told_margin(test) if is_judged else ""

@@ -54,12 +54,13 @@ def verb(
 
 def _map(test: Spec, over: tuple[str, str], out: Path) -> dict[str, object]:
     from rthm_analysis.stability.map import stability_map
-    from rthm_analysis.stability.picture import check_name, draw
+    from rthm_analysis.stability.picture import draw
     from rthm_analysis.sweep.points import check_ends, value_of
     from rthm_analysis.sweep.ranges import given_range
+    from rthm_bringup.cli.options import check_picture
     from rthm_bringup.cli.output import progress_bar
 
-    check_name(out)
+    check_picture(out)
     first, second = (given_range(text) for text in over)
     check_ends(test, [first, second])
     with progress_bar("map", first.values.size) as report:

@@ -104,7 +104,7 @@ function table(body, entries, cells) {
     if (!row.children.length) {
       row.append(document.createElement("th"), document.createElement("td"), ...others.map(() => document.createElement("td")));
       row.children[0].scope = "row";
-      row.children[1].className = "bar";
+      row.children[1].className = "gauge";
       row.children[1].append(draw("svg", { viewBox: "0 0 100 18", preserveAspectRatio: "none", role: "img" }));
     }
     text(row.children[0], name);

@@ -1,0 +1,49 @@
+"""One definition per idea: what stands in one source file stands in no second one."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+from rthm_core.effects.registry import declared
+
+SOURCES = Path(__file__).parents[1] / "src"
+
+OTHERS = {
+    "drift": {"recording/host_clocks.py", "cli/verbs/timing.py"},  # of a clock, s/s
+    "scale": {"stability/analysis.py", "stability/result.py", "cli/verbs/stability.py"},  # of all delays
+    "saturation": {"faults/clipped.py"},  # a fault of a recording
+    "bias": {"tangents/changes.py"},  # an array of the engine
+}
+"""Words that name a kind and mean something else in these files."""
+
+
+def sources() -> Iterator[tuple[str, ast.Module]]:
+    """Every module that is no test, by its path."""
+    for path in sorted(SOURCES.rglob("*.py")):
+        if "test" not in path.relative_to(SOURCES).parts:
+            yield path.as_posix(), ast.parse(path.read_text())
+
+
+def texts(module: ast.Module) -> set[str]:
+    """Texts of a module that are no docstrings."""
+    docs = {id(node.value) for node in ast.walk(module) if isinstance(node, ast.Expr)}
+    constants = (node for node in ast.walk(module) if isinstance(node, ast.Constant) and id(node) not in docs)
+    return {node.value for node in constants if isinstance(node.value, str)}
+
+
+def test_the_name_and_equation_of_a_kind_stand_in_its_own_file_alone() -> None:
+    homes: dict[str, set[str]] = {}
+    for law in declared():
+        if law.__module__.startswith("rthm_core."):
+            for text in filter(None, (law.kind, law.equation)):
+                homes.setdefault(text, set()).add(law.__module__.replace(".", "/") + ".py")
+    assert len(homes) > 50
+    found = [
+        (path, text)
+        for path, module in sources()
+        for text in texts(module) & homes.keys()
+        if not path.endswith(tuple(homes[text] | OTHERS.get(text, set())))
+    ]
+    assert not found

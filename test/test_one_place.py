@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+from rthm_core.compensators import COMPENSATORS, RESERVED
 from rthm_core.effects.registry import declared
 
 SOURCES = Path(__file__).parents[1] / "src"
@@ -17,6 +18,13 @@ OTHERS = {
     "bias": {"tangents/changes.py"},  # an array of the engine
 }
 """Words that name a kind and mean something else in these files."""
+
+
+TAYLOR_SYSTEM = "taylor"
+"""Names the paper's linear error terms as well: a system that `simulate` and `response` know."""
+
+FIGURE = "rthm_analysis/rthm_analysis/reproduce/prediction.py"
+"""Draws these compensators beside each other: a text of its own."""
 
 
 def sources() -> Iterator[tuple[str, ast.Module]]:
@@ -47,3 +55,9 @@ def test_the_name_and_equation_of_a_kind_stand_in_its_own_file_alone() -> None:
         if not path.endswith(tuple(homes[text] | OTHERS.get(text, set())))
     ]
     assert not found
+
+
+def test_the_name_of_a_compensator_stands_in_its_own_file_alone() -> None:
+    names = {one.name for one in COMPENSATORS if one.predicts} - {TAYLOR_SYSTEM} | set(RESERVED)
+    found = {path.partition("/src/")[2] for path, module in sources() if texts(module) & names}
+    assert found - {FIGURE} == {"rthm_core/rthm_core/compensators.py"}

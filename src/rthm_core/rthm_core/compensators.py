@@ -1,5 +1,4 @@
-"""Compensators: how the controller predicts what its delayed samples will have become when the motor acts on
-them.
+"""Compensators: what delayed samples will have become when the motor acts on them.
 
 Both terms of the command are predicted, x1 of the position cancellation and F_d of the force feedforward.
 
@@ -19,23 +18,63 @@ numerical substructure itself feels of the delays is not the controller's to cha
 
 from __future__ import annotations
 
-from math import gcd
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-import numpy as np
-
-from rthm_core.clock import NS
 from rthm_core.compiled import Floats, called, copy_into
-from rthm_core.errors import InputError
-from rthm_core.substructure import as_built, interface
 
-if TYPE_CHECKING:
-    from rthm_core.spec import Spec
-    from rthm_core.spec.schema import TimingSpec
-
-NONE, TAYLOR, POLYNOMIAL = range(3)
-CODES = {"none": NONE, "taylor": TAYLOR, "polynomial": POLYNOMIAL}
 HIGHEST_ORDER = 4
+"""Of the polynomials of a compensator."""
+
+ENTRY, ORDER, HORIZON = "compensator", "compensator_order", "compensator_horizon"
+"""Entries of the section `actuator` of a spec that state a compensator."""
+
+
+class Compensator(NamedTuple):
+    """A kind of compensator.
+
+    Attributes
+    ----------
+    name : str
+        In the spec.
+    entries : tuple of str
+        Entries of the section `actuator` with which it computes, its own among them.
+    """
+
+    name: str
+    entries: tuple[str, ...]
+
+    @property
+    def predicts(self) -> bool:
+        """Whether it does anything."""
+        return HORIZON in self.entries
+
+    @property
+    def orders(self) -> range:
+        """Orders that it may have; none where it has no order."""
+        return range(1, HIGHEST_ORDER + 1) if ORDER in self.entries else range(0)
+
+    def samples(self, order: int) -> int:
+        """Number of latched samples of each signal that it looks at; 0: it does not predict."""
+        return order + 1 if self.orders else 2 if self.predicts else 0
+
+
+COMPENSATORS = (
+    Compensator("none", (ENTRY,)),
+    Compensator("taylor", (ENTRY, HORIZON)),
+    Compensator("polynomial", (ENTRY, ORDER, HORIZON)),
+)
+NONE, TAYLOR, POLYNOMIAL = range(len(COMPENSATORS))
+"""Codes of the kinds: their places in `COMPENSATORS`."""
+
+NAMES = tuple(one.name for one in COMPENSATORS)
+
+RESERVED = ("ats", "model", "inverse", "passivity")
+"""Names that a spec may state although none of them is available yet."""
+
+
+def declared(name: str) -> Compensator | None:
+    """The kind of this name; None where it is not available."""
+    return next((one for one in COMPENSATORS if one.name == name), None)
 
 
 class Compensation(NamedTuple):
@@ -68,74 +107,13 @@ class Compensation(NamedTuple):
     damping: Floats
 
 
-def compensation(spec: Spec) -> Compensation:
-    """Compensator of the spec with which the controller computes.
-
-    Raises
-    ------
-    InputError
-        When there is no compensator of this name.
+def started(how: Compensation, position: Floats, velocity: Floats, force: Floats) -> tuple[Floats, Floats]:
+    """Position and force reference (m,) on which a controller acts that has seen nothing but these, and this
+    velocity.
     """
-    loop, sides = spec.loop(), interface(spec)
-    actuator, timing = loop.actuator, loop.timing
-    if actuator.compensator not in CODES:
-        raise InputError(
-            f"actuator.compensator {actuator.compensator!r} is not available, allowed is one of "
-            f"{', '.join(CODES)}; choose one of them."
-        )
-    way = actuator.compensator_horizon
-    if way is None:
-        way = timing.tau4 + sum(1.0 / pole for pole in actuator.motor_poles or ())
-    return Compensation(
-        CODES[actuator.compensator],
-        actuator.compensator_order,
-        mean_age(timing, "tau1", "td1", "td3") + 0.5 * timing.td3 + way,
-        _reference_age(timing) + way,
-        mean_age(timing, "tau2", "td1", "td2"),
-        way,
-        timing.ns("td3"),
-        sides.stiffness,
-        sides.damping,
-    )
-
-
-def mean_age(timing: TimingSpec, delay: str, sampled: str, used: str) -> float:
-    """Mean age, in s, of the newest sample of one clock that has passed a delay, at the ticks of another.
-
-    In phase, the age added by the first clock takes the multiples of the greatest common divisor of both
-    periods: its mean is less than half a period.
-    """
-    tau, period = timing.ns(delay), timing.ns(sampled)
-    common = gcd(period, timing.ns(used))
-    return (tau + -tau % common + 0.5 * (period - common)) / NS
-
-
-def _reference_age(timing: TimingSpec) -> float:
-    """Mean age, in s, of the force reference in use, its hold included."""
-    if timing.ns("td4") == 0:
-        return timing.tau3 + 0.5 * timing.td2
-    return mean_age(timing, "tau3", "td2", "td4") + 0.5 * timing.td4
-
-
-def first_parts(spec: Spec) -> tuple[Floats, Floats]:
-    """Both parts (m,) of the command in steady state before a test, in m: x1 and F_d / k_tot,
-    compensated.
-
-    Raises
-    ------
-    InputError
-        When the spec describes no loop.
-    """
-    believed, computed = as_built(spec, "controller"), as_built(spec, "numerical")
-    loop, sides, how = computed.loop(), interface(computed), compensation(believed)
-    x1 = np.array(loop.plant.initial_position, dtype=float)[sides.plant]
-    v1 = np.array(loop.plant.initial_velocity, dtype=float)[sides.plant]
-    x2 = np.array(loop.numerical.initial_position, dtype=float)[sides.numerical]
-    v2 = np.array(loop.numerical.initial_velocity, dtype=float)[sides.numerical]
-    force = sides.force(x1, v1, x2, v2)
     if how.code == TAYLOR:
-        x1, force = x1 + how.position_horizon * v1, force - how.motion_age * how.stiffness * v1
-    return x1, force / np.array(believed.k_tot)
+        return position + how.position_horizon * velocity, force - how.motion_age * how.stiffness * velocity
+    return position, force
 
 
 @called

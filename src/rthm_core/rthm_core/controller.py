@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated, compensation
+from rthm_core.compensation import compensation
+from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
 from rthm_core.substructure import as_built, interface
 

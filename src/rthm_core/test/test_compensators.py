@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rthm_core.compensators import compensation, first_parts, mean_age
+from rthm_core.compensation import compensation, first_parts, mean_age
 from rthm_core.controller import Controller
 from rthm_core.engine import simulate
 from rthm_core.errors import InputError

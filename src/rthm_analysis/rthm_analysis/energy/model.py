@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_analysis.energy.kernel import Balance
 from rthm_analysis.energy.series import Series
-from rthm_core.compensators import first_parts as command_parts
+from rthm_core.compensation import first_parts as command_parts
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import delay_matrices
 from rthm_core.engine.general.ledger import Ledger, ledger

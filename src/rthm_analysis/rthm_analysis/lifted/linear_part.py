@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rthm_core.compensators import NAMES
 from rthm_core.errors import InputError
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-COMPENSATORS = ("none", "taylor", "polynomial")
 """Compensators whose linear equations are known here."""
 
 
@@ -52,10 +52,10 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
 
 def check_compensator(name: str) -> None:
     """Refuse a compensator whose equations are not known here."""
-    if name not in COMPENSATORS:
+    if name not in NAMES:
         raise InputError(
             f"actuator.compensator is {name!r}, whose linear equations are not known, but must be one of "
-            f"{', '.join(COMPENSATORS)}; choose one of them, or simulate the loop."
+            f"{', '.join(NAMES)}; choose one of them, or simulate the loop."
         )
 
 

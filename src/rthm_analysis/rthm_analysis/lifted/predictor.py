@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.compiled import compiled
-from rthm_core.compensators import NONE, POLYNOMIAL, compensated
+from rthm_core.compensators import COMPENSATORS, NONE, compensated
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import HISTORY, ControllerState, controller
 from rthm_core.substructure import as_built
@@ -44,7 +44,7 @@ def history_of(spec: Spec) -> int:
 def history(state: ControllerState) -> int:
     """The same of a controller."""
     how = state.compensation
-    return 0 if how.code == NONE else how.order + 1 if how.code == POLYNOMIAL else 2
+    return COMPENSATORS[how.code].samples(how.order)
 
 
 def predictor(spec: Spec) -> Predictor | None:

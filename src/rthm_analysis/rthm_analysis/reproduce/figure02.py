@@ -9,7 +9,7 @@ import numpy as np
 from rthm_analysis.reproduce.candidates import paper
 from rthm_analysis.reproduce.numbers import Numbers, Plate
 from rthm_analysis.reproduce.style import legend_above, panels
-from rthm_core.compensators import mean_age
+from rthm_core.compensation import mean_age
 from rthm_core.link import Link
 from rthm_core.schedule import newest
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.compensators import first_parts
+from rthm_core.compensation import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.controller import controller
 from rthm_core.engine.coupled.run import simulate_coupled

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compensators import first_parts
+from rthm_core.compensation import first_parts
 from rthm_core.compiled import Floats
 from rthm_core.physical.advance import (
     Physical,

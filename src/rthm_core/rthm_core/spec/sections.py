@@ -8,12 +8,12 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict
 
 from rthm_core.clock import to_ns
+from rthm_core.compensators import HIGHEST_ORDER, NAMES, RESERVED
 from rthm_core.spec.entries import Choice, Entry, Names, Number, Numbers, Whole
 
 LONGEST_TIME = 3600.0
 SHORTEST_PERIOD = 1e-6
 ON_ABORT = ("return", "hold", "unload")
-COMPENSATORS = ("none", "taylor", "polynomial", "ats", "model", "inverse", "passivity")
 
 
 class Section(BaseModel):
@@ -98,9 +98,12 @@ class ActuatorSpec(Section):
         ),
     ] = None
     transmission: TransmissionSpec | None = None
-    compensator: Annotated[str, Choice(COMPENSATORS, "how the controller makes up for delays")] = "none"
+    compensator: Annotated[str, Choice((*NAMES, *RESERVED), "how the controller makes up for delays")] = (
+        "none"
+    )
     compensator_order: Annotated[
-        int, Whole("1", "order of the polynomials of a polynomial compensator", minimum=1, maximum=4)
+        int,
+        Whole("1", "order of the polynomials of a polynomial compensator", minimum=1, maximum=HIGHEST_ORDER),
     ] = 2
     compensator_horizon: Annotated[
         float | None,

@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.computed.controller import (
 )
 from rthm_analysis.diagnosis.computed.replayed import Predicted, Used
 from rthm_analysis.recording import Recording
-from rthm_core.compensators import CODES, HIGHEST_ORDER
+from rthm_core.compensators import COMPENSATORS, ENTRY, HORIZON, NAMES, ORDER, Compensator, declared
 from rthm_core.spec import apply
 
 if TYPE_CHECKING:
@@ -30,16 +30,6 @@ SOME = 600
 
 LONGEST = 0.2
 """Longest time ahead, s, for which a prediction is looked for."""
-
-ENTRIES = ("compensator", "compensator_order", "compensator_horizon")
-"""What the spec says of a compensator."""
-
-MATTERS = {
-    "none": ("compensator",),
-    "taylor": ("compensator", "compensator_horizon"),
-    "polynomial": ENTRIES,
-}
-"""Which of these each compensator computes with."""
 
 
 @dataclass(frozen=True)
@@ -95,37 +85,34 @@ def other_law(recording: Recording, spec: Spec, used: Used) -> Law | None:
 def changed(spec: Spec, law: Law) -> dict[str, Any]:
     """Entries of the compensator that the law has other than the spec."""
     old, new = spec.loop().actuator, law.spec.loop().actuator
-    matters = {"none": 1, "taylor": 3, "polynomial": 3}[new.compensator]
-    names = [
-        name for name in ENTRIES[:matters] if name != "compensator_order" or new.compensator == "polynomial"
-    ]
     return {
-        f"actuator.{name}": getattr(new, name) for name in names if getattr(old, name) != getattr(new, name)
+        f"actuator.{name}": getattr(new, name)
+        for name in _kind(law.spec).entries
+        if getattr(old, name) != getattr(new, name)
     }
 
 
 def _others(recording: Recording, spec: Spec, part: Used) -> Iterator[Spec]:
     """Specs with other compensators, the likely ones first."""
     known = recording.spec
-    if known is not None and known.actuator is not None and known.actuator.compensator in CODES:
-        yield apply(spec, {f"actuator.{name}": getattr(known.actuator, name) for name in ENTRIES})
+    if known is not None and known.actuator is not None and known.actuator.compensator in NAMES:
+        yield apply(
+            spec, {f"actuator.{name}": getattr(known.actuator, name) for name in (ENTRY, ORDER, HORIZON)}
+        )
     horizons = [spec.loop().actuator.compensator_horizon]
     for horizon in [*horizons, *([None] if horizons[0] is not None else [])]:
         yield from _kinds(apply(spec, {"actuator.compensator_horizon": horizon}))
     for one in _kinds(spec):
-        if one.loop().actuator.compensator != "none":
+        if _kind(one).predicts:
             yield from _with_fitted_horizon(recording, one, part)
 
 
 def _kinds(spec: Spec) -> Iterator[Spec]:
     """Specs with every compensator and order."""
-    for name in CODES:
-        orders = range(1, HIGHEST_ORDER + 1) if name == "polynomial" else [None]
-        for order in orders:
-            entries = {"actuator.compensator": name} | (
-                {"actuator.compensator_order": order} if order else {}
-            )
-            yield apply(spec, entries)
+    for one in COMPENSATORS:
+        for order in one.orders or (None,):
+            ordered = {} if order is None else {f"actuator.{ORDER}": order}
+            yield apply(spec, {f"actuator.{ENTRY}": one.name} | ordered)
 
 
 def _with_fitted_horizon(recording: Recording, spec: Spec, part: Used) -> Iterator[Spec]:
@@ -133,7 +120,7 @@ def _with_fitted_horizon(recording: Recording, spec: Spec, part: Used) -> Iterat
 
     A prediction is a polynomial of its horizon, so as many replays as its order has coefficients tell it.
     """
-    count = spec.loop().actuator.compensator_order + 1 if _is_polynomial(spec) else 2
+    count = spec.loop().actuator.compensator_order + 1 if _kind(spec).orders else 2
     nodes = np.linspace(0.0, 0.1, count)
     values = [part.predicted(_with_horizon(spec, one)).force for one in nodes.tolist()]
     told = _efforts(recording, spec, part)
@@ -168,8 +155,10 @@ def _best_root(curves: Floats, told: Floats) -> float:
     return best
 
 
-def _is_polynomial(spec: Spec) -> bool:
-    return spec.loop().actuator.compensator == "polynomial"
+def _kind(spec: Spec) -> Compensator:
+    kind = declared(spec.loop().actuator.compensator)
+    assert kind is not None  # no controller runs with another
+    return kind
 
 
 def _with_horizon(spec: Spec, horizon: float) -> Spec:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rthm_analysis.diagnosis.numbers import number, percent, with_unit
 from rthm_analysis.diagnosis.result import Value
+from rthm_core.compensators import declared
 from rthm_core.spec import Spec
 
 WHO = {"controller": "controller", "numerical": "numerical substructure"}
@@ -62,9 +63,10 @@ def unlike(actuator: str, share: float, error: float) -> str:
 def compensator(spec: Spec) -> str:
     """A controller's compensator in a sentence."""
     actuator = spec.loop().actuator
-    if actuator.compensator == "none":
+    kind = declared(actuator.compensator)
+    if kind is not None and not kind.predicts:
         return "one without a compensator"
-    order = f" of order {actuator.compensator_order}" if actuator.compensator == "polynomial" else ""
+    order = f" of order {actuator.compensator_order}" if kind is not None and kind.orders else ""
     ahead = actuator.compensator_horizon
     horizon = "" if ahead is None else f" that looks {1e3 * ahead:.6g} ms ahead"
     return f"one with the compensator {actuator.compensator}{order}{horizon}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from rthm_core.compensators import NONE, compensation
+from rthm_core.compensation import compensation
+from rthm_core.compensators import NONE
 from rthm_core.spec.effect import sizes
 from rthm_core.substructure import as_built
 

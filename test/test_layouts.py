@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
-from rthm_bringup.topics import BESIDE, JOINT_STATE, LOOP
 from rthm_core.spec import shipped_spec
+from rthm_core.topics import BESIDE, JOINT_STATE, LOOP
 
 LAYOUTS = Path(__file__).parents[1] / "docs" / "how-to" / "layouts"
 LOOPED = shipped_spec("paper").loop()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rthm_core.compensators import COMPENSATORS, RESERVED
 from rthm_core.effects.registry import declared
+from rthm_core.topics import BESIDE, JOINT_STATE, LOOP, STRING, TIME_REFERENCE
 
 SOURCES = Path(__file__).parents[1] / "src"
 
@@ -61,3 +62,9 @@ def test_the_name_of_a_compensator_stands_in_its_own_file_alone() -> None:
     names = {one.name for one in COMPENSATORS if one.predicts} - {TAYLOR_SYSTEM} | set(RESERVED)
     found = {path.partition("/src/")[2] for path, module in sources() if texts(module) & names}
     assert found - {FIGURE} == {"rthm_core/rthm_core/compensators.py"}
+
+
+def test_the_name_of_a_topic_stands_in_its_own_file_alone() -> None:
+    names = {topic for topic in LOOP | BESIDE if "/" in topic} | {JOINT_STATE, TIME_REFERENCE, STRING}
+    found = {path.partition("/src/")[2] for path, module in sources() if texts(module) & names}
+    assert found == {"rthm_core/rthm_core/topics.py"}

@@ -46,6 +46,7 @@ from rthm_core.ros.realtime import RealTime
 from rthm_core.slew import Floats
 from rthm_core.spec import LimitsSpec, Spec
 from rthm_core.substructure import interface
+from rthm_core.topics import COMMAND, DRY_COMMAND, FORCE_REFERENCE, PLANT_STATE
 
 PARAMETERS = {
     "hardware": (False, "whether the plant is a real machine: it is armed first, and no limit is off"),
@@ -74,14 +75,14 @@ class ActuatorNode(PartNode):
         loop = spec.loop()
         names = loop.actuator.names
         td1, td2 = loop.timing.ns("td1"), loop.timing.ns("td2")
-        self._command = self.ports.output("actuator/command", names, fields=["position", "effort"], peers=1)
+        self._command = self.ports.output(COMMAND, names, fields=["position", "effort"], peers=1)
         if self.value("dry_run"):  # the topic of commands is there, and silent
-            self._command = self.ports.output("actuator/command_dry", names, fields=["position", "effort"])
+            self._command = self.ports.output(DRY_COMMAND, names, fields=["position", "effort"])
         self._plant = self.ports.input(
-            "plant/state", (*loop.plant.dofs, *names), Link(spec, "tau1"), period=td1
+            PLANT_STATE, (*loop.plant.dofs, *names), Link(spec, "tau1"), period=td1
         )
         self._plant.seen = self._see
-        self._reference = self.ports.input("numerical/force_reference", names, Link(spec, "tau3"), period=td2)
+        self._reference = self.ports.input(FORCE_REFERENCE, names, Link(spec, "tau3"), period=td2)
         for port in (self._plant, self._reference):
             port.unread = partial(self._unread, port.topic)
 

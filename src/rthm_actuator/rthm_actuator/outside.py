@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger
 from rthm_actuator.supervision import Broken
 from rthm_core import events
 from rthm_core.ros.part import PartNode
+from rthm_core.topics import EVENTS
 
 
 class Ears(NamedTuple):
@@ -44,8 +45,8 @@ class Outside:
 
     def __init__(self, node: PartNode, ears: Ears) -> None:
         self._node, self._ears = node, ears
-        self._events = node.create_publisher(String, events.TOPIC, 100)
-        node.create_subscription(String, events.TOPIC, self._hear_event, 100)
+        self._events = node.create_publisher(String, EVENTS, 100)
+        node.create_subscription(String, EVENTS, self._hear_event, 100)
         node.create_subscription(Bool, "abort", self._hear_abort, 10)
         node.create_subscription(Bool, "heartbeat", self._hear_beat, 10)
         node.create_service(Trigger, "~/abort", self._serve_abort)

@@ -14,15 +14,14 @@ from rthm_analysis.recording.table import Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.energy import TERMS, with_error
 from rthm_core.spec import Spec
-
-JOINT_STATE, TIME_REFERENCE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/TimeReference"
+from rthm_core.topics import COMMAND, JOINT_STATE, NUMERICAL_STATE, PLANT_STATE, TIME_REFERENCE, link_topic
 
 TOPICS = {
-    "plant/state": JOINT_STATE,
-    "numerical/state": JOINT_STATE,
-    "actuator/command": JOINT_STATE,
-    "links/tau2": TIME_REFERENCE,
-    "links/tau4": TIME_REFERENCE,
+    PLANT_STATE: JOINT_STATE,
+    NUMERICAL_STATE: JOINT_STATE,
+    COMMAND: JOINT_STATE,
+    link_topic("tau2"): TIME_REFERENCE,
+    link_topic("tau4"): TIME_REFERENCE,
 }
 """What the balance needs, by relative name."""
 
@@ -81,7 +80,7 @@ class LiveLedger:
 
     def _open(self, *, final: bool) -> bool:
         """Begin with the first sample of the plant in the test, once none before it can still come."""
-        stamps = self._table(self._waiting["plant/state"]).stamp_ns
+        stamps = self._table(self._waiting[PLANT_STATE]).stamp_ns
         if not stamps.size or (stamps[-1] - stamps[0] < LAG_NS and not final):
             return False
         self._ledger = EnergyLedger(self._spec, int(stamps[0]), self._spec.loop().timing.td1)
@@ -101,7 +100,7 @@ class LiveLedger:
         )
         ledger.add_commands(command.stamp_ns, *(command.columns(f, names) for f in ("position", "effort")))
         for name in ("tau2", "tau4"):
-            link = link_table(waiting[f"links/{name}"])[0]
+            link = link_table(waiting[link_topic(name)])[0]
             ledger.add_uses(name, link.use_ns, link.sample_ns)
 
     def _table(self, topic: RawTopic) -> Table:

@@ -33,6 +33,7 @@ from rthm_core.ros.polling import Mailbox
 from rthm_core.ros.process import run
 from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
+from rthm_core.topics import link_topic
 
 PERIOD = 0.1
 """Between two messages on ``energy``, s."""
@@ -184,7 +185,9 @@ class AnalysisNode(ManagedNode):
     def _ready(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Service ``~/ready``: whether everybody who publishes a state is connected."""
         waiting = [
-            topic for topic, box in self._mailboxes.items() if not box.matched(0 if "links/" in topic else 1)
+            topic
+            for topic, box in self._mailboxes.items()
+            if not box.matched(0 if link_topic("") in topic else 1)
         ]
         response.success = self.spec is not None and not waiting
         response.message = f"waits for {', '.join(waiting)}" if waiting else "ready"

@@ -18,6 +18,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 from launch_ros.substitutions import FindPackageShare
 
 from launch import LaunchContext, LaunchDescription
+from rthm_core.topics import NAMESPACE
 
 AFTERWARDS = 2.5  # s: up to one until the begin, the rest for the last messages
 PROGRAMS = {
@@ -36,7 +37,7 @@ ARGUMENTS = {
     "spec": (str(files("rthm_core.spec") / "shipped" / "paper.yaml"), "parameter file of the test"),
     "duration": ("20.0", "length of the test in s; 0: until Ctrl-C"),
     "out": ("out/launch", "folder of the recording, which must be new"),
-    "namespace": ("/rthm", "namespace of the nodes"),
+    "namespace": (NAMESPACE, "namespace of the nodes"),
 }
 
 

@@ -25,17 +25,6 @@ from std_srvs.srv import Trigger
 
 from rthm_analysis.recording.writing import BagWriter
 from rthm_bringup.run.intake import Intake
-from rthm_bringup.topics import (
-    BESIDE,
-    COMMAND,
-    DIAGNOSTICS,
-    JOINT_STATE,
-    LOOP,
-    NAMESPACE,
-    SPEC,
-    STRING,
-    TIME_REFERENCE,
-)
 from rthm_core.clock import to_ns
 from rthm_core.clocks import TICKS
 from rthm_core.errors import InputError
@@ -46,9 +35,26 @@ from rthm_core.ros.managed import refuse_impossible_transitions, refuse_past
 from rthm_core.ros.polling import Mailbox, PollingNode
 from rthm_core.ros.process import built, serving
 from rthm_core.spec import Spec, read_spec, write_spec
+from rthm_core.topics import (
+    BESIDE,
+    COMMAND,
+    DIAGNOSTIC_ARRAY,
+    DIAGNOSTICS,
+    JOINT_STATE,
+    LOOP,
+    NAMESPACE,
+    SPEC,
+    STRING,
+    TIME_REFERENCE,
+)
 
 TOPICS = LOOP | BESIDE
-TYPES = {STRING: String, JOINT_STATE: JointState, TIME_REFERENCE: TimeReference, DIAGNOSTICS: DiagnosticArray}
+TYPES = {
+    STRING: String,
+    JOINT_STATE: JointState,
+    TIME_REFERENCE: TimeReference,
+    DIAGNOSTIC_ARRAY: DiagnosticArray,
+}
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
@@ -81,7 +87,7 @@ class Recorder(PollingNode):
         refuse_impossible_transitions(self)
         for name, (value, description) in PARAMETERS.items():
             self.declare_parameter(name, value, ParameterDescriptor(description=description))
-        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._diagnostics = self.create_publisher(DiagnosticArray, DIAGNOSTICS, 10)
         self._alive = Alive(self)
         self._intake: Intake | None = None
         self._observer: Observer | None = None

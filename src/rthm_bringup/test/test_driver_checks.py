@@ -10,9 +10,9 @@ import pytest
 from rthm_bringup.driver.answer import check_swing, fitted_delay, swing
 from rthm_bringup.driver.checks import checks_of
 from rthm_bringup.driver.heard import Commanded, Heard, Publisher, Sample
-from rthm_bringup.topics import JOINT_STATE
 from rthm_core.errors import InputError
 from rthm_core.spec import apply, shipped_spec
+from rthm_core.topics import JOINT_STATE
 
 SPEC = shipped_spec("paper")
 TD1, NAN = 1_200_000, float("nan")

@@ -20,9 +20,9 @@ from rthm_bringup.run.domain import Claim, Leadership, wanted
 from rthm_bringup.run.environment import CLOSED, PROFILES, RANGE, Network, without_parents_ros
 from rthm_bringup.run.intake import Intake
 from rthm_bringup.run.processes import Process, Processes
-from rthm_bringup.topics import JOINT_STATE, LOOP
 from rthm_core.errors import InputError
 from rthm_core.ros.reach import PEERS, VARIABLE
+from rthm_core.topics import JOINT_STATE, LOOP
 
 STATE = "plant/state"
 

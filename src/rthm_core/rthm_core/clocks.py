@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from rthm_core.clock import NS
 from rthm_core.spec import Spec
+from rthm_core.topics import COMMAND, NUMERICAL_STATE, PLANT_STATE
 
 LIMIT = "clock"
 """Name of the limit on the offset."""
@@ -23,7 +24,7 @@ LIMIT = "clock"
 SHARE = 0.1
 """Offset that is allowed by default, as a share of the shortest delay of the loop."""
 
-TICKS = {"td1": "plant/state", "td2": "numerical/state", "td3": "actuator/command"}
+TICKS = {"td1": PLANT_STATE, "td2": NUMERICAL_STATE, "td3": COMMAND}
 """Topic that is stamped with the ticks of a clock."""
 
 ENDS = {

@@ -15,8 +15,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-TOPIC = "events"
-"""Relative name of the topic."""
 ABORT, ARMED, REST = "abort", "armed", "rest"
 """Kinds of event."""
 

@@ -21,6 +21,7 @@ from rthm_core.clock import to_ns
 from rthm_core.compiled import Integers
 from rthm_core.link import NEVER, Link
 from rthm_core.spec.effect import sizes
+from rthm_core.topics import LINKS
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -116,7 +117,7 @@ class Schedule:
     def __init__(self, spec: Spec) -> None:
         timing = spec.loop().timing
         self.td1, self.td2, self.td3, self.td4 = (timing.ns(name) for name in ("td1", "td2", "td3", "td4"))
-        self.links = {name: Link(spec, name) for name in ("tau1", "tau2", "tau3", "tau4")}
+        self.links = {name: Link(spec, name) for name in LINKS}
         # A clock_offset can leave less of tau4 than a motor faster than it takes off.
         self.motor_delay = max(
             to_ns(sum(sizes(spec.effects, "motor", "delay"))), -self.links["tau4"].delay_ns

@@ -17,6 +17,7 @@ from rthm_core.ros.agenda import Agenda
 from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.spec import Spec
+from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 
 class NumericalNode(PartNode):
@@ -28,14 +29,10 @@ class NumericalNode(PartNode):
     def connect(self, spec: Spec) -> None:
         """Open the topics of the numerical substructure."""
         loop = spec.loop()
-        self._state = self.ports.output("numerical/state", loop.numerical.dofs)
-        self._reference = self.ports.output(
-            "numerical/force_reference", loop.actuator.names, fields=["effort"], peers=1
-        )
+        self._state = self.ports.output(NUMERICAL_STATE, loop.numerical.dofs)
+        self._reference = self.ports.output(FORCE_REFERENCE, loop.actuator.names, fields=["effort"], peers=1)
         td1 = loop.timing.ns("td1")
-        self._plant = self.ports.input(
-            "plant/state", loop.interface.plant_dof, Link(spec, "tau2"), period=td1
-        )
+        self._plant = self.ports.input(PLANT_STATE, loop.interface.plant_dof, Link(spec, "tau2"), period=td1)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the numerical substructure where the spec says."""

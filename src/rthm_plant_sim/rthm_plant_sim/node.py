@@ -26,6 +26,7 @@ from rthm_core.ros.part import PartNode
 from rthm_core.ros.process import run
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
+from rthm_core.topics import COMMAND, PLANT_STATE
 from rthm_plant_sim.guard import CommandGuard
 
 
@@ -38,7 +39,7 @@ class PlantNode(PartNode):
     def connect(self, spec: Spec) -> None:
         """Open the topics of the plant."""
         loop = spec.loop()
-        self._state = self.ports.output("plant/state", (*loop.plant.dofs, *loop.actuator.names), peers=2)
+        self._state = self.ports.output(PLANT_STATE, (*loop.plant.dofs, *loop.actuator.names), peers=2)
         self._motor_delay = Schedule(spec).motor_delay
         # A motor faster than tau4 must have its command before the link's own instant of use.
         self._ahead = max(-self._motor_delay, 0)
@@ -46,7 +47,7 @@ class PlantNode(PartNode):
         link.delay_ns -= self._ahead
         between = 1.0 / loop.timing.ns("td3") + 1.0 / loop.timing.ns("td2")  # Td4 = 0: extra commands
         spacing = round(1.0 / between)
-        self._commands = self.ports.input("actuator/command", loop.actuator.names, link, spacing=spacing)
+        self._commands = self.ports.input(COMMAND, loop.actuator.names, link, spacing=spacing)
 
     def begin(self, spec: Spec, agenda: Agenda) -> None:
         """Put the plant at rest where the spec says, with its motors."""

@@ -11,6 +11,7 @@ from rthm_analysis.comparison.simulated import Names, names_of
 from rthm_analysis.energy import energy_of
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.topics import COMMAND, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
@@ -62,7 +63,7 @@ def _names_in(recording: Recording) -> Names:
     """Names of a recording that no spec explains: what pulls is an actuator, what only moves is a dof; where
     all that moves pulls as well, as under known loads, it is a dof.
     """
-    plant, numerical = recording.plant, recording.tables.get("numerical/state")
+    plant, numerical = recording.plant, recording.tables.get(NUMERICAL_STATE)
     moving = _known(plant.names, plant.position)
     pulling = _known(plant.names, plant.effort)
     dofs = tuple(name for name in moving if name not in pulling) or moving
@@ -78,7 +79,7 @@ def _known(names: tuple[str, ...], values: Floats) -> tuple[str, ...]:
 
 def _measured(recording: Recording, names: Names) -> dict[str, Signal]:
     """Positions of dofs and motors, and forces in the wires."""
-    plant, numerical = recording.plant, recording.tables.get("numerical/state")
+    plant, numerical = recording.plant, recording.tables.get(NUMERICAL_STATE)
     at_ns = plant.stamp_ns - recording.start_ns
     found: dict[str, Signal] = {}
     for dof in names.plant:
@@ -95,7 +96,7 @@ def _measured(recording: Recording, names: Names) -> dict[str, Signal]:
 
 def _commanded(recording: Recording, names: Names) -> dict[str, Signal]:
     """Commands, and the force references in them, both held."""
-    table = recording.tables.get("actuator/command")
+    table = recording.tables.get(COMMAND)
     found: dict[str, Signal] = {}
     if table is None:
         return {}

@@ -6,25 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.live import FAR_NS, JOINT_STATE, TIME_REFERENCE
+from rthm_analysis.live import FAR_NS
 from rthm_analysis.recording.raw import RawTopic
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
+from rthm_core.topics import CLOCKS, DRY_COMMAND, ENERGY, JOINT_STATE, LOOP, TIME_REFERENCE, link_topic
 
-TOPICS = {
-    "plant/state": JOINT_STATE,
-    "numerical/state": JOINT_STATE,
-    "numerical/force_reference": JOINT_STATE,
-    "actuator/command": JOINT_STATE,
-    "actuator/command_dry": JOINT_STATE,
-    "energy": JOINT_STATE,
-    "clocks": JOINT_STATE,
-    "links/tau1": TIME_REFERENCE,
-    "links/tau2": TIME_REFERENCE,
-    "links/tau3": TIME_REFERENCE,
-    "links/tau4": TIME_REFERENCE,
-}
+TOPICS = LOOP | dict.fromkeys((DRY_COMMAND, ENERGY, CLOCKS), JOINT_STATE)
 """Topics that are shown, by relative name, and their types."""
 
 END = NS // 10
@@ -80,7 +69,7 @@ class Waiting:
         for topic, waiting in raw.items():
             if TOPICS[topic] == TIME_REFERENCE:
                 uses = link_table(waiting)[0]
-                links[topic.removeprefix("links/")] = uses.rows(np.flatnonzero(uses.use_ns >= begin_ns))
+                links[topic.removeprefix(link_topic(""))] = uses.rows(np.flatnonzero(uses.use_ns >= begin_ns))
                 continue
             table = self._within(joint_table(waiting)[0], begin_ns)
             if len(table):

@@ -11,6 +11,7 @@ from rthm_analysis.dashboard.fresh import Fresh
 from rthm_analysis.dashboard.ideal import ErrorSoFar, IdealMotion
 from rthm_analysis.recording.table import hold
 from rthm_core.clock import NS
+from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -25,7 +26,7 @@ LAG = NS // 20
 GAP = 3
 """Periods without a sample from which on none was heard."""
 
-SIDES = ("plant/state", "numerical/state")
+SIDES = (PLANT_STATE, NUMERICAL_STATE)
 """Topics of which the newer one tells how far the test has come."""
 
 MOST = 2000
@@ -65,11 +66,11 @@ class Motion:
         plant, motors = loop.plant.dofs, loop.actuator.names
         td1, td2 = loop.timing.ns("td1"), loop.timing.ns("td2")
         self._columns = (
-            Columns("plant/state", "position", plant, td1),
-            Columns("numerical/state", "position", loop.numerical.dofs, td2),
-            Columns("plant/state", "position", motors, td1),
-            Columns("numerical/force_reference", "effort", motors, td2),
-            Columns("plant/state", "effort", motors, td1),
+            Columns(PLANT_STATE, "position", plant, td1),
+            Columns(NUMERICAL_STATE, "position", loop.numerical.dofs, td2),
+            Columns(PLANT_STATE, "position", motors, td1),
+            Columns(FORCE_REFERENCE, "effort", motors, td2),
+            Columns(PLANT_STATE, "effort", motors, td1),
         )
         ends = ("", "", ".motor", ".reference", ".force")
         held = [

@@ -13,6 +13,7 @@ from rthm_analysis.recording.table import hold
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.limits import kept_limits, limit_units
+from rthm_core.topics import COMMAND, DRY_COMMAND, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -37,11 +38,11 @@ class Nearness:
             "command": lambda fresh: _largest(self._command(fresh, "position")),
             "rate": self._rate,
             "force": lambda fresh: _largest(self._command(fresh, "effort")),
-            "position": lambda fresh: _largest(fresh.columns("plant/state", "position", self._dofs)),
-            "velocity": lambda fresh: _largest(fresh.columns("plant/state", "velocity", self._dofs)),
-            "measured_force": lambda fresh: _largest(fresh.columns("plant/state", "effort", self._motors)),
+            "position": lambda fresh: _largest(fresh.columns(PLANT_STATE, "position", self._dofs)),
+            "velocity": lambda fresh: _largest(fresh.columns(PLANT_STATE, "velocity", self._dofs)),
+            "measured_force": lambda fresh: _largest(fresh.columns(PLANT_STATE, "effort", self._motors)),
             "step": lambda fresh: _largest(
-                np.diff(fresh.columns("plant/state", "position", self._dofs), axis=0)
+                np.diff(fresh.columns(PLANT_STATE, "position", self._dofs), axis=0)
             ),
             "following": self._following,
             "age": lambda fresh: max(_age(fresh, "tau1"), _age(fresh, "tau3")),
@@ -84,12 +85,12 @@ class Nearness:
     def _following(self, fresh: Fresh) -> float:
         """Distance of the motors from the command that was sent last."""
         motors, sent = (
-            fresh.columns("plant/state", "position", self._motors),
+            fresh.columns(PLANT_STATE, "position", self._motors),
             self._command(fresh, "position"),
         )
         if not len(sent):
             return 0.0
-        return _largest(motors - hold(fresh.stamps(_commands(fresh)), sent, fresh.stamps("plant/state")))
+        return _largest(motors - hold(fresh.stamps(_commands(fresh)), sent, fresh.stamps(PLANT_STATE)))
 
 
 def _allowed(spec: Spec, hardware: bool, names: list[str]) -> dict[str, float]:
@@ -102,7 +103,7 @@ def _allowed(spec: Spec, hardware: bool, names: list[str]) -> dict[str, float]:
 
 
 def _commands(fresh: Fresh) -> str:
-    return "actuator/command" if "actuator/command" in fresh.tables else "actuator/command_dry"
+    return COMMAND if COMMAND in fresh.tables else DRY_COMMAND
 
 
 def _largest(values: Floats) -> float:

@@ -15,6 +15,7 @@ from rthm_analysis.dashboard.nearness import Nearness
 from rthm_analysis.dashboard.told import Told
 from rthm_analysis.dashboard.traces import Trace
 from rthm_core.clock import NS
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -128,7 +129,7 @@ class RunningTest:
         self._ages.add(fresh)
         self._nearness.add(fresh)
         self._add_energy(fresh, begin)
-        plant = fresh.tables.get("plant/state")
+        plant = fresh.tables.get(PLANT_STATE)
         self._at = np.nan if plant is None else int(plant.stamp_ns[-1] - begin) / NS
 
     def _add_energy(self, fresh: Fresh, begin: int) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -23,13 +24,13 @@ def check_names(recording: Recording, spec: Spec) -> None:
         When a name of the spec is not recorded, a part of the loop has others than the spec, or neither
         commands nor forces are recorded; with both lists and the way out.
     """
-    _has(recording.plant.names, spec.plant.dofs, "plant/state")
+    _has(recording.plant.names, spec.plant.dofs, PLANT_STATE)
     if not spec.is_loop:
         return
     loop, known = spec.loop(), {*spec.plant.dofs, *spec.loop().actuator.names}
     beyond = [name for name in recording.plant.names if name not in known]
     if beyond:  # without any other name the motors are only not recorded
-        _has(recording.plant.names, loop.actuator.names, "plant/state")
+        _has(recording.plant.names, loop.actuator.names, PLANT_STATE)
     for topic, names in _of_parts(spec):
         table = recording.tables.get(topic)
         if table is not None:
@@ -40,9 +41,9 @@ def check_names(recording: Recording, spec: Spec) -> None:
 def _of_parts(spec: Spec) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Topics of the parts that compute, and the names that they have."""
     loop = spec.loop()
-    yield "numerical/state", loop.numerical.dofs
-    yield "numerical/force_reference", loop.actuator.names
-    yield "actuator/command", loop.actuator.names
+    yield NUMERICAL_STATE, loop.numerical.dofs
+    yield FORCE_REFERENCE, loop.actuator.names
+    yield COMMAND, loop.actuator.names
 
 
 def _has(recorded: tuple[str, ...], needed: tuple[str, ...], topic: str) -> None:
@@ -64,7 +65,7 @@ def _another_rig(topic: str, recorded: tuple[str, ...], but: str) -> InputError:
 
 
 def _check_driven(recording: Recording, actuators: tuple[str, ...]) -> None:
-    if "actuator/command" in recording.tables:
+    if COMMAND in recording.tables:
         return
     if not np.isfinite(recording.plant.columns("effort", actuators)).any():
         raise InputError(

@@ -16,11 +16,12 @@ from rthm_core.energy import OF_THE_LOOP, TERMS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
 from rthm_core.substructure import interface
+from rthm_core.topics import COMMAND, NUMERICAL_STATE
 
 POINTS = 5000
 """Rows in the JSON of a long recording."""
 
-NEEDED = ("numerical/state", "actuator/command")
+NEEDED = (NUMERICAL_STATE, COMMAND)
 """Topics without which only the plant's own energy can be told."""
 
 
@@ -123,11 +124,11 @@ def _ledger(recording: Recording, spec: Spec) -> EnergyLedger:
 
 def _balance_of_loop(recording: Recording, spec: Spec) -> EnergyResult:
     loop, notes = spec.loop(), []
-    ledger, plant, command = _ledger(recording, spec), recording.plant, recording.tables["actuator/command"]
+    ledger, plant, command = _ledger(recording, spec), recording.plant, recording.tables[COMMAND]
     ledger.add_plant(
         plant.stamp_ns, *_motion(plant, loop.plant.dofs), plant.columns("effort", loop.plant.dofs)
     )
-    numerical = recording.tables["numerical/state"]
+    numerical = recording.tables[NUMERICAL_STATE]
     ledger.add_numerical(numerical.stamp_ns, *_motion(numerical, loop.numerical.dofs))
     names = loop.actuator.names
     ledger.add_commands(

@@ -12,10 +12,7 @@ from rthm_analysis.recording.cdr import FIELDS
 from rthm_analysis.recording.writing import BagWriter
 from rthm_core.ros.cdr import ENCAPSULATION, string
 from rthm_core.ros.messages import JointStateWriter, TimeReferenceWriter
-
-NAMESPACE = "/rthm"
-JOINT_STATE, TIME_REFERENCE = "sensor_msgs/msg/JointState", "sensor_msgs/msg/TimeReference"
-STRING = "std_msgs/msg/String"
+from rthm_core.topics import JOINT_STATE, NAMESPACE, STRING, TIME_REFERENCE, link_topic
 
 Row = tuple[int, int, int, str, str, bytes]
 """Received, stamp, sent (ns), topic, type, message."""
@@ -56,4 +53,11 @@ def _states(name: str, table: Table) -> Iterator[Row]:
 def _uses(name: str, link: LinkTable) -> Iterator[Row]:
     writer = TimeReferenceWriter(name)
     for use, sample, received, sent in zip(*(times.tolist() for times in vars(link).values()), strict=True):
-        yield received, use, sent, f"{NAMESPACE}/links/{name}", TIME_REFERENCE, writer.bytes(use, sample)
+        yield (
+            received,
+            use,
+            sent,
+            f"{NAMESPACE}/{link_topic(name)}",
+            TIME_REFERENCE,
+            writer.bytes(use, sample),
+        )

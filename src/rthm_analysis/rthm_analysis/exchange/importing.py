@@ -18,6 +18,7 @@ from rthm_analysis.recording import LinkTable, Table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, read_spec
+from rthm_core.topics import PLANT_STATE
 
 SPEC_FILE = "spec.yaml"
 
@@ -114,7 +115,7 @@ def _from_columns(columns: Columns, bag: Path, wanted: Wanted, spec: Spec | None
     if not wanted.signals and {"u", "y"} <= set(columns.values):
         wanted = replace(wanted, signals=_input_and_output(spec))
     table, notes = plant_table(columns, wanted, spec)
-    return _written(bag, {"plant/state": table}, {}, spec.expanded() if spec else "", notes)
+    return _written(bag, {PLANT_STATE: table}, {}, spec.expanded() if spec else "", notes)
 
 
 def _input_and_output(spec: Spec | None) -> tuple[Signal, ...]:
@@ -135,7 +136,7 @@ def _from_topics(files: Sequence[Path], bag: Path, spec: Spec | None) -> Importe
             links[name] = topics.link_table(columns)
         else:
             tables[name] = topics.state_table(columns)
-    if "plant/state" not in tables:
+    if PLANT_STATE not in tables:
         raise InputError(f"{files[0].parent} has no plant_state, which every recording needs; add that file.")
     beside = files[0].parent / SPEC_FILE
     text = spec.expanded() if spec else ""
@@ -151,6 +152,6 @@ def _written(
     if not spec_text:
         notes = [*notes, "there is no spec in the bag: give one with --spec, here or to rthm diagnose."]
     write_bag(bag, tables, links, spec_text)
-    plant = tables["plant/state"]
+    plant = tables[PLANT_STATE]
     duration = float(plant.stamp_ns[-1] - plant.stamp_ns[0]) / NS if len(plant) else 0.0
     return Imported(bag, len(plant), duration, plant.names, tuple(notes))

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import NS
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording, Table
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-COMMAND = "actuator/command"
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from rthm_analysis.recording import Recording
 from rthm_analysis.timing import RecordedSchedule
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -112,7 +113,7 @@ def _largest(recording: Recording, spec: Spec) -> dict[str, float]:
         "velocity": _most(plant.columns("velocity", dofs)),
         "measured_force": _most(plant.columns("effort", names)),
     }
-    commands = recording.tables.get("actuator/command")
+    commands = recording.tables.get(COMMAND)
     if commands is not None:
         u_d = commands.columns("position", names)
         waits = np.maximum(np.diff(commands.stamp_ns), 1)[:, None] * 1e-9

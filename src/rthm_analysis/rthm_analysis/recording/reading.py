@@ -12,28 +12,39 @@ from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
 from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
-from rthm_analysis.recording.recording import PLANT_STATE, Recording
+from rthm_analysis.recording.recording import Recording
 from rthm_analysis.recording.synchronised import as_ticked
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
-from rthm_core.events import TOPIC as EVENTS
 from rthm_core.events import read_event
 from rthm_core.spec import Spec, read_spec
+from rthm_core.topics import (
+    CLOCKS,
+    COMMAND,
+    DIAGNOSTICS,
+    ENERGY,
+    EVENTS,
+    FORCE_REFERENCE,
+    JOINT_STATE,
+    LINKS,
+    NUMERICAL_STATE,
+    PLANT_STATE,
+    SPEC,
+    STRING,
+    TIME_REFERENCE,
+    link_topic,
+)
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
-STATES = (PLANT_STATE, "numerical/state", "numerical/force_reference", "actuator/command", "energy")
-LINKS = ("tau1", "tau2", "tau3", "tau4")
+STATES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND, ENERGY)
 
 T = TypeVar("T", Table, LinkTable)
 
 LAST_REPORTS = 200
 """How many of the last messages on /diagnostics are read: counts run on, so the last ones say it all."""
-
-_JOINT_STATE = "sensor_msgs/msg/JointState"
-_TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
 
 
 def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
@@ -61,7 +72,7 @@ def read_recording(path: str | Path, namespace: str | None = None) -> Recording:
         reasons = " ".join(bag.notes)
         topic = f"{namespace}/{PLANT_STATE}"
         raise InputError(
-            f"{path} has no message of {topic} that can be read: record it as {_JOINT_STATE}. {reasons}"
+            f"{path} has no message of {topic} that can be read: record it as {JOINT_STATE}. {reasons}"
         )
     span = _span(tables[PLANT_STATE].stamp_ns)
     tables = {name: _within(table, table.stamp_ns, span, name, bag) for name, table in tables.items()}
@@ -116,7 +127,7 @@ def _topic(bag: RawBag, namespace: str, name: str, message_type: str) -> RawTopi
 def _tables(bag: RawBag, namespace: str) -> dict[str, Table]:
     tables = {}
     for name in STATES:
-        if topic := _topic(bag, namespace, name, _JOINT_STATE):
+        if topic := _topic(bag, namespace, name, JOINT_STATE):
             table, notes = joint_table(topic)
             bag.notes += notes
             if len(table):
@@ -127,7 +138,7 @@ def _tables(bag: RawBag, namespace: str) -> dict[str, Table]:
 def _links(bag: RawBag, namespace: str) -> dict[str, LinkTable]:
     links = {}
     for name in LINKS:
-        if topic := _topic(bag, namespace, f"links/{name}", _TIME_REFERENCE):
+        if topic := _topic(bag, namespace, link_topic(name), TIME_REFERENCE):
             link, notes = link_table(topic)
             bag.notes += notes
             if len(link):
@@ -152,7 +163,7 @@ def _within(table: T, times: Integers, span: tuple[int, int], name: str, bag: Ra
 
 def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
     """Text and value of the newest spec, of this namespace or the only one."""
-    topic = _topic(bag, namespace, "spec", "std_msgs/msg/String")
+    topic = _topic(bag, namespace, SPEC, STRING)
     if topic is None:
         bag.note(f"the bag has no topic {namespace}/spec.")
         return "", None
@@ -165,13 +176,13 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
 
 
 def _clocks(bag: RawBag, namespace: str) -> HostClocks:
-    topic = _topic(bag, namespace, "clocks", _JOINT_STATE)
+    topic = _topic(bag, namespace, CLOCKS, JOINT_STATE)
     return host_clocks(joint_table(topic)[0] if topic else None)
 
 
 def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:
     """Everything that was told on ``events``."""
-    topic = _topic(bag, namespace, EVENTS, "std_msgs/msg/String")
+    topic = _topic(bag, namespace, EVENTS, STRING)
     found = []
     for message in topic.last_messages(LAST_REPORTS) if topic else []:
         with suppress(ValueError):
@@ -181,7 +192,7 @@ def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:
 
 def _diagnostics(bag: RawBag, namespace: str) -> dict[str, dict[str, str]]:
     """Last status of each node of this test."""
-    topic = bag.topics.get("/diagnostics")
+    topic = bag.topics.get(DIAGNOSTICS)
     statuses: dict[str, dict[str, str]] = {}
     for message in topic.last_messages(LAST_REPORTS) if topic else []:
         with suppress(ValueError):

@@ -14,11 +14,10 @@ from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.events import Abort, abort_of
 from rthm_core.spec import Spec
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
-
-PLANT_STATE = "plant/state"
 
 
 @dataclass(frozen=True)

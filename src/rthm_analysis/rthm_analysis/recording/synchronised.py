@@ -8,20 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.recording.recording import PLANT_STATE, Recording
+from rthm_analysis.recording.recording import Recording
 from rthm_analysis.recording.table import LinkTable, Table
 from rthm_core.clock import NS
 from rthm_core.clocks import ENDS, TICKS
 from rthm_core.compiled import Integers
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 OWNERS = {
     PLANT_STATE: "plant",
-    "numerical/state": "numerical",
-    "numerical/force_reference": "numerical",
-    "actuator/command": "actuator",
+    NUMERICAL_STATE: "numerical",
+    FORCE_REFERENCE: "numerical",
+    COMMAND: "actuator",
 }
 """Node that stamps the samples of a topic."""
 

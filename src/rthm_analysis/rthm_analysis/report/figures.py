@@ -13,6 +13,7 @@ from rthm_analysis.report.colours import AXIS, COLOURS, GRID, INK, MUTED, PAPER
 from rthm_analysis.report.gathered import Gathered
 from rthm_analysis.report.thinning import SPANS, extremes
 from rthm_core.compiled import Floats
+from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
 FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 
@@ -154,7 +155,7 @@ def motion(gathered: Gathered, span: Range1d) -> list[figure]:
             at = np.interp(t, ideal.t, ideal.plant_position[:, k])
             apart.add(dof, t, position - at, COLOURS[k])
         curves.add(f"{dof} plant", t, position, COLOURS[k])
-    numerical = recording.tables.get("numerical/state")
+    numerical = recording.tables.get(NUMERICAL_STATE)
     for k, dof in enumerate(spec.numerical.dofs if spec and spec.numerical and numerical else ()):
         colour = COLOURS[(len(dofs) + k) % len(COLOURS)]
         when, position = recording.seconds(numerical.stamp_ns), numerical.columns("position", [dof])[:, 0]
@@ -179,7 +180,7 @@ def forces(gathered: Gathered, span: Range1d) -> list[figure]:
     actuators = (
         spec.actuator.names if spec and spec.actuator else [n for n in recording.plant.names if n not in dofs]
     )
-    reference = recording.tables.get("numerical/force_reference")
+    reference = recording.tables.get(FORCE_REFERENCE)
     curves = Curves("Force reference beside force" if reference else "Force", "force (N)", span)
     t, drawn = recording.seconds(recording.plant.stamp_ns), False
     for k, name in enumerate(actuators):

@@ -20,6 +20,7 @@ from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
+from rthm_core.topics import LINKS
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -42,7 +43,7 @@ MOST_PLACES = 160
 LATTICE_POINTS = 200
 """Periods that are tried before the neighbourhood of each crossing is."""
 
-DELAYS, PERIODS = ("tau1", "tau2", "tau3", "tau4"), ("td1", "td2", "td3", "td4")
+DELAYS, PERIODS = LINKS, ("td1", "td2", "td3", "td4")
 
 
 @dataclass(frozen=True)

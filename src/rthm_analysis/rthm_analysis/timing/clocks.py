@@ -11,6 +11,7 @@ from rthm_analysis.timing.links import ticks_of
 from rthm_core.clock import NS
 from rthm_core.clocks import TICKS
 from rthm_core.compiled import Floats, Integers
+from rthm_core.topics import COMMAND
 
 CLOCKS = {
     "td1": (TICKS["td1"], None),
@@ -55,7 +56,7 @@ def clock_timing(recording: Recording, name: str, period_ns: int) -> ClockTiming
         return None
     done = uses.use_ns - recording.start_ns if uses else np.empty(0, dtype=np.int64)
     stamps = table.stamp_ns - recording.start_ns if table else done
-    if topic == "actuator/command":
+    if topic == COMMAND:
         stamps = stamps[stamps % period_ns == 0]
     missed = max(_absent(stamps, period_ns) + _overrun(done, period_ns), _told(recording, name))
     return ClockTiming(np.diff(done if done.size else stamps) / NS, missed)

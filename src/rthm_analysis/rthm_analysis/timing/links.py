@@ -20,12 +20,13 @@ from rthm_core.clock import NS
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.link import NEVER, Link
 from rthm_core.schedule import Schedule, newest, newest_arrived
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 SOURCES = {
-    "tau1": "plant/state",
-    "tau2": "plant/state",
-    "tau3": "numerical/force_reference",
-    "tau4": "actuator/command",
+    "tau1": PLANT_STATE,
+    "tau2": PLANT_STATE,
+    "tau3": FORCE_REFERENCE,
+    "tau4": COMMAND,
 }
 """Topic of the samples that go over each link."""
 
@@ -136,7 +137,7 @@ def derived_uses(recording: Recording, schedule: Schedule, name: str) -> LinkTab
     """Uses that the exact schedule gives for the recorded stamps; None when the receiver left no trace."""
     source = recording.tables[SOURCES[name]]
     due = due_of(schedule.links[name], source.stamp_ns - recording.start_ns)
-    receivers = {"tau1": "actuator/command", "tau2": "numerical/state"}
+    receivers = {"tau1": COMMAND, "tau2": NUMERICAL_STATE}
     if name not in receivers:
         kept = due < NEVER
         use, sample = due[kept], source.stamp_ns[kept] - recording.start_ns

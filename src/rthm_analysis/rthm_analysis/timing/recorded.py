@@ -17,6 +17,7 @@ from rthm_core.compiled import Integers
 from rthm_core.errors import InputError
 from rthm_core.link import NEVER, Link
 from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newest
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -133,7 +134,7 @@ class RecordedSchedule(Schedule):
         return np.maximum.accumulate(held)
 
     def _all_commands(self) -> Commands:
-        sent = self._recording.tables["actuator/command"].stamp_ns - self._recording.start_ns
+        sent = self._recording.tables[COMMAND].stamp_ns - self._recording.start_ns
         time = np.unique(np.concatenate([sent, self._told("tau4")[1]]))
         time = time[(time >= 0) & (time <= self.end)]
         taken, number = self._references_taken(time)
@@ -190,7 +191,7 @@ def _numbers(stamps: Integers, period: int) -> Integers:
 
 def _check(spec: Spec, recording: Recording) -> None:
     there = {*recording.links, *recording.tables}
-    missing = [name for name in (*LINKS, "actuator/command") if name not in there]
+    missing = [name for name in (*LINKS, COMMAND) if name not in there]
     if missing:
         raise InputError(
             f"the recording has no {', '.join(missing)}, so when its samples were used is not known; it "

@@ -25,8 +25,6 @@ from std_srvs.srv import Trigger
 
 from rthm_analysis.dashboard import TOPICS, Facts, RunningTest
 from rthm_bringup.run.environment import Network
-from rthm_bringup.topics import JOINT_STATE, SPEC
-from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.ros import reach
@@ -34,6 +32,7 @@ from rthm_core.ros.leader import NODE as LEADER
 from rthm_core.ros.polling import Mailbox, Onlooker
 from rthm_core.ros.qos import latched, samples
 from rthm_core.spec import read_spec
+from rthm_core.topics import DIAGNOSTICS, EVENTS, JOINT_STATE, PLANT_STATE, SPEC
 
 ASKED = {
     "recorder": ["bag", "start_time", "duration", "virtual"],
@@ -86,8 +85,8 @@ class Watcher:
         self._executor.add_node(self._node)
         self._spec, self._said, self._status = (
             self._mailbox(String, SPEC, latched()),
-            self._mailbox(String, events.TOPIC, samples(100)),
-            self._mailbox(DiagnosticArray, "/diagnostics", samples(100)),
+            self._mailbox(String, EVENTS, samples(100)),
+            self._mailbox(DiagnosticArray, DIAGNOSTICS, samples(100)),
         )
         self._samples = {
             topic: self._mailbox(
@@ -151,7 +150,7 @@ class Watcher:
     def _hear(self, topic: str, message: bytes) -> None:
         if self.test is None or self.over:
             return
-        if topic == "plant/state":
+        if topic == PLANT_STATE:
             self._heard = time.monotonic()
             self._first = self._first or _stamp(message)
         self.test.take(topic, message)

@@ -10,7 +10,7 @@ from rthm_bringup.driver.answer import answer_check
 from rthm_bringup.driver.check import Check
 from rthm_bringup.driver.heard import Heard, Sample
 from rthm_bringup.driver.stamps import age_checks, stamp_checks
-from rthm_bringup.topics import JOINT_STATE
+from rthm_core.topics import JOINT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

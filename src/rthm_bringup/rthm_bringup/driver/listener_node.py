@@ -18,14 +18,13 @@ from sensor_msgs.msg import JointState
 from rthm_bringup.driver.answer import check_swing, swing
 from rthm_bringup.driver.heard import UNNUMBERED, Commanded, Heard, Publisher, Sample
 from rthm_bringup.run.environment import Network
-from rthm_bringup.topics import JOINT_STATE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.ros import reach
 from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
+from rthm_core.topics import COMMAND, JOINT_STATE, PLANT_STATE
 
-STATE, COMMAND = "plant/state", "actuator/command"
 SETTLE = 0.5
 """How long discovery may take to tell all publishers once there is one, s."""
 
@@ -85,7 +84,7 @@ class _Ear:
         return Heard(publishers, tuple(_sample(*one) for one in self._heard), listens, commanded)
 
     def _publishers(self) -> tuple[Publisher, ...]:
-        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(STATE))
+        found = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(PLANT_STATE))
         return tuple(
             Publisher(
                 f"{one.node_namespace.rstrip('/')}/{one.node_name}",
@@ -99,7 +98,7 @@ class _Ear:
         def take(message: bytes, info: dict[str, Any]) -> None:
             self._heard.append((message, info))
 
-        self._node.create_subscription(JointState, STATE, take, samples(KEPT, reliable), raw=True)
+        self._node.create_subscription(JointState, PLANT_STATE, take, samples(KEPT, reliable), raw=True)
 
     def _spin(self, seconds: float, until: Callable[[], object] = lambda: False) -> None:
         deadline = time.monotonic() + seconds

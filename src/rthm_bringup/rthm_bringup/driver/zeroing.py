@@ -13,11 +13,11 @@ import numpy as np
 from rthm_actuator.sensors import FORCE, Sensors
 from rthm_bringup.driver.rest import Reading, readings
 from rthm_bringup.run.shared_memory import Caretaker
-from rthm_bringup.topics import PLANT_STATE
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.limits import kept_limits
 from rthm_core.spec import apply
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState

@@ -23,13 +23,13 @@ from std_srvs.srv import Trigger
 
 from rthm_bringup.run.limits import ClockWatch
 from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
-from rthm_bringup.topics import CLOCKS, NAMESPACE
 from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.clocks import Offset
 from rthm_core.errors import InputError
 from rthm_core.ros import alive, leader, reach
 from rthm_core.ros.comparing import Asker
+from rthm_core.topics import CLOCKS, DIAGNOSTICS, EVENTS, NAMESPACE
 
 PATIENCE = 20.0
 """How long a node on a busy host may take to answer, s."""
@@ -123,12 +123,12 @@ class Conductor:
         self.abort: events.Abort | None = None
         self.rested = False
         self.beaten: Callable[[str], None] = lambda name: None
-        self._events = self._node.create_publisher(String, events.TOPIC, 100)
-        self._node.create_subscription(String, events.TOPIC, self._note_event, 100)
+        self._events = self._node.create_publisher(String, EVENTS, 100)
+        self._node.create_subscription(String, EVENTS, self._note_event, 100)
         self._alive = self._node.create_subscription(
             String, alive.TOPIC, lambda message: self.beaten(message.data), 100
         )
-        self._node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 100)
+        self._node.create_subscription(DiagnosticArray, DIAGNOSTICS, self._note, 100)
         self._node.create_subscription(Float64, "virtual/time", self._note_time, 10)
 
     def __enter__(self) -> Conductor:

@@ -17,7 +17,6 @@ from std_msgs.msg import Float64, Int64MultiArray
 from std_srvs.srv import Trigger
 
 from rthm_bringup.run.lockstep import LockStep
-from rthm_bringup.topics import NAMESPACE
 from rthm_core.clock import NS, to_ns
 from rthm_core.errors import InputError
 from rthm_core.ros import system
@@ -26,6 +25,7 @@ from rthm_core.ros.managed import refuse_impossible_transitions
 from rthm_core.ros.process import built, serving
 from rthm_core.ros.qos import latched, samples
 from rthm_core.spec import read_spec
+from rthm_core.topics import NAMESPACE
 
 TIME = "virtual/time"
 """Topic with the simulated time, in s."""

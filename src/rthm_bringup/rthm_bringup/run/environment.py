@@ -15,9 +15,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rthm_bringup.topics import NAMESPACE
 from rthm_core.errors import InputError
 from rthm_core.ros import reach
+from rthm_core.topics import NAMESPACE
 
 GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 PROFILES, RANGE = "FASTRTPS_DEFAULT_PROFILES_FILE", "ROS_AUTOMATIC_DISCOVERY_RANGE"

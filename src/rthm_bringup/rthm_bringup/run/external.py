@@ -12,10 +12,10 @@ from rthm_bringup.run.conductor_node import Conductor, StoppedError
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.view import View
 from rthm_bringup.run.zero import check_tension, tell_zero
-from rthm_bringup.topics import PLANT_STATE
 from rthm_core.clock import NS
 from rthm_core.limits import kept_limits
 from rthm_core.ros.messages import JointSample
+from rthm_core.topics import PLANT_STATE
 
 HEARTBEAT = "heartbeat"
 SAME_CLOCK = 5 * NS

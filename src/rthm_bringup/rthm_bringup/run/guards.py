@@ -11,10 +11,10 @@ from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.limits import OwnerWatch
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.view import View
-from rthm_bringup.topics import LOOP
 from rthm_core.clock import NS
 from rthm_core.clocks import limit_of
 from rthm_core.ros import system
+from rthm_core.topics import LOOP
 
 COMPARING = 2.0
 """How long the clocks of hosts are compared before a test, s."""

@@ -8,9 +8,9 @@ from struct import Struct
 from typing import NamedTuple, TypeGuard
 
 from rthm_analysis.recording.writing import BagWriter
-from rthm_bringup.topics import LOOP, PLANT_STATE, SPEC, STRING
 from rthm_core.clock import NS
 from rthm_core.ros.polling import Info
+from rthm_core.topics import LOOP, PLANT_STATE, SPEC, STRING
 
 _STAMP = Struct("<iI")  # of a header, behind the four bytes of encapsulation
 _UNKNOWN = 2**63  # a middleware that does not number messages gives the largest integer

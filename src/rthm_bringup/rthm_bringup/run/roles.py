@@ -7,8 +7,8 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from rthm_bringup.topics import NAMESPACE
 from rthm_core.errors import InputError
+from rthm_core.topics import NAMESPACE
 
 PROGRAMS = {
     "plant": "rthm_plant_sim.node",

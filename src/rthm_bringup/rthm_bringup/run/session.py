@@ -29,11 +29,11 @@ from rthm_bringup.run.processes import JOINT, Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
 from rthm_bringup.run.view import View
 from rthm_bringup.run.watch import Watch
-from rthm_bringup.topics import COMMAND
-from rthm_bringup.topics import LOOP as LOOP_TOPICS
 from rthm_core.clock import NS
 from rthm_core.limits import require_limits
 from rthm_core.ros.leader import NODE as LEADER
+from rthm_core.topics import COMMAND, link_topic
+from rthm_core.topics import LOOP as LOOP_TOPICS
 
 COMPILING = 300.0
 """How long it may take to compile everything for the first time on a busy host, s."""
@@ -149,7 +149,7 @@ class Session:
             conductor.wait_ready(self._managed, 30.0)
             return
         if "recorder" in self._managed:
-            awaited = [topic for topic in LOOP_TOPICS if topic != "links/tau4"]
+            awaited = [topic for topic in LOOP_TOPICS if topic != link_topic("tau4")]
             conductor.set({"recorder": {"awaited": awaited}})
         with suppress(UnconnectedError):
             conductor.wait_ready(self._managed, 5.0)

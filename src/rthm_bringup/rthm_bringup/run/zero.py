@@ -6,8 +6,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rthm_bringup.run.conductor_node import Conductor, StoppedError
-from rthm_bringup.topics import PLANT_STATE
 from rthm_core.limits import kept_limits
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

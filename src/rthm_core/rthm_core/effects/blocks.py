@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rthm_core.errors import RefusedError, suggestion
+from rthm_core.topics import LINKS
 
-LINKS = ("tau1", "tau2", "tau3", "tau4")
 SENSORS = {"position": "m", "velocity": "m/s", "force": "N"}
 BLOCKS = (
     "plant",

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rthm_core.clock import NS
 from rthm_core.ros.agenda import Ticks
 from rthm_core.ros.ports import Input
+from rthm_core.topics import DIAGNOSTICS
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -22,7 +23,7 @@ class Diagnostics:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._publisher = node.create_publisher(DiagnosticArray, DIAGNOSTICS, 10)
         self._faults = 0
 
     def clear(self) -> None:

@@ -20,8 +20,9 @@ from typing import NamedTuple
 
 from rthm_core.ros.agenda import Position
 from rthm_core.ros.cdr import ENCAPSULATION
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
-SOURCES = ("plant/state", "numerical/state", "numerical/force_reference", "actuator/command")
+SOURCES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND)
 """Topics whose messages are counted, in the order of the counts."""
 PARTS = ("plant", "numerical", "actuator", "recorder")
 """Who may take part, in the order of their indices."""

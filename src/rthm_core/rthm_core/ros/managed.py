@@ -21,6 +21,7 @@ from rthm_core.ros.parameters import OWN, declare_own, declare_spec, spec_of
 from rthm_core.ros.polling import PollingNode
 from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec
+from rthm_core.topics import NAMESPACE
 
 
 def refuse_impossible_transitions(node: LifecycleNode) -> None:
@@ -64,7 +65,7 @@ class ManagedNode(PollingNode):
     further: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, name: str) -> None:
-        super().__init__(name, namespace="/rthm", allow_undeclared_parameters=True)
+        super().__init__(name, namespace=NAMESPACE, allow_undeclared_parameters=True)
         leader.answer_only_to_leader(self)
         self._besides = {*self._parameters, *OWN, *self.further}
         declare_own(self)

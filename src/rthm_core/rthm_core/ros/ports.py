@@ -20,6 +20,7 @@ from rthm_core.ros.messages import (
     TimeReferenceWriter,
 )
 from rthm_core.ros.polling import Info, Listener, Mailbox, PollingNode
+from rthm_core.topics import link_topic
 
 Values = Sequence[float] | NDArray[np.float64]
 
@@ -171,7 +172,7 @@ class Input:
         self.unread: Callable[[str], None] = lambda why: None
         self._use = TimeReferenceWriter(link.name).bytes
         self.clear()
-        self._uses = ports.node.create_publisher(TimeReference, f"links/{link.name}", ports.qos)
+        self._uses = ports.node.create_publisher(TimeReference, link_topic(link.name), ports.qos)
         if ports.polled:
             self._listener: Listener = Mailbox(ports.node, JointState, topic, ports.qos)
         else:

@@ -8,11 +8,12 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator
 
 from rthm_core.effects import Effect, effect
-from rthm_core.effects.blocks import LINKS, PLACES, check_block
+from rthm_core.effects.blocks import PLACES, check_block
 from rthm_core.effects.declaration import Change
 from rthm_core.errors import MISSING, RefusedError, printable, shown, suggestion
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
+from rthm_core.topics import LINKS
 
 HEAD = ("block", "kind", "dof", "actuator", "link")
 """Keys of an effect's section that are not parameters of its kind."""

@@ -25,6 +25,7 @@ from rthm_core.ros.qos import samples
 from rthm_core.ros.realtime import RealTime
 from rthm_core.ros.wall import wall_ns
 from rthm_core.spec import Spec
+from rthm_core.topics import COMMAND, NAMESPACE, PLANT_STATE
 from rthm_plant_sim.driver.device import Device, Layout, Reading
 from rthm_plant_sim.driver.gate import Gate
 from rthm_plant_sim.driver.grid import Grid, longest_pause
@@ -58,16 +59,16 @@ class DriverNode(Node):  # type: ignore[misc]
     def __init__(self, device: Device, spec: Spec, dead_time: float = 0.0, polled: bool = True) -> None:
         self._layout, timing = Layout(spec), spec.loop().timing
         self.limits = kept_limits(spec, hardware=True)
-        super().__init__("driver", namespace="/rthm")
+        super().__init__("driver", namespace=NAMESPACE)
         self.device, self._polled = device, polled
         self._period, self._dead = timing.ns("td1"), to_ns(dead_time)
         self._grid = Grid(self._period, longest_pause(self.limits, self._period))
         self.gate = Gate(self.limits, timing.ns("td3"))
         self.ports = Ports(self, samples())
-        self._state = self.ports.output("plant/state", (*self._layout.dofs, *self._layout.actuators))
+        self._state = self.ports.output(PLANT_STATE, (*self._layout.dofs, *self._layout.actuators))
         link = Link(spec.model_copy(update={"effects": ()}), "tau4")
         link.delay_ns = max(link.delay_ns - self._dead, 0)
-        self._commands = self.ports.input("actuator/command", self._layout.actuators, link)
+        self._commands = self.ports.input(COMMAND, self._layout.actuators, link)
         self._diagnostics = Diagnostics(self)
         self._compared = Clock(self, lambda: self._wall_ns() - time.time_ns())
         self._agenda = Agenda()

@@ -20,6 +20,7 @@ from rthm_analysis.diagnosis.computed.replayed import Predicted, Used
 from rthm_analysis.recording import Recording
 from rthm_core.compensators import COMPENSATORS, ENTRY, HORIZON, NAMES, ORDER, Compensator, declared
 from rthm_core.spec import apply
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -167,13 +168,13 @@ def _with_horizon(spec: Spec, horizon: float) -> Spec:
 
 def _efforts(recording: Recording, spec: Spec, used: Used) -> Floats:
     """F_d (n, m) that the recorded commands say they used, N."""
-    table = recording.tables["actuator/command"]
+    table = recording.tables[COMMAND]
     return table.columns("effort", spec.loop().actuator.names)[used.recorded]
 
 
 def _at_commands(recording: Recording, used: Used, said: Predicted) -> Floats:
     """Predicted positions (n, m) of the recorded commands."""
-    position = np.full((len(recording.tables["actuator/command"]), said.position.shape[1]), np.nan)
+    position = np.full((len(recording.tables[COMMAND]), said.position.shape[1]), np.nan)
     there = used.recorded >= 0
     position[used.recorded[there]] = said.position[there]
     return position

@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.result import Fault, Fit, Limit, Mismatch, Part, Ph
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 def diagnose_controller(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
     """Find another k_tot or another compensator than the spec's in the controller."""
-    if "actuator/command" not in recording.tables:
+    if COMMAND not in recording.tables:
         return unchecked("controller", "actuator/command is not recorded")
     held = latched(recording, spec, schedule, "tau1")
     if held is None:

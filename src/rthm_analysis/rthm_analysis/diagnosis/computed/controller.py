@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.computed.latched import Latched, delayed
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.substructure import as_built
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -60,7 +61,7 @@ class Commands:
 
 def held_position(recording: Recording, held: Latched) -> Floats:
     """x1 (n, m) that was in use at each recorded command, m; NaN: not known."""
-    time = recording.tables["actuator/command"].stamp_ns - recording.start_ns
+    time = recording.tables[COMMAND].stamp_ns - recording.start_ns
     motion = held.at(time // held.period)
     return motion[:, : motion.shape[1] // 2]
 
@@ -74,7 +75,7 @@ def commands_of(recording: Recording, spec: Spec, position: Floats, actuator: in
         x1 in each recorded command, as it was used or predicted.
     """
     names = spec.loop().actuator.names
-    table = recording.tables["actuator/command"]
+    table = recording.tables[COMMAND]
     time = table.stamp_ns - recording.start_ns
     x1 = position[:, actuator]
     u_d, force = (table.columns(field, names)[:, actuator] for field in ("position", "effort"))

@@ -14,6 +14,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.computed.structure import ORDERS, Structure
 from rthm_core.clock import NS
+from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.computed.latched import Latched
@@ -80,8 +81,8 @@ class Ticks:
 def ticks_of(recording: Recording, spec: Spec, held: Latched) -> Ticks:
     """Ticks of the numerical substructure as recorded."""
     loop = spec.loop()
-    table = recording.tables["numerical/state"]
-    forces = recording.tables.get("numerical/force_reference")
+    table = recording.tables[NUMERICAL_STATE]
+    forces = recording.tables.get(FORCE_REFERENCE)
     time = table.stamp_ns - recording.start_ns
     number = np.rint(time / held.period).astype(np.int64)
     z2 = np.hstack([table.columns(field, loop.numerical.dofs) for field in ("position", "velocity")])

@@ -26,6 +26,7 @@ from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Pa
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.schedule import Schedule
+from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -67,7 +68,7 @@ def diagnose_computed(recording: Recording, spec: Spec) -> Part:
 
 
 def _numerical(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
-    if "numerical/state" not in recording.tables:
+    if NUMERICAL_STATE not in recording.tables:
         return unchecked("numerical", "numerical/state is not recorded")
     held = latched(recording, spec, schedule, "tau2")
     if held is None:
@@ -90,7 +91,7 @@ def _numerical_notes(recording: Recording, told: bool) -> tuple[str, ...]:
         notes.append(
             "numerical: links/tau2 is not recorded: the samples it used are taken from the exact schedule."
         )
-    if "numerical/force_reference" not in recording.tables:
+    if FORCE_REFERENCE not in recording.tables:
         notes.append("numerical: numerical/force_reference is not recorded: only its motion was checked.")
     return tuple(notes)
 

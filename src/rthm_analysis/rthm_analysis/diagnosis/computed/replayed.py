@@ -14,6 +14,7 @@ from rthm_analysis.timing.recorded import RecordedSchedule
 from rthm_core.controller import HISTORY, Controller
 from rthm_core.errors import InputError
 from rthm_core.schedule import INITIAL
+from rthm_core.topics import COMMAND, FORCE_REFERENCE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -98,15 +99,15 @@ class _AsTold(RecordedSchedule):
 
 def samples_used(recording: Recording, spec: Spec) -> Used | str:
     """Samples that the controller used, or a sentence that says why they are not known."""
-    if "numerical/force_reference" not in recording.tables:
+    if FORCE_REFERENCE not in recording.tables:
         return "numerical/force_reference is not recorded"
     try:
         schedule = _AsTold(spec, recording)
     except InputError:
         return "links/tau1 to links/tau4 are not all recorded"
     loop = spec.loop()
-    sent, plant = recording.tables["actuator/command"], recording.plant
-    forces = recording.tables["numerical/force_reference"]
+    sent, plant = recording.tables[COMMAND], recording.plant
+    forces = recording.tables[FORCE_REFERENCE]
     commands = schedule.commands(0, schedule.end + 1)
     stamps = sent.stamp_ns - recording.start_ns
     row = np.minimum(np.searchsorted(stamps, commands.time), stamps.size - 1)

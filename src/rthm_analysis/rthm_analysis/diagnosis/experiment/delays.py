@@ -8,6 +8,7 @@ from rthm_core.compensation import compensation
 from rthm_core.compensators import NONE
 from rthm_core.spec.effect import sizes
 from rthm_core.substructure import as_built
+from rthm_core.topics import LINKS
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -40,7 +41,7 @@ class Delays(NamedTuple):
 def delays_of(spec: Spec) -> Delays:
     """Mean delays of a loop with its effects; what a compensator makes up for is taken out."""
     how, timing = compensation(as_built(spec, "controller")), spec.loop().timing
-    late = {name: _extra(spec, f"link.{name}") for name in ("tau1", "tau2", "tau3", "tau4")}
+    late = {name: _extra(spec, f"link.{name}") for name in LINKS}
     way = timing.tau4 + late["tau4"] + _motor(spec)
     position, reference, seen = way + late["tau1"], way + late["tau3"], late["tau2"]
     if how.code == NONE:

@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.faults.relations import related
 from rthm_analysis.diagnosis.faults.smooth import Smooth, smoothed
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -45,7 +46,7 @@ def find_drift(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         f"({1e3 * abs(drift) * float(evidence.time[-1]):.3g} ms over the recording): their clock runs {way}. "
         "They were corrected for this diagnosis; synchronise the clocks of the hosts."
     )
-    found = Fault("plant", "clock_drift", "plant/state", words, None, drift)
+    found = Fault("plant", "clock_drift", PLANT_STATE, words, None, drift)
     return replace(evidence, stamps_ns=stamps), [found]
 
 

@@ -23,6 +23,7 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
+from rthm_core.topics import PLANT_STATE
 
 SCALED = ("sign", "unit", "swapped")
 """Faults that change every sample of a signal."""
@@ -70,7 +71,7 @@ def with_motion(recording: Recording, evidence: Evidence) -> Recording:
             fields[channel.family][:, at] = np.where(
                 np.isfinite(values), values, fields[channel.family][:, at]
             )
-    return replace(recording, tables=recording.tables | {"plant/state": replace(plant, **fields)})
+    return replace(recording, tables=recording.tables | {PLANT_STATE: replace(plant, **fields)})
 
 
 def mend(evidence: Evidence, spec: Spec) -> Mended:

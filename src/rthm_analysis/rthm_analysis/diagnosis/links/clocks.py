@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.recording import Recording
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Integers
@@ -28,7 +29,7 @@ REGULAR, NEAR = 0.9, 0.25
 ON_TICK = 0.05
 """Part of a period within which a command belongs to a tick."""
 
-USED = {"td1": ("plant/state", ("tau1", "tau2")), "td2": ("numerical/force_reference", ("tau3",))}
+USED = {"td1": (PLANT_STATE, ("tau1", "tau2")), "td2": (FORCE_REFERENCE, ("tau3",))}
 """Samples of a clock, and the links that tell which of them were used."""
 
 MOST_COMMANDED, ANY_COMMANDED = 0.95, 0.7
@@ -39,11 +40,11 @@ def other_periods(recording: Recording, spec: Spec) -> dict[str, int]:
     """Periods of the test, in ns, of the clocks ``td1`` to ``td4`` that do not keep to the spec."""
     timing, tables = spec.loop().timing, recording.tables
     found = {
-        "td1": _thinned("td1", recording, _period(tables["plant/state"].stamp_ns), timing.ns("td1")),
+        "td1": _thinned("td1", recording, _period(tables[PLANT_STATE].stamp_ns), timing.ns("td1")),
         "td2": None,
     }
-    if "numerical/state" in tables:
-        period = _period(tables["numerical/state"].stamp_ns)
+    if NUMERICAL_STATE in tables:
+        period = _period(tables[NUMERICAL_STATE].stamp_ns)
         found["td2"] = _thinned("td2", recording, period, timing.ns("td2"))
     td2 = found["td2"] or timing.ns("td2")
     found["td3"] = _controller_period(recording, spec)
@@ -72,8 +73,8 @@ def _thinned(name: str, recording: Recording, period: int | None, nominal: int) 
     if period is None or not _is_other(period, nominal):
         return None
     topic, links = {
-        "td1": ("plant/state", ("tau1", "tau2")),
-        "td2": ("numerical/force_reference", ("tau3",)),
+        "td1": (PLANT_STATE, ("tau1", "tau2")),
+        "td2": (FORCE_REFERENCE, ("tau3",)),
     }[name]
     table = recording.tables.get(topic)
     used = [recording.links[link].sample_ns for link in links if link in recording.links]
@@ -85,7 +86,7 @@ def _thinned(name: str, recording: Recording, period: int | None, nominal: int) 
 
 def _controller_period(recording: Recording, spec: Spec) -> int | None:
     """Period of the controller where the commands do not keep to the spec's."""
-    table, nominal = recording.tables.get("actuator/command"), spec.loop().timing.ns("td3")
+    table, nominal = recording.tables.get(COMMAND), spec.loop().timing.ns("td3")
     if table is None or len(table) < FEWEST:
         return None
     stamps = table.stamp_ns - recording.start_ns
@@ -104,7 +105,7 @@ def _controller_period(recording: Recording, spec: Spec) -> int | None:
 
 def _taken_over(recording: Recording) -> int | None:
     """How often a reference was taken over, each time perhaps in a command of its own; None: not known."""
-    told = recording.links.get("tau3") or recording.tables.get("numerical/force_reference")
+    told = recording.links.get("tau3") or recording.tables.get(FORCE_REFERENCE)
     return None if told is None else len(told)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from rthm_analysis.recording import Recording, Table
 from rthm_core.clock import NS
 from rthm_core.substructure import interface
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -28,12 +29,12 @@ def extra_energy(recording: Recording, spec: Spec, name: str, extra: float) -> f
     if name == "tau1":
         return _work(plant, -extra * np.array(spec.k_tot) * v1, v1)
     if name == "tau2":
-        v2 = _held(recording, "numerical/state", "velocity", loop.interface.numerical_dof)
+        v2 = _held(recording, NUMERICAL_STATE, "velocity", loop.interface.numerical_dof)
         return _work(plant, extra * sides.stiffness * v1, v1 - v2)
     if name == "tau3":
-        rate = _rate(recording, "numerical/force_reference", "effort", loop.actuator.names)
+        rate = _rate(recording, FORCE_REFERENCE, "effort", loop.actuator.names)
         return _work(plant, -extra * rate, v1)
-    rate = _rate(recording, "actuator/command", "position", loop.actuator.names)
+    rate = _rate(recording, COMMAND, "position", loop.actuator.names)
     return _work(plant, -extra * np.array(spec.k_tot) * rate, v1)
 
 

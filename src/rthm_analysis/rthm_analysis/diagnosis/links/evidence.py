@@ -29,6 +29,7 @@ from rthm_analysis.timing.links import SOURCES, clock_of, ticks_of
 from rthm_core.clock import NS
 from rthm_core.link import NEVER
 from rthm_core.schedule import Schedule
+from rthm_core.topics import COMMAND, FORCE_REFERENCE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -181,7 +182,7 @@ def _as_commanded(
     its uses a little later; and a use that was lost in the recording is told by the command all the same.
     Commands of a compensator hold no reference as it was sent; there, the last command before is taken.
     """
-    commands, forces = recording.tables.get("actuator/command"), recording.tables["numerical/force_reference"]
+    commands, forces = recording.tables.get(COMMAND), recording.tables[FORCE_REFERENCE]
     if commands is None or not len(commands):
         return at, row
     sent, effort = commands.stamp_ns - recording.start_ns, commands.columns("effort", forces.names)

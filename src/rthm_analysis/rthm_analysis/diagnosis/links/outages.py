@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.links.stalls import LATE
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.timing.links import SOURCES
 from rthm_core.clock import NS
+from rthm_core.topics import link_topic
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
@@ -81,4 +82,4 @@ def faults_of(name: str, due: Integers, found: Integers) -> tuple[Fault, ...]:
         f"{when}: {lost} samples of {SOURCES[name]} were lost or late, and the loop went on with older "
         "ones. Check network, cables and hosts there; the energy balance of the test holds what that did."
     )
-    return (Fault(f"link.{name}", "dropout", f"links/{name}", words, (first, last), float(lost)),)
+    return (Fault(f"link.{name}", "dropout", link_topic(name), words, (first, last), float(lost)),)

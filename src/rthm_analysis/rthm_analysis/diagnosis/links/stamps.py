@@ -13,6 +13,7 @@ import numpy as np
 from rthm_analysis.recording import LinkTable, Recording, Table, hold
 from rthm_core.clock import NS
 from rthm_core.substructure import interface
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -149,7 +150,7 @@ Equation = tuple[Table, "Floats", "Floats", "Floats"]
 
 def _controller(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
     """u_d is x1 as used plus a part of F_d as used."""
-    commands = recording.tables.get("actuator/command")
+    commands = recording.tables.get(COMMAND)
     if commands is None or spec.loop().actuator.compensator != "none":
         return None
     row = np.maximum(np.searchsorted(commands.stamp_ns, uses.use_ns, side="right") - 1, 0)
@@ -159,8 +160,8 @@ def _controller(recording: Recording, spec: Spec, uses: LinkTable) -> Equation |
 
 def _numerical(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
     """F_d combines z1 as used with z2."""
-    states = recording.tables.get("numerical/state")
-    forces = recording.tables.get("numerical/force_reference")
+    states = recording.tables.get(NUMERICAL_STATE)
+    forces = recording.tables.get(FORCE_REFERENCE)
     if states is None or forces is None or len(states) != len(forces):
         return None
     row = np.maximum(np.searchsorted(states.stamp_ns, uses.use_ns, side="right") - 1, 0)
@@ -173,8 +174,8 @@ def _numerical(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | 
 
 def _reference(recording: Recording, spec: Spec, uses: LinkTable) -> Equation | None:
     """A command tells the F_d that it was computed with."""
-    commands = recording.tables.get("actuator/command")
-    forces = recording.tables.get("numerical/force_reference")
+    commands = recording.tables.get(COMMAND)
+    forces = recording.tables.get(FORCE_REFERENCE)
     if commands is None or forces is None:
         return None
     row = np.maximum(np.searchsorted(commands.stamp_ns, uses.use_ns, side="right") - 1, 0)

@@ -13,6 +13,7 @@ from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 from rthm_core.link import Link
 from rthm_core.schedule import overtaking
+from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -178,7 +179,7 @@ def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple
 
     Where no uses are recorded, the link is taken to do what the spec says.
     """
-    sent = recording.tables.get("actuator/command")
+    sent = recording.tables.get(COMMAND)
     if sent is None or not names:
         return np.empty(0, dtype=np.int64), np.empty((0, len(names))), 0.0
     uses = recording.links.get("tau4")

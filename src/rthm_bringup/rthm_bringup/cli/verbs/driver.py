@@ -8,7 +8,7 @@ import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import SpecName
-from rthm_bringup.topics import NAMESPACE
+from rthm_core.topics import NAMESPACE
 
 EXAMPLES = (
     "rthm driver rig.yaml --python my_rig.py:Rig",

@@ -10,7 +10,7 @@ import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName, Wait
-from rthm_bringup.topics import NAMESPACE
+from rthm_core.topics import NAMESPACE
 
 LOOK, LAST = 0.5, 2.0
 """How long the load cells are read at each step, and at the end, s."""

@@ -10,7 +10,7 @@ import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Amplitude, Effects, Json, SpecName
-from rthm_bringup.topics import NAMESPACE
+from rthm_core.topics import NAMESPACE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

@@ -1,0 +1,42 @@
+"""Topics of a hybrid test and their types; names are relative to its namespace but for ``/diagnostics``."""
+
+from __future__ import annotations
+
+NAMESPACE = "/rthm"
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+TIME_REFERENCE = "sensor_msgs/msg/TimeReference"
+STRING = "std_msgs/msg/String"
+DIAGNOSTIC_ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
+
+PLANT_STATE = "plant/state"
+NUMERICAL_STATE = "numerical/state"
+FORCE_REFERENCE = "numerical/force_reference"
+COMMAND, DRY_COMMAND = "actuator/command", "actuator/command_dry"
+LINKS = ("tau1", "tau2", "tau3", "tau4")
+"""Delays of the loop."""
+
+
+def link_topic(name: str) -> str:
+    """Topic that tells when the samples of a link came."""
+    return f"links/{name}"
+
+
+LOOP = {
+    PLANT_STATE: JOINT_STATE,
+    NUMERICAL_STATE: JOINT_STATE,
+    FORCE_REFERENCE: JOINT_STATE,
+    COMMAND: JOINT_STATE,
+    **{link_topic(name): TIME_REFERENCE for name in LINKS},
+}
+"""What makes up the test: stamped within it, each from one publisher."""
+
+SPEC, ENERGY, CLOCKS, EVENTS, DIAGNOSTICS = "spec", "energy", "clocks", "events", "/diagnostics"
+BESIDE = {
+    ENERGY: JOINT_STATE,
+    CLOCKS: JOINT_STATE,
+    DIAGNOSTICS: DIAGNOSTIC_ARRAY,
+    EVENTS: STRING,
+    DRY_COMMAND: JOINT_STATE,
+}
+"""What is said about the test."""

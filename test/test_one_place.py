@@ -6,6 +6,8 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+from rthm_bringup.cli.main import application
+from rthm_bringup.run.roles import PROGRAMS
 from rthm_core.compensators import COMPENSATORS, RESERVED
 from rthm_core.effects.registry import declared
 from rthm_core.topics import BESIDE, JOINT_STATE, LOOP, STRING, TIME_REFERENCE
@@ -68,3 +70,13 @@ def test_the_name_of_a_topic_stands_in_its_own_file_alone() -> None:
     names = {topic for topic in LOOP | BESIDE if "/" in topic} | {JOINT_STATE, TIME_REFERENCE, STRING}
     found = {path.partition("/src/")[2] for path, module in sources() if texts(module) & names}
     assert found == {"rthm_core/rthm_core/topics.py"}
+
+
+def test_a_verb_is_one_file_and_a_part_stands_in_two_besides_its_node() -> None:
+    verbs = SOURCES / "rthm_bringup" / "rthm_bringup" / "cli" / "verbs"
+    files = {path.stem.rstrip("_").replace("_", "-") for path in verbs.glob("*.py")} - {"--init"}
+    commands = {command.name for command in application().registered_commands}
+    assert commands == files
+    nodes = set(PROGRAMS.values())
+    found = {path.rpartition("/")[2] for path, module in sources() if texts(module) & nodes}
+    assert found == {"roles.py"}

@@ -236,6 +236,10 @@ def test_a_free_motion_in_millimetres_shows_at_its_start(free: Evidence) -> None
     assert said(changed(free, VELOCITY, np.negative), FREE) == [("sign", "x1.velocity")]
 
 
+def test_a_free_motion_that_begins_elsewhere_is_in_no_other_unit(free: Evidence) -> None:
+    assert said(replace(free, measured=3.2 * free.measured), FREE) == []  # feet: 3.281
+
+
 def test_a_free_motion_of_another_plant_is_told(free: Evidence) -> None:
     assert said(free, apply(FREE, {"plant.stiffness": [1.0]})) == []  # 3.5 times as fast: a stop can do that
     assert said(free, apply(FREE, {"plant.stiffness": [0.1]})) == [("wrong_spec", "plant.stiffness")]

@@ -100,6 +100,20 @@ def percent(part: float, digits: int = 2) -> str:
     return f"{bare(round(size, decimals), max(digits, decimals + 3))} %"
 
 
+def instants(first: float, last: float) -> tuple[str, str]:
+    """Begin and end of a stretch of time, in s, with digits that tell them apart.
+
+    Examples
+    --------
+    >>> instants(7.6634, 8.126)
+    ('7.663 s', '8.126 s')
+    >>> instants(0.000123, 0.001456)
+    ('0.00012 s', '0.00146 s')
+    """
+    decimals = max(3, 2 - math.floor(math.log10(last - first))) if last > first else 6
+    return f"{first:.{decimals}f} s", f"{last:.{decimals}f} s"
+
+
 def _bound(value: float, std: float, unit: str, *, signed: bool, size: float) -> str:
     """What is known of a value that the recording hardly determines."""
     if not math.isfinite(std) or (std > LOST * abs(value) > 0.0 and std > abs(size)):

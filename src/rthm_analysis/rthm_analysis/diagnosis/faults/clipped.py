@@ -20,6 +20,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
     without,
 )
 from rthm_analysis.diagnosis.faults.stuck import carries_noise
+from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
 from rthm_analysis.diagnosis.replay.readings import lattice, noise_level
 from rthm_analysis.diagnosis.result import Fault
@@ -82,13 +83,14 @@ def _repeats(values: Floats, end: float) -> bool:
 def _told(evidence: Evidence, column: int, at: Flags, ends: list[float]) -> Fault:
     channel, found = evidence.channels[column], stretches(at)
     largest = max(ends, key=abs)
-    first, last = whole_interval(evidence, found)
+    span = whole_interval(evidence, found)
+    first, last = instants(*span)
     longest = max(b - a for a, b in (interval(evidence, one) for one in found))
     values = " and ".join(f"{end:.4g}" for end in ends)
     words = (
         f"{in_words(channel, first=True)} goes no further than {values} {UNITS[channel.family]}, where it "
-        f"stays bit by bit in {len(found)} stretches of up to {longest:.3g} s between {first:.3f} s and "
-        f"{last:.3f} s: the range of the sensor or of its amplifier ends there. These stretches are left "
+        f"stays bit by bit in {len(found)} stretches of up to {longest:.3g} s between {first} and "
+        f"{last}: the range of the sensor or of its amplifier ends there. These stretches are left "
         "out; give it more range."
     )
-    return fault_of(channel, SATURATED, words, (first, last), largest)
+    return fault_of(channel, SATURATED, words, span, largest)

@@ -18,6 +18,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
     whole_interval,
     without,
 )
+from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
 
@@ -110,10 +111,10 @@ def _jumps(values: Floats, one: Stretch, least: float) -> bool:
 
 
 def _when(evidence: Evidence, found: list[Stretch]) -> str:
-    first, last = whole_interval(evidence, found)
+    first, last = instants(*whole_interval(evidence, found))
     if len(found) == 1:
-        return f"from {first:.3f} s to {last:.3f} s"
-    return f"in {len(found)} stretches between {first:.3f} s and {last:.3f} s"
+        return f"from {first} to {last}"
+    return f"in {len(found)} stretches between {first} and {last}"
 
 
 def _lost(found: list[Stretch], evidence: Evidence) -> float:

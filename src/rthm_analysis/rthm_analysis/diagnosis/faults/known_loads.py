@@ -85,14 +85,17 @@ def _common(ratios: dict[str, float], spec: Spec) -> float | None:
 
 
 def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | None:
-    """Recorded over specified start; None where the spec starts at zero, or it is another start."""
+    """Recorded over specified start; None where the spec starts at zero, or it is another start.
+
+    Of a free motion nothing confirms a unit, so that only powers of ten are beyond chance.
+    """
     assert spec.plant is not None
     nominal = spec.plant.initial_position[0]
     first = float(evidence.measured[0, evidence.channels.index(channel)])
     if nominal == 0.0 or not np.isfinite(first):
         return None
     ratio = first / nominal
-    factor = known_factor(ratio, "position")
+    factor = known_factor(ratio, "position", 0.0 if evidence.load.any() else MOST_UNSURE)
     return factor if factor is not None and abs(ratio / factor - 1.0) < STARTED else None
 
 

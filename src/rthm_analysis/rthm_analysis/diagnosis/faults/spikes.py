@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
     whole_interval,
     without,
 )
+from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
@@ -208,12 +209,13 @@ def _size(evidence: Evidence, column: int, one: Stretch) -> float:
 def _fault(evidence: Evidence, column: int, found: list[Stretch]) -> Fault:
     channel = evidence.channels[column]
     size = max(_size(evidence, column, one) for one in found)
-    first, last = whole_interval(evidence, found)
-    when = f"at {first:.3f} s" if len(found) == 1 else f"between {first:.3f} s and {last:.3f} s"
+    span = whole_interval(evidence, found)
+    first, last = instants(*span)
+    when = f"at {first}" if len(found) == 1 else f"between {first} and {last}"
     many = "one spike" if len(found) == 1 else f"{len(found)} spikes"
     words = (
         f"{in_words(channel, first=True)} has {many} of up to {size:.3g} {UNITS[channel.family]}, {when}: "
         "single samples that leave their neighbours and return. They are left out; check cable, shielding "
         "and connectors of this sensor."
     )
-    return fault_of(channel, "spikes", words, (first, last), float(len(found)))
+    return fault_of(channel, "spikes", words, span, float(len(found)))

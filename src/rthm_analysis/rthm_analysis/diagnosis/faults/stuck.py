@@ -21,6 +21,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
     whole_interval,
     without,
 )
+from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
@@ -192,21 +193,21 @@ def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, s
     """Kind of a fault and its words."""
     channel = evidence.channels[column]
     name, unit = in_words(channel), UNITS[channel.family]
-    first, last = whole_interval(evidence, found)
+    first, last = instants(*whole_interval(evidence, found))
     if not evidence.measured[[a for a, _ in found], column].any():
         return "dropout", (
-            f"{in_words(channel, first=True)} is exactly 0 from {first:.3f} s to {last:.3f} s, in "
+            f"{in_words(channel, first=True)} is exactly 0 from {first} to {last}, in "
             f"{len(found)} stretches: the sensor or its link gave nothing there. Left out; record what is "
             "missing as NaN."
         )
     if len(found) == 1:
         value = evidence.measured[found[0][0], column]
         return "stuck", (
-            f"From {first:.3f} s to {last:.3f} s {name} repeats one value, {value:.4g} {unit}, while the rig "
+            f"From {first} to {last} {name} repeats one value, {value:.4g} {unit}, while the rig "
             "moves: the sensor was stuck. This stretch is left out; check the sensor and its link."
         )
     longest = max(b - a for a, b in (interval(evidence, one) for one in found))
-    where = f"in {len(found)} stretches of up to {longest:.3g} s between {first:.3f} s and {last:.3f} s"
+    where = f"in {len(found)} stretches of up to {longest:.3g} s between {first} and {last}"
     if len(found) >= FEW and longest < SHORT:
         return "dropout", (
             f"{in_words(channel, first=True)} holds its last value {where}: samples are missing. They are "

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.links.stalls import LATE
+from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.timing.links import SOURCES
 from rthm_core.clock import NS
@@ -74,12 +75,13 @@ def faults_of(name: str, due: Integers, found: Integers) -> tuple[Fault, ...]:
         return ()
     begin, end = due[found[:, 0]], due[np.minimum(found[:, 1], due.size - 1)]
     lost, longest = int(np.sum(found[:, 1] - found[:, 0])), float((end - begin).max()) / NS
-    first, last = float(begin.min()) / NS, float(end.max()) / NS
-    when = f"From {first:.3f} s to {last:.3f} s nothing came through {name}"
+    span = float(begin.min()) / NS, float(end.max()) / NS
+    first, last = instants(*span)
+    when = f"From {first} to {last} nothing came through {name}"
     if len(found) > 1:
         when = f"{len(found)} times {when[0].lower()}{when[1:]}, for up to {longest:.3g} s"
     words = (
         f"{when}: {lost} samples of {SOURCES[name]} were lost or late, and the loop went on with older "
         "ones. Check network, cables and hosts there; the energy balance of the test holds what that did."
     )
-    return (Fault(f"link.{name}", "dropout", link_topic(name), words, (first, last), float(lost)),)
+    return (Fault(f"link.{name}", "dropout", link_topic(name), words, span, float(lost)),)

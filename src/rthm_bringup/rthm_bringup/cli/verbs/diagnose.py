@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -96,12 +97,14 @@ def _lines(found: Diagnosis) -> Iterator[str]:
 
 
 def _fit(fit: Fit) -> str:
-    """Errors of a signal on unseen data."""
+    """Errors of a signal on unseen data: of each model that is another than the one before it."""
     from rthm_analysis.diagnosis.numbers import percent
 
     span = "" if fit.window is None else f", in free runs of {fit.window:.3g} s"
     words = (("nominal", "as specified"), ("retuned", "retuned"), ("explained", "explained"))
-    errors = ", ".join(f"{percent(fit.nrmse[name], 3)} {said}" for name, said in words)
+    known = [(fit.nrmse[name], said) for name, said in words]
+    changed = [known[0], *(now for before, now in pairwise(known) if now[0] != before[0])]
+    errors = ", ".join(f"{percent(error, 3)} {said}" for error, said in changed)
     floor = percent(fit.nrmse["noise_floor"], 3)
     return (
         f"error of {fit.signal} on data that no fit has seen ({fit.held_out[0]:.4g} to "

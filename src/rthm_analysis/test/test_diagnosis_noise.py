@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, white, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
-from rthm_analysis.diagnosis.fitting.noise import white_noise
+from rthm_analysis.diagnosis.fitting.noise import Noise, white_noise
 from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import CHANCE, FEW, UNLIKELY, remainder_of, slow_power
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -81,6 +81,14 @@ def test_what_two_sensors_show_is_no_noise_of_one(memory: float) -> None:
         shared = alone.copy()
         shared[:, 1] = rng.normal(size=COUNT) - 0.3 * alone[:, 0]
         assert colours.in_common(shared, [colour, white(1.0), colour], start) == [True, False, False]
+
+
+def test_a_model_whose_error_two_sensors_show_says_nothing_of_the_noise_that_another_model_leaves() -> None:
+    before = white_noise(np.array([1.0, 1.0]))
+    alone = Noise((Colour(0.8, 0.5, 1.2, 1.5), Colour(0.8, 0.5, 1.2, 1.5)))
+    with_motion = Noise(tuple(replace(one, level=1.6, shared=True) for one in alone.colours))
+    assert with_motion.smaller(alone).not_shared(before) == alone
+    assert with_motion.not_shared(before) == before
 
 
 def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,12 +69,15 @@ class Colour:
         Standard deviation of e, in the channel's unit.
     level : float
         Standard deviation of the noise as a whole, in the channel's unit.
+    shared : bool
+        Whether another channel shows it, too: it is motion then, and no noise.
     """
 
     pole: float
     zero: float
     innovation: float
     level: float
+    shared: bool = False
 
     @property
     def is_white(self) -> bool:

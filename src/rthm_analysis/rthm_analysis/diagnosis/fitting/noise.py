@@ -42,6 +42,11 @@ class Noise:
         pairs = zip(self.colours, other.colours, strict=True)
         return Noise(tuple(a if a.level <= b.level else b for a, b in pairs))
 
+    def not_shared(self, other: Noise) -> Noise:
+        """The same; the other noise of channels whose colour another channel shows, too."""
+        pairs = zip(self.colours, other.colours, strict=True)
+        return Noise(tuple(b if a.shared else a for a, b in pairs))
+
 
 def white_noise(levels: Floats) -> Noise:
     """White noise of some standard deviations (k,)."""

@@ -102,6 +102,7 @@ def fitting_of(
 def _whitened(begun: list[Baseline]) -> list[Baseline]:
     """The same weighed by the colour of the noise, where no way of the loads leaves white noise."""
     noise = reduce(Noise.smaller, [coloured(one.fitting, one.retuned, one.noise) for one in begun])
+    noise = noise.not_shared(begun[0].noise)
     return begun if noise.is_white else [with_noise(one, noise) for one in begun]
 
 

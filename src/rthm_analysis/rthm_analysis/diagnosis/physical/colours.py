@@ -38,7 +38,7 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
     like noise which wanders. So what the predicted force itself explains is taken out of its residual; so is
     from any channel what follows its own value, as it does where a sensor saturates. An error that nothing in
     the rig foretells may be noise in the bands in which the rig moves, too; not where effects were added, as
-    they may have taken out what would have foretold it.
+    they may have taken out what would have foretold it. What two channels show is marked as shared.
     """
     evidence, left = fitting.experiment.evidence, left_by(fitting, fitted)
     causes = possible_causes(evidence, evidence.measured - left)
@@ -58,8 +58,7 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
 
     colours = fitting.cores.each(of_channel, range(len(evidence.channels)))
     shared = in_common(left, colours, fitting.windows.start)
-    of_all = zip(colours, noise.colours, shared, strict=True)
-    return Noise(tuple(before if both else now for now, before, both in of_all))
+    return Noise(tuple(replace(one, shared=both) for one, both in zip(colours, shared, strict=True)))
 
 
 def in_common(errors: Floats, colours: Sequence[Colour], starts: Integers) -> list[bool]:

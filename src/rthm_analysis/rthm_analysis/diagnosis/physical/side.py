@@ -140,5 +140,6 @@ def _over_everything(begun: Baseline, seen: Evidence, first: Floats) -> Experime
 def _noise_left(begun: Baseline, selection: Selection) -> Noise:
     """Noise that shows once physics is known: never more than what was weighed by."""
     fitting, best = begun.fitting, selection.best
-    left = coloured(fitting, best, noise_of(fitting, best), named=bool(selection.rounds))
-    return begun.noise.smaller(left)
+    white = noise_of(fitting, best)
+    left = coloured(fitting, best, white, named=bool(selection.rounds))
+    return begun.noise.smaller(left.not_shared(white))

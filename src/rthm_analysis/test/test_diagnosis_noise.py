@@ -101,7 +101,8 @@ def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPat
         driven_by="force",
     )
     monkeypatch.setattr(colours, "left_by", lambda fitting, fitted: noise[:, None])
-    fitting = SimpleNamespace(cores=Cores(), experiment=SimpleNamespace(evidence=evidence))
+    runs = SimpleNamespace(start=np.array([0]))
+    fitting = SimpleNamespace(cores=Cores(), experiment=SimpleNamespace(evidence=evidence), windows=runs)
     found = colours.coloured(fitting, None, white_noise(np.ones(1)))  # type: ignore[arg-type]
     assert found.is_white and found.level[0] == 1.0
 

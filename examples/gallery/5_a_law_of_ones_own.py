@@ -30,7 +30,7 @@ class Cogging(PlantLaw):
     words = "a cogging force of {amplitude}, which repeats itself every {period}, acts on {dof}"
 
     @staticmethod
-    def force(x, v, z, t, p, piece):
+    def force(x, v, z, t, p, mode):
         return p[0] * math.sin(2.0 * math.pi * x / p[1])
 
 

@@ -31,7 +31,7 @@ class Ripple(PlantLaw):
     words = "a ripple of {amplitude} every {period} acts on {dof}"
 
     @staticmethod
-    def force(x, v, z, t, p, piece):
+    def force(x, v, z, t, p, mode):
         return p[0] * math.sin(2.0 * math.pi * x / p[1])
 
     @classmethod

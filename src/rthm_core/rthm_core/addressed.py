@@ -19,7 +19,7 @@ from numba.extending import intrinsic
 
 
 class Call(NamedTuple):
-    """How a function is called: its arguments, as ``"x, v, z, t, p, piece"``, and whether it returns a
+    """How a function is called: its arguments, as ``"x, v, z, t, p, mode"``, and whether it returns a
     number; else it returns nothing.
     """
 
@@ -32,7 +32,7 @@ class Call(NamedTuple):
         return self.arguments.split(", ")
 
 
-ARRAYS, WHOLE = frozenset({"z", "p", "dz"}), frozenset({"piece"})
+ARRAYS, WHOLE = frozenset({"z", "p", "dz"}), frozenset({"mode"})
 """Arguments of laws that are arrays, and those that are whole numbers; all others are real."""
 
 FIRST_ADDRESS = 1 << 16

@@ -26,7 +26,7 @@ class Mine(PlantLaw):
     words = "a force of my own acts on {dof}"
 
     @staticmethod
-    def force(x, v, z, t, p, piece):
+    def force(x, v, z, t, p, mode):
         return -p[0] * x * x * x
 """
 COPY = """

@@ -20,7 +20,7 @@ from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
-from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT
+from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION
 
 COMMAND, TICK, SAMPLE = range(3)
 """What is recorded, in the order in which it takes place at one instant."""
@@ -109,7 +109,7 @@ def _latched(balance, tick, held):  # type: ignore[no-untyped-def]
 
 @called
 def _moved(balance, laws, sample):  # type: ignore[no-untyped-def]
-    """Set the plant to its measured motion, and every law to the piece in which it then is.
+    """Set the plant to its measured motion, and every law to the mode in which it then is.
 
     A dof that the model holds by friction and that is measured as slow as noise makes a resting one stays at
     rest.
@@ -119,17 +119,17 @@ def _moved(balance, laws, sample):  # type: ignore[no-untyped-def]
         state.y[j] = sample[j]
     if laws is not None:
         for row in range(laws.numbers.shape[0]):
-            split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+            partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
             x, v = state.y[dof], state.y[n + dof]
-            if split == POSITION:
-                piece = 0
+            if partition == POSITION:
+                mode = 0
                 for k in range(laws.thresholds.shape[1]):
-                    piece += laws.thresholds[row, k] < x
-                state.pieces[row] = piece
-            elif split == FRICTION and state.pieces[row] == 0 and abs(v) <= balance.quiet:
+                    mode += laws.thresholds[row, k] < x
+                state.modes[row] = mode
+            elif partition == FRICTION and state.modes[row] == 0 and abs(v) <= balance.quiet:
                 state.y[n + dof] = 0.0
-            elif split:
-                state.pieces[row] = -1 if v < 0.0 else 1
+            elif partition:
+                state.modes[row] = -1 if v < 0.0 else 1
 
 
 @called

@@ -57,7 +57,7 @@ class EndStop(PlantLaw):
     experiment = "Push {place} slowly against the stop."
     possible = {"position": _reached, "damping": _sprung}
     secondary = ("damping",)
-    split = "position"
+    partition = "position"
     rank = 60
 
     @classmethod
@@ -81,8 +81,8 @@ class EndStop(PlantLaw):
         return p["stiffness"], p["damping"]
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
-        beyond = piece == 1 if p[0] >= 0.0 else piece == 0
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
+        beyond = mode == 1 if p[0] >= 0.0 else mode == 0
         return -p[1] * (x - p[0]) - p[2] * v if beyond else 0.0
 
     @staticmethod
@@ -107,7 +107,7 @@ class Clearance(PlantLaw):
     noun = "a spring with play"
     experiment = "Push {place} slowly through the gap, both ways."
     possible = {"gap": _played, "stiffness": between(0.0)}
-    split = "position"
+    partition = "position"
     rank = 70
 
     @classmethod
@@ -120,10 +120,10 @@ class Clearance(PlantLaw):
                 yield Guess({"gap": gap, "stiffness": SMALL * signals.size / depth}, ("stiffness",))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
-        if piece == 1:
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
+        if mode == 1:
             return 0.0
-        return -p[1] * (x - p[0] * (piece - 1))
+        return -p[1] * (x - p[0] * (mode - 1))
 
     @staticmethod
     def thresholds(p):  # type: ignore[no-untyped-def]

@@ -41,7 +41,7 @@ class HarmonicLoad(PlantLaw):
     plainer = (Plainer("constant_load", lambda p: {"force": p["amplitude"] * math.sin(p["phase"])}),)
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return p[0] * math.sin(p[1] * t + p[2])
 
     @staticmethod
@@ -70,7 +70,7 @@ class ConstantLoad(PlantLaw):
         yield Guess({"force": SMALL * signals.size}, ("force",), signed=True)
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return p[0]
 
     @staticmethod

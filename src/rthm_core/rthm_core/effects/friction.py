@@ -60,7 +60,7 @@ class CoulombFriction(PlantLaw):
     words = "dry friction of {force} acts on {dof}"
     noun = "dry friction"
     experiment = "Pull {place} back and forth slowly, at constant speed, and read the force."
-    split = "friction"
+    partition = "friction"
     constant = True
     rank = 10
     common = True
@@ -71,8 +71,8 @@ class CoulombFriction(PlantLaw):
         yield Guess({"force": SMALL * signals.size}, ("force",))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
-        return -p[0] * piece
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
+        return -p[0] * mode
 
     @staticmethod
     def breakaway(p):  # type: ignore[no-untyped-def]
@@ -110,7 +110,7 @@ class StribeckFriction(PlantLaw):
             beyond=_falling,
         ),
     )
-    split = "friction"
+    partition = "friction"
     rank = 20
 
     @classmethod
@@ -126,9 +126,9 @@ class StribeckFriction(PlantLaw):
             yield Guess(values, ("coulomb_force", "static_force"), apart=True)
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         ratio = v / p[2]
-        return -(p[0] + (p[1] - p[0]) * math.exp(-ratio * ratio)) * piece
+        return -(p[0] + (p[1] - p[0]) * math.exp(-ratio * ratio)) * mode
 
     @staticmethod
     def breakaway(p):  # type: ignore[no-untyped-def]

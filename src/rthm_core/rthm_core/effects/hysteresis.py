@@ -92,7 +92,7 @@ class BoucWen(PlantLaw):
     along = BOUC_WEN_ALONG
     plainer = (Plainer(CoulombFriction.kind, lambda p: {"force": yield_force(p)}),)
     states = 1
-    split = "velocity"
+    partition = "velocity"
     kinked = True
     rank = 80
 
@@ -107,13 +107,13 @@ class BoucWen(PlantLaw):
         return p["alpha"], 0.0
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return -p[0] * z[0]
 
     @staticmethod
-    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+    def rate(x, v, z, t, p, mode, dz):  # type: ignore[no-untyped-def]
         size = abs(z[0]) ** (p[4] - 1.0) if p[4] != 1.0 else 1.0
-        dz[0] = v * (p[1] - size * (p[2] * piece * z[0] + p[3] * abs(z[0])))
+        dz[0] = v * (p[1] - size * (p[2] * mode * z[0] + p[3] * abs(z[0])))
 
     @staticmethod
     def initial(x, p):  # type: ignore[no-untyped-def]

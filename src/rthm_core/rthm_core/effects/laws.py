@@ -1,20 +1,18 @@
 """What a law of force is: the interface between an effect and everything that computes with it.
 
 A law is a handful of pure functions of numbers, written once in plain Python. The simulator compiles them,
-the plant node runs the same
-compiled code, and the diagnosis fits their parameters.
+the plant node runs the same compiled code, and the diagnosis fits their parameters.
 
 Symbols: ``x`` (m) and ``v`` (m/s) motion of the dof, ``z`` the law's own states, ``t`` (s) time since the
-start of the test, ``p`` the parameters in
-the order of their declaration, ``piece`` the smooth piece of the law that is in force.
+start of the test, ``p`` the parameters in the order of their declaration, ``mode`` the mode of the law.
 
-**Pieces.** Friction, stops and hysteresis are smooth only between switching points. The integrator freezes
-``piece`` during a step and ends the
-step where it changes, so that no step crosses a kink. ``split`` says in which variable the pieces meet:
+**Modes.** Friction, stops and hysteresis are smooth only between switching points. The integrator freezes
+``mode`` during a step and ends the step where it changes, so that no step crosses a kink. ``partition`` says
+in which variable the modes meet:
 
-* ``"none"``: one piece, 0;
-* ``"position"``: piece k lies between ``thresholds(p)[k - 1]`` and ``thresholds(p)[k]``;
-* ``"velocity"``: piece +1 for v > 0, -1 for v < 0;
+* ``"none"``: one mode, 0;
+* ``"position"``: mode k lies between ``thresholds(p)[k - 1]`` and ``thresholds(p)[k]``;
+* ``"velocity"``: mode +1 for v > 0, -1 for v < 0;
 * ``"friction"``: as velocity, and 0 where the dof sticks; it breaks away when the force that holds it exceeds
 ``breakaway(p)``.
 """
@@ -35,24 +33,24 @@ MOST_PARAMETERS = 8
 class PlantLaw(Effect):
     """Force on one dof of the plant, in N, + along +x."""
 
-    split: ClassVar[str] = "none"
+    partition: ClassVar[str] = "none"
     constant: ClassVar[bool] = False
-    """Whether the force depends on the piece alone."""
+    """Whether the force depends on the mode alone."""
 
     @staticmethod
-    def force(x: float, v: float, z: list[float], t: float, p: list[float], piece: int) -> float:
+    def force(x: float, v: float, z: list[float], t: float, p: list[float], mode: int) -> float:
         """Force on the dof, in N."""
         raise NotImplementedError
 
     @staticmethod
     def rate(
-        x: float, v: float, z: list[float], t: float, p: list[float], piece: int, dz: list[float]
+        x: float, v: float, z: list[float], t: float, p: list[float], mode: int, dz: list[float]
     ) -> None:
         """Write the time derivative of the own states into `dz`."""
 
     @staticmethod
     def thresholds(p: Parameters) -> tuple[float, ...]:
-        """Positions at which the pieces meet, ascending; at most two."""
+        """Positions at which the modes meet, ascending; at most two."""
         return ()
 
     @staticmethod

@@ -62,11 +62,11 @@ class MaxwellBranch(PlantLaw):
         yield from relaxations(signals, rms(signals.x - signals.x.mean()))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return -p[0] * (x - z[0])
 
     @staticmethod
-    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+    def rate(x, v, z, t, p, mode, dz):  # type: ignore[no-untyped-def]
         dz[0] = p[0] / p[1] * (x - z[0])
 
     @staticmethod
@@ -107,11 +107,11 @@ class HiddenMode(PlantLaw):
             yield Guess(values, ("mass",))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return p[0] * (p[1] * p[1] * (z[0] - x) + 2.0 * p[2] * p[1] * (z[1] - v))
 
     @staticmethod
-    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+    def rate(x, v, z, t, p, mode, dz):  # type: ignore[no-untyped-def]
         dz[0] = z[1]
         dz[1] = -p[1] * p[1] * (z[0] - x) - 2.0 * p[2] * p[1] * (z[1] - v)
 
@@ -164,11 +164,11 @@ class FluidMemory(PlantLaw):
             yield Guess(values, ("gain",))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return -p[0] * z[1]
 
     @staticmethod
-    def rate(x, v, z, t, p, piece, dz):  # type: ignore[no-untyped-def]
+    def rate(x, v, z, t, p, mode, dz):  # type: ignore[no-untyped-def]
         dz[0] = z[1]
         dz[1] = v - 2.0 * p[2] * p[1] * z[1] - p[1] * p[1] * z[0]
 

@@ -39,7 +39,7 @@ class CubicStiffness(PlantLaw):
         yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return -p[0] * x * x * x
 
 
@@ -69,7 +69,7 @@ class QuadraticStiffness(PlantLaw):
         yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
         return -p[0] * x * x
 
 
@@ -84,7 +84,7 @@ class QuadraticDrag(PlantLaw):
     depends_on = ("v",)
     words = "a drag that grows with the square of the speed acts on {dof}: {coefficient}"
     experiment = "Repeat the test at twice the amplitude."
-    split = "velocity"
+    partition = "velocity"
     rank = 30
     common = True
 
@@ -94,5 +94,5 @@ class QuadraticDrag(PlantLaw):
         yield Guess({"coefficient": SMALL * signals.size / rms(signals.v**2)}, ("coefficient",))
 
     @staticmethod
-    def force(x, v, z, t, p, piece):  # type: ignore[no-untyped-def]
-        return -p[0] * piece * v * v
+    def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
+        return -p[0] * mode * v * v

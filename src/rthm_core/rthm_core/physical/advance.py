@@ -37,7 +37,7 @@ class PhysicalState(NamedTuple):
         Motor chain and mechanics; `q` and `y` are views of it.
     command, target : (m,) arrays
         Input of the motor chain, and where a rate-limited input is going, in m.
-    pieces : (L,) array
+    modes : (L,) array
         Piece in force of every nonlinear law.
     step, scale
         Step and error scale of the integration.
@@ -51,7 +51,7 @@ class PhysicalState(NamedTuple):
     y: Floats
     command: Floats
     target: Floats
-    pieces: Integers
+    modes: Integers
     step: Floats
     scale: Floats
     inputs: Floats
@@ -75,7 +75,7 @@ def physical(
     nq, ny, laws, limit = (
         model.drive.system.ab.shape[0],
         model.mechanics.shape[0],
-        piece_count(model),
+        mode_count(model),
         model.drive.conditioning[LIMIT],
     )
     whole = np.zeros(nq + ny)
@@ -95,7 +95,7 @@ def physical(
         y,
         first.copy(),
         first.copy(),
-        _first_pieces(model, y),
+        _first_modes(model, y),
         np.array([np.inf]),
         np.abs(y),
         inputs,
@@ -127,24 +127,24 @@ def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) ->
         y[sensors.lagged[row]] = y[row] if actuator < 0 else force
 
 
-def piece_count(model: PhysicalModel) -> int:
-    """Number of pieces: one per law that is not linear, then one per wire (1: taut, -1: slack)."""
+def mode_count(model: PhysicalModel) -> int:
+    """Number of modes: one per law that is not linear, then one per wire (1: taut, -1: slack)."""
     return 0 if model.laws is None else int(model.laws.numbers.shape[0]) + model.m
 
 
-def _first_pieces(model: PhysicalModel, y: Floats) -> Integers:
-    pieces = np.zeros(piece_count(model), dtype=np.int64)
+def _first_modes(model: PhysicalModel, y: Floats) -> Integers:
+    modes = np.zeros(mode_count(model), dtype=np.int64)
     if model.laws is None:
-        return pieces
-    for row, (_, dof, _, _, split) in enumerate(model.laws.numbers):
+        return modes
+    for row, (_, dof, _, _, partition) in enumerate(model.laws.numbers):
         x, v = y[dof], y[model.n + dof]
-        if split == POSITION:
-            pieces[row] = int(np.sum(model.laws.thresholds[row] < x))
-        elif split == VELOCITY:
-            pieces[row] = -1 if v < 0.0 else 1
-        elif split:
-            pieces[row] = int(np.sign(v))
-    return pieces
+        if partition == POSITION:
+            modes[row] = int(np.sum(model.laws.thresholds[row] < x))
+        elif partition == VELOCITY:
+            modes[row] = -1 if v < 0.0 else 1
+        elif partition:
+            modes[row] = int(np.sign(v))
+    return modes
 
 
 @called
@@ -292,7 +292,7 @@ def present_rate(physical, dy):  # type: ignore[no-untyped-def]
     mechanics_rate(
         model.laws,
         model,
-        state.pieces,
+        state.modes,
         state.y,
         work.u,
         work.w,

@@ -10,9 +10,9 @@ from rthm_core.physical.laws import (
     DOF,
     FRICTION,
     NONLINEAR,
+    PARTITION,
     PLACE,
     SLACK,
-    SPLIT,
     STATE,
     STATES,
     plant_force,
@@ -110,18 +110,18 @@ def _add(mechanics, column, force, dy):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _add_law(laws, row, mechanics, column, n, piece, y, t, dy):  # type: ignore[no-untyped-def]
+def _add_law(laws, row, mechanics, column, n, mode, y, t, dy):  # type: ignore[no-untyped-def]
     """Add the force of one plant law, and the rates of its own states."""
     dof, begin = laws.numbers[row, PLACE], laws.numbers[row, STATE]
     end = begin + laws.numbers[row, STATES]
     code, x, v = laws.numbers[row, CODE], y[dof], y[n + dof]
-    _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, laws.parameters[row], piece), dy)
+    _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, laws.parameters[row], mode), dy)
     if end > begin:
-        plant_rate(code, x, v, y[begin:end], t, laws.parameters[row], piece, dy[begin:end])
+        plant_rate(code, x, v, y[begin:end], t, laws.parameters[row], mode, dy[begin:end])
 
 
 @inlined
-def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+def mechanics_rate(laws, model, modes, y, u, w, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Time derivative `dy` of the mechanics; `hold` gets the forces that hold sticking dofs (one per law),
     then the
     tensions of the wires.
@@ -141,11 +141,11 @@ def mechanics_rate(laws, model, pieces, y, u, w, t, dy, hold, scratch):  # type:
             rate += mechanics[i, size + m + j] * w[j]
         dy[i] = rate
     if laws is not None:
-        _add_nonlinear(laws, model, pieces, y, u, size + m + loads, t, dy, hold, scratch)
+        _add_nonlinear(laws, model, modes, y, u, size + m + loads, t, dy, hold, scratch)
 
 
 @inlined
-def _add_nonlinear(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+def _add_nonlinear(laws, model, modes, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Add what wires and laws that are not linear do; their forces enter through the columns of
     ``model.mechanics`` from `first` on.
     """
@@ -161,23 +161,23 @@ def _add_nonlinear(laws, model, pieces, y, u, first, t, dy, hold, scratch):  # t
     sticking = 0
     for row in range(laws.numbers.shape[0]):
         hold[row] = 0.0
-        if laws.numbers[row, SPLIT] == FRICTION and pieces[row] == 0:
+        if laws.numbers[row, PARTITION] == FRICTION and modes[row] == 0:
             sticking += 1
         else:
-            _add_law(laws, row, model.mechanics, first + m + row, model.n, pieces[row], y, t, dy)
+            _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, t, dy)
     if sticking:
-        _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, pieces, dy, hold, sticking)
+        _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, modes, dy, hold, sticking)
 
 
 @inlined
-def _hold(laws, mechanics, first, n, inverse_mass, pieces, dy, hold, sticking):  # type: ignore[no-untyped-def]
+def _hold(laws, mechanics, first, n, inverse_mass, modes, dy, hold, sticking):  # type: ignore[no-untyped-def]
     """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs
     one sweep.
     """
     for _ in range(1 if sticking == 1 else 200):
         change = 0.0
         for row in range(laws.numbers.shape[0]):
-            if laws.numbers[row, SPLIT] == FRICTION and pieces[row] == 0:
+            if laws.numbers[row, PARTITION] == FRICTION and modes[row] == 0:
                 dof = laws.numbers[row, PLACE]
                 force = -dy[n + dof] / inverse_mass[dof, dof]
                 hold[row] += force

@@ -1,8 +1,8 @@
 """Integration of mechanics that are not linear: Runge-Kutta 5(4) between switching points that are located
 exactly.
 
-A law's piece is frozen during a step. When a step would end in another piece, it is shortened until it ends
-where the pieces meet, and the law switches there.
+A law's mode is frozen during a step. When a step would end in another mode, it is shortened until it ends
+where the modes meet, and the law switches there.
 No step crosses a kink, so that the order of the method holds through sticking, stops and turning points.
 
 Method: Dormand and Prince (1980). The motor is not part of the integration: u is known exactly at every
@@ -19,8 +19,8 @@ from rthm_core.compiled import Floats, Integers, called, copy_into, inlined
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.physical.drive import motor_position
 from rthm_core.physical.flow import mechanics_rate, settle_wires
-from rthm_core.physical.laws import FRICTION, SPLIT
-from rthm_core.physical.switching import between, loose_piece, margin, narrowed, switched
+from rthm_core.physical.laws import FRICTION, PARTITION
+from rthm_core.physical.switching import between, breakaway_mode, guard, narrowed, next_mode
 
 RELATIVE_ERROR = 1e-11
 SMALLEST_SCALE = 1e-2
@@ -49,14 +49,14 @@ class Trace(NamedTuple):
     y : (3, rows, ny) array
         Mechanics and its rate at the end of each step, and its rate at the start of the step, after any
         switch there.
-    pieces : (rows, L) array
+    modes : (rows, L) array
         Pieces in force during the step that ends there.
     """
 
     count: Integers  # type: ignore[assignment]
     time: Floats
     y: Floats
-    pieces: Integers
+    modes: Integers
 
 
 class Work(NamedTuple):
@@ -120,8 +120,8 @@ def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _rate(model, pieces, work, y, t, dy):  # type: ignore[no-untyped-def]
-    mechanics_rate(model.laws, model, pieces, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
+def _rate(model, modes, work, y, t, dy):  # type: ignore[no-untyped-def]
+    mechanics_rate(model.laws, model, modes, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
 
 
 @called
@@ -138,7 +138,7 @@ def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
             point[i] = y[i] + h * total
         if stage != 6:
             inputs_at(model, work, state.q, state.inputs, s + _NODES[stage] * h)
-        _rate(model, state.pieces, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
+        _rate(model, state.modes, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
     copy_into(work.rows[TRIAL], point)
 
 
@@ -155,36 +155,36 @@ def _error(work, scale, h):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _margin(model, row, piece, y, hold):  # type: ignore[no-untyped-def]
-    """How far a law is from leaving its piece; negative: it has left it."""
+def _guard(model, row, mode, y, hold):  # type: ignore[no-untyped-def]
+    """How far a law is from leaving its mode; negative: it has left it."""
     if row >= model.laws.numbers.shape[0]:
-        return piece * hold[row]
-    return margin(model.laws, model.n, row, piece, y, hold[row])
+        return mode * hold[row]
+    return guard(model.laws, model.n, row, mode, y, hold[row])
 
 
 @inlined
-def _left(model, pieces, y, hold, other_than, tolerance):  # type: ignore[no-untyped-def]
-    """First law, other than one, that has left its piece by more than a tolerance; -1: none."""
-    for row in range(pieces.size):
-        if row != other_than and _margin(model, row, pieces[row], y, hold) < -tolerance:
+def _left(model, modes, y, hold, other_than, tolerance):  # type: ignore[no-untyped-def]
+    """First law, other than one, that has left its mode by more than a tolerance; -1: none."""
+    for row in range(modes.size):
+        if row != other_than and _guard(model, row, modes[row], y, hold) < -tolerance:
             return row
     return -1
 
 
 @called
 def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
-    """Length of the step that ends where law `row` leaves its piece (Illinois method); the trial is left
+    """Length of the step that ends where law `row` leaves its mode (Illinois method); the trial is left
     there.
     """
-    piece, trial = state.pieces[row], work.rows[TRIAL]
+    mode, trial = state.modes[row], work.rows[TRIAL]
     low, high, at_low = 0.0, h, 0.0
-    at_high = _margin(model, row, piece, trial, work.hold)
+    at_high = _guard(model, row, mode, trial, work.hold)
     for _ in range(100):
         if high - low <= 1e-15 or high - low <= 1e-14 * h:
             break
         middle = between(low, high, at_low, at_high)
         _try(model, state, work, t0, s, middle)
-        value = _margin(model, row, piece, trial, work.hold)
+        value = _guard(model, row, mode, trial, work.hold)
         low, high, at_low, at_high = narrowed(low, high, at_low, at_high, middle, value)
     _try(model, state, work, t0, s, high)
     return high
@@ -192,41 +192,41 @@ def _locate(model, state, work, t0, s, h, row):  # type: ignore[no-untyped-def]
 
 @inlined
 def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
-    """Put law `row` into the piece that is in force from here on."""
+    """Put law `row` into the mode that is in force from here on."""
     if row >= model.laws.numbers.shape[0]:
-        state.pieces[row] = -state.pieces[row]
+        state.modes[row] = -state.modes[row]
     else:
-        state.pieces[row] = switched(model.laws, model.n, row, state.pieces[row], state.y, work.hold[row])
+        state.modes[row] = next_mode(model.laws, model.n, row, state.modes[row], state.y, work.hold[row])
 
 
 @called
 def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
     """Rate at the start of a step; a dof that is held by more than its breakaway force comes loose first."""
-    for _ in range(2 * state.pieces.size + 1):
-        _rate(model, state.pieces, work, state.y, t, work.stages[0])
+    for _ in range(2 * state.modes.size + 1):
+        _rate(model, state.modes, work, state.y, t, work.stages[0])
         loose = -1
         for row in range(model.laws.numbers.shape[0]):
             if (
-                state.pieces[row] == 0
-                and model.laws.numbers[row, SPLIT] == FRICTION
+                state.modes[row] == 0
+                and model.laws.numbers[row, PARTITION] == FRICTION
                 and abs(work.hold[row]) > model.laws.breakaway[row]
             ):
                 loose = row
         if loose < 0:
             return
-        state.pieces[loose] = loose_piece(work.hold[loose])
+        state.modes[loose] = breakaway_mode(work.hold[loose])
 
 
 @inlined
-def _record(trace, time, y, dy, start, pieces):  # type: ignore[no-untyped-def]
+def _record(trace, time, y, dy, start, modes):  # type: ignore[no-untyped-def]
     row = trace.count[0]
     if row < trace.time.size:
         trace.time[row] = time
         copy_into(trace.y[0, row], y)
         copy_into(trace.y[1, row], dy)
         copy_into(trace.y[2, row], start)
-        for i in range(pieces.size):
-            trace.pieces[row, i] = pieces[i]
+        for i in range(modes.size):
+            trace.modes[row, i] = modes[i]
         trace.count[0] = row + 1
 
 
@@ -236,12 +236,12 @@ def _until_switch(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
     its end (-1: none).
     """
     hold, trial = work.hold, work.rows[TRIAL]
-    row = _left(model, state.pieces, trial, hold, -1, 0.0)
+    row = _left(model, state.modes, trial, hold, -1, 0.0)
     law = row
     while row >= 0:
         h = _locate(model, state, work, t0, s, h, row)
         law = row
-        row = _left(model, state.pieces, trial, hold, law, 1e-13)
+        row = _left(model, state.modes, trial, hold, law, 1e-13)
     return h, law
 
 
@@ -268,10 +268,10 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)
     _begin(model, state, work, t0)
-    for row in range(model.laws.numbers.shape[0], state.pieces.size):
-        state.pieces[row] = 1 if work.hold[row] >= 0.0 else -1
+    for row in range(model.laws.numbers.shape[0], state.modes.size):
+        state.modes[row] = 1 if work.hold[row] >= 0.0 else -1
     trace.count[0] = 0
-    _record(trace, 0.0, y, work.stages[0], work.stages[0], state.pieces)
+    _record(trace, 0.0, y, work.stages[0], work.stages[0], state.modes)
     s, still = 0.0, 0
     while s < dt and _is_finite(y):
         h = min(state.step[0], dt - s)
@@ -291,7 +291,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
         for i in range(y.size):
             state.scale[i] = max(state.scale[i], abs(y[i]))
         settle_wires(model.wires, y, work.u)
-        _record(trace, s, y, work.stages[6], start, state.pieces)
+        _record(trace, s, y, work.stages[6], start, state.modes)
         if law >= 0:
             _switch(model, state, work, t0 + s, law)
             still = still + 1 if h < 1e-9 else 0

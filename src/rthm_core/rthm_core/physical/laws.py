@@ -24,7 +24,7 @@ WIRE_LAWS: list[Any] = list(shipped("wire"))
 SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
 """Code of the law by which a wire goes slack."""
 
-PLANT_CALLS = {"force": Call("x, v, z, t, p, piece", True), "rate": Call("x, v, z, t, p, piece, dz", False)}
+PLANT_CALLS = {"force": Call("x, v, z, t, p, mode", True), "rate": Call("x, v, z, t, p, mode, dz", False)}
 WIRE_CALLS = {
     "settle": Call("u, x, k, z, p", False),
     "drive": Call("u, z, p", True),
@@ -33,9 +33,9 @@ WIRE_CALLS = {
 }
 """Functions of a law that are compiled, and how they are called; in the order of the slots of a table."""
 
-SPLITS = ("none", "position", "velocity", "friction")
+PARTITIONS = ("none", "position", "velocity", "friction")
 NONE, POSITION, VELOCITY, FRICTION = range(4)
-"""How the pieces of a law meet; indices into `SPLITS`."""
+"""How the modes of a law meet; indices into `PARTITIONS`."""
 
 
 def _choice(laws: list[Any], calls: dict[str, Call], name: str, otherwise: Any) -> Any:
@@ -43,7 +43,7 @@ def _choice(laws: list[Any], calls: dict[str, Call], name: str, otherwise: Any) 
     return chosen(functions, otherwise, calls[name], list(calls).index(name))
 
 
-plant_force = _choice(PLANT_LAWS, PLANT_CALLS, "force", lambda x, v, z, t, p, piece: 0.0)
+plant_force = _choice(PLANT_LAWS, PLANT_CALLS, "force", lambda x, v, z, t, p, mode: 0.0)
 plant_rate = _choice(PLANT_LAWS, PLANT_CALLS, "rate", PlantLaw.rate)
 wire_settle, wire_drive, wire_law_force, wire_rate = (
     _choice(WIRE_LAWS, WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
@@ -53,7 +53,7 @@ wire_settle, wire_drive, wire_law_force, wire_rate = (
 class LawTable(NamedTuple):
     """Nonlinear laws on the plant: L rows.
 
-    Columns of `numbers` are code, dof, first own state, number of own states, and how the pieces meet;
+    Columns of `numbers` are code, dof, first own state, number of own states, and how the modes meet;
     `parameters` (L, 8), `thresholds` (L, 2);
     `breakaway` (L,) in N.
     """
@@ -98,7 +98,7 @@ class WireTable(NamedTuple):
         return self._replace(drive=drive, force=np.zeros((m, size + m)))
 
 
-CODE, PLACE, STATE, STATES, SPLIT = range(5)
+CODE, PLACE, STATE, STATES, PARTITION = range(5)
 """Columns of the tables of laws; the place is a dof or an actuator, the code as `code_of` gives it."""
 
 DOF, PULLEY, NONLINEAR = range(3)
@@ -152,7 +152,7 @@ def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
     """Law, parameters and dof of every effect on the plant, in the order of the spec."""
     assert spec.plant is not None
     found = [(*_law(e), spec.plant.dofs.index(str(e.dof))) for e in spec.effects if e.block == "plant"]
-    stuck = [dof for law, _, dof in found if law.split == "friction"]
+    stuck = [dof for law, _, dof in found if law.partition == "friction"]
     for dof in stuck:
         if stuck.count(dof) > 1:
             raise InputError(
@@ -227,13 +227,13 @@ def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]]) -> tuple[Integ
 def law_table(nonlinear: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
     """Table of the nonlinear laws: (law, parameters, dof, first own state)."""
     numbers, parameters = _rows(nonlinear)
-    splits = np.array([SPLITS.index(law.split) for law, _, _, _ in nonlinear], dtype=np.int64).reshape(-1, 1)
+    partitions = np.array([PARTITIONS.index(law.partition) for law, *_ in nonlinear], dtype=np.int64)
     thresholds = np.full((len(nonlinear), 2), np.inf)
     for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
         thresholds[row, : len(limits)] = limits
     return LawTable(
-        np.hstack([numbers, splits]),
+        np.hstack([numbers, partitions.reshape(-1, 1)]),
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),

@@ -1,48 +1,48 @@
-"""When a law leaves its piece, how that is narrowed down, and which piece follows."""
+"""When a law leaves its mode, how that is narrowed down, and which mode follows."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rthm_core.compiled import inlined
-from rthm_core.physical.laws import FRICTION, PLACE, POSITION, SPLIT, VELOCITY
+from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION, VELOCITY
 
 
 @inlined
-def margin(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
-    """How far a law is from leaving its piece; negative: it has left it. `hold` is the force that holds the
+def guard(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
+    """How far a law is from leaving its mode; negative: it has left it. `hold` is the force that holds the
     dof, in N, where it sticks.
     """
-    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
+    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
     left = np.inf
-    if split == POSITION:
-        if piece < 2:
-            left = laws.thresholds[row, piece] - y[dof]
-        if piece > 0:
-            left = min(left, y[dof] - laws.thresholds[row, piece - 1])
-    elif split == FRICTION and piece == 0:
+    if partition == POSITION:
+        if mode < 2:
+            left = laws.thresholds[row, mode] - y[dof]
+        if mode > 0:
+            left = min(left, y[dof] - laws.thresholds[row, mode - 1])
+    elif partition == FRICTION and mode == 0:
         left = laws.breakaway[row] - abs(hold)
-    elif split in (VELOCITY, FRICTION):
-        left = piece * y[n + dof]
+    elif partition in (VELOCITY, FRICTION):
+        left = mode * y[n + dof]
     return left
 
 
 @inlined
-def loose_piece(hold):  # type: ignore[no-untyped-def]
+def breakaway_mode(hold):  # type: ignore[no-untyped-def]
     """Piece of a friction that comes loose: the dof moves against the force that held it."""
     return -1 if hold > 0.0 else 1
 
 
 @inlined
-def switched(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
+def next_mode(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
     """Piece that follows the present one, which has just been left; a dof that begins to stick is stopped."""
-    split, dof = laws.numbers[row, SPLIT], laws.numbers[row, PLACE]
-    following = -piece
-    if split == POSITION:
-        following = piece + 1 if piece < 2 and y[dof] >= laws.thresholds[row, piece] else piece - 1
-    elif split == FRICTION and piece == 0:
-        following = loose_piece(hold)
-    elif split == FRICTION:
+    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
+    following = -mode
+    if partition == POSITION:
+        following = mode + 1 if mode < 2 and y[dof] >= laws.thresholds[row, mode] else mode - 1
+    elif partition == FRICTION and mode == 0:
+        following = breakaway_mode(hold)
+    elif partition == FRICTION:
         y[n + dof] = 0.0
         following = 0
     return following
@@ -50,7 +50,7 @@ def switched(laws, n, row, piece, y, hold):  # type: ignore[no-untyped-def]
 
 @inlined
 def between(low, high, at_low, at_high):  # type: ignore[no-untyped-def]
-    """Where a margin is looked at next; it is `at_low` (0: unknown) and `at_high` < 0 at the ends."""
+    """Where a guard is looked at next; it is `at_low` (0: unknown) and `at_high` < 0 at the ends."""
     middle = (low * at_high - high * at_low) / (at_high - at_low) if at_low > 0.0 else 0.5 * (low + high)
     return middle if low < middle < high else 0.5 * (low + high)
 

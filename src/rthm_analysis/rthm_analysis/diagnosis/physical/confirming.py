@@ -94,7 +94,7 @@ def _patches(selection: Selection) -> bool:
     """Whether the last effect is a contact beside a curved spring on the same dof: it may patch its curve."""
     *others, last = (tried[0] for tried in selection.rounds)
     springs = [one.label[2] for one in others if one.label[0] == "plant" and (one.law.power or 0) > 1]
-    return last.label[0] == "plant" and last.law.split == "position" and last.label[2] in springs
+    return last.label[0] == "plant" and last.law.partition == "position" and last.label[2] in springs
 
 
 def _without_last(selection: Selection) -> Selection:

@@ -45,19 +45,19 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
     rows = zip(time.tolist(), x.tolist(), v.tolist(), strict=True)
     before: tuple[float, float, float, int] | None = None
     for k, (t, here, speed) in enumerate(rows):
-        piece = (
+        mode = (
             sum(here > limit for limit in limits)
-            if law.split == "position"
+            if law.partition == "position"
             else (speed > 0.0) - (speed < 0.0)
         )
         if before is not None and z:
-            t0, x0, v0, piece0 = before
-            law.rate(x0, v0, z, t0, p, piece0, first)
+            t0, x0, v0, mode0 = before
+            law.rate(x0, v0, z, t0, p, mode0, first)
             guess = [a + (t - t0) * b for a, b in zip(z, first, strict=True)]
-            law.rate(here, speed, guess, t, p, piece, second)
+            law.rate(here, speed, guess, t, p, mode, second)
             z = [a + 0.5 * (t - t0) * (b + c) for a, b, c in zip(z, first, second, strict=True)]
-        force[k] = law.force(here, speed, z, t, p, piece)
-        before = (t, here, speed, piece)
+        force[k] = law.force(here, speed, z, t, p, mode)
+        before = (t, here, speed, mode)
     return force
 
 

@@ -11,7 +11,7 @@
 ``motor``       motor positions on the grid, from the commands as they fell due
 ``mechanics``   a spec as the arrays on which the compiled replay works
 ``rates``       compiled: dy/dt of plant and wires
-``switching``   compiled: where a law leaves its piece
+``switching``   compiled: where a law leaves its mode
 ``kernel``      compiled: the replay of plant and wires
 ``sensing``     what the sensors make of the motion
 ``budget``      how much of this one diagnosis may do

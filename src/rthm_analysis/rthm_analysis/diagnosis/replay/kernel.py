@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.replay.mechanics import Mechanics
 from rthm_analysis.diagnosis.replay.rates import nonlinear_wire, product, rate, settle_wires
 from rthm_analysis.diagnosis.replay.switching import (
     break_away,
-    first_pieces,
+    first_modes,
     first_switch,
     guards,
     sharpened,
@@ -65,7 +65,7 @@ def _step(
     h,
     u,
     w,
-    pieces,
+    modes,
     stages,
     point,
     hold,
@@ -96,7 +96,7 @@ def _step(
             u,
             w,
             t + reach,
-            pieces,
+            modes,
             stages[stage],
             hold,
             z,
@@ -125,7 +125,7 @@ class Working(NamedTuple):
     stages : (4, ny) array
     u, w : (m,), (n,) arrays
     hold, held : (R,) arrays
-    pieces : (R,) array
+    modes : (R,) array
     """
 
     y: Floats
@@ -139,7 +139,7 @@ class Working(NamedTuple):
     w: Floats
     hold: Floats
     held: Floats
-    pieces: Integers
+    modes: Integers
 
 
 def working(mechanics: Mechanics) -> Working:
@@ -152,7 +152,7 @@ def working(mechanics: Mechanics) -> Working:
         w=np.zeros(mechanics.inverse_mass.shape[0]),
         hold=np.zeros(rows),
         held=np.zeros(rows),
-        pieces=np.zeros(rows, dtype=np.int64),
+        modes=np.zeros(rows, dtype=np.int64),
     )
 
 
@@ -212,7 +212,7 @@ def replay_mechanics(
         breakaway,
         initial,
     ) = mechanics
-    y, point, z, scratch, seen, slope, stages, u, w, hold, held, pieces = working
+    y, point, z, scratch, seen, slope, stages, u, w, hold, held, modes = working
     n, m, ny, rows = inverse_mass.shape[0], motor.shape[2], initial.size, laws.shape[0]
     for i in range(ny):
         y[i] = initial[i]
@@ -223,7 +223,7 @@ def replay_mechanics(
         if r < start.size and start[r] == g:
             for i in range(2 * n):
                 y[i] = state[r, i]
-            first_pieces(n, laws, thresholds, y, pieces)
+            first_modes(n, laws, thresholds, y, modes)
             r += 1
         done, length, still = 0.0, whole / substeps, 0
         for _ in range(substeps + MOST_SWITCHES + 1):
@@ -234,30 +234,30 @@ def replay_mechanics(
             settle_wires(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
             rate(
                 n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
+                laws, parameters, thresholds, y, u, w, t, modes, stages[0], hold, z,
             )  # fmt: skip
-            if rows and break_away(laws, breakaway, pieces, hold):
+            if rows and break_away(laws, breakaway, modes, hold):
                 rate(
                     n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                    laws, parameters, thresholds, y, u, w, t, pieces, stages[0], hold, z,
+                    laws, parameters, thresholds, y, u, w, t, modes, stages[0], hold, z,
                 )  # fmt: skip
             _step(
                 n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                 laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
-                pieces, stages, point, hold, z,
+                modes, stages, point, hold, z,
             )  # fmt: skip
             law = -1
             if rows and still < MOST_SWITCHES:
-                share, law = first_switch(n, laws, thresholds, pieces, y, point)
+                share, law = first_switch(n, laws, thresholds, modes, y, point)
                 if law >= 0:
-                    before, after = guards(n, laws, thresholds, pieces, law, y, point)
+                    before, after = guards(n, laws, thresholds, modes, law, y, point)
                     for _ in range(2):
                         _step(
                             n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                             laws, parameters, thresholds, y, motor, load, g, done, whole, t, share * h, u, w,
-                            pieces, stages, point, hold, z,
+                            modes, stages, point, hold, z,
                         )  # fmt: skip
-                        _, here = guards(n, laws, thresholds, pieces, law, y, point)
+                        _, here = guards(n, laws, thresholds, modes, law, y, point)
                         closer = sharpened(share, before, here, after)
                         if abs(closer - share) < 1e-6:
                             break
@@ -266,14 +266,14 @@ def replay_mechanics(
                     _step(
                         n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
                         laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
-                        pieces, stages, point, hold, z,
+                        modes, stages, point, hold, z,
                     )  # fmt: skip
             until = np.inf if last else time[g + 1] if done + h >= whole * (1.0 - 1e-9) else t + h
             if s < sample.size and sample[s] < until:
                 _at(motor, load, g, (done + h) / whole, u, w)
                 rate(
                     n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                    laws, parameters, thresholds, point, u, w, t + h, pieces, slope, held, z,
+                    laws, parameters, thresholds, point, u, w, t + h, modes, slope, held, z,
                 )  # fmt: skip
             while s < sample.size and sample[s] < until:
                 share = 0.0 if last or h <= 0.0 else min(max((sample[s] - t) / h, 0.0), 1.0)
@@ -298,7 +298,7 @@ def replay_mechanics(
             for i in range(ny):
                 y[i] = point[i]
             if law >= 0:
-                switch(n, laws, pieces, y, law)
+                switch(n, laws, modes, y, law)
                 still += 1
             done += h
             if not last:

@@ -8,9 +8,9 @@ from rthm_core.physical.laws import (
     DOF,
     FRICTION,
     NONLINEAR,
+    PARTITION,
     PLACE,
     POSITION,
-    SPLIT,
     STATE,
     STATES,
     plant_force,
@@ -60,20 +60,20 @@ def nonlinear_wire(actuator, n, wires, stiffness, drive, wire_laws, wire_paramet
 
 
 @inlined
-def piece_of(row, laws, thresholds, x, v):  # type: ignore[no-untyped-def]
+def mode_of(row, laws, thresholds, x, v):  # type: ignore[no-untyped-def]
     """Piece of a law that is no dry friction."""
-    if laws[row, SPLIT] == POSITION:
+    if laws[row, PARTITION] == POSITION:
         return (1 if x > thresholds[row, 0] else 0) + (1 if x > thresholds[row, 1] else 0)
     return 1 if v >= 0.0 else -1
 
 
 @inlined
-def _hold(m, n, b, inverse_mass, laws, pieces, dy, hold, sticking):  # type: ignore[no-untyped-def]
+def _hold(m, n, b, inverse_mass, laws, modes, dy, hold, sticking):  # type: ignore[no-untyped-def]
     """Forces that keep the sticking dofs at rest together, by sweeps over them."""
     for _ in range(1 if sticking == 1 else 200):
         change = 0.0
         for row in range(laws.shape[0]):
-            if laws[row, SPLIT] == FRICTION and pieces[row] == 0:
+            if laws[row, PARTITION] == FRICTION and modes[row] == 0:
                 dof = laws[row, PLACE]
                 force = -dy[n + dof] / inverse_mass[dof, dof]
                 hold[row] += force
@@ -103,7 +103,7 @@ def rate(
     u,
     w,
     t,
-    pieces,
+    modes,
     dy,
     hold,
     z,
@@ -129,20 +129,20 @@ def rate(
     sticking = 0
     for row in range(laws.shape[0]):
         hold[row] = 0.0
-        if laws[row, SPLIT] == FRICTION and pieces[row] == 0:
+        if laws[row, PARTITION] == FRICTION and modes[row] == 0:
             sticking += 1
             continue
         dof, begin = laws[row, PLACE], laws[row, STATE]
         end = begin + laws[row, STATES]
         x, v, p = y[dof], y[n + dof], parameters[row]
-        frozen = laws[row, SPLIT] == FRICTION or laws[row, SPLIT] == POSITION
-        piece = pieces[row] if frozen else piece_of(row, laws, thresholds, x, v)
-        force = plant_force(laws[row, CODE], x, v, y[begin:end], t, p, piece)
-        plant_rate(laws[row, CODE], x, v, y[begin:end], t, p, piece, dy[begin:end])
+        frozen = laws[row, PARTITION] == FRICTION or laws[row, PARTITION] == POSITION
+        mode = modes[row] if frozen else mode_of(row, laws, thresholds, x, v)
+        force = plant_force(laws[row, CODE], x, v, y[begin:end], t, p, mode)
+        plant_rate(laws[row, CODE], x, v, y[begin:end], t, p, mode, dy[begin:end])
         for i in range(y.size):
             dy[i] += b[i, 2 * m + n + row] * force
     if sticking:
-        _hold(m, n, b, inverse_mass, laws, pieces, dy, hold, sticking)
+        _hold(m, n, b, inverse_mass, laws, modes, dy, hold, sticking)
 
 
 @inlined

@@ -21,7 +21,7 @@ from rthm_core.energy import (
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.loads import smooth_until
 from rthm_core.numerical import Numerical, advance_numerical, begin_numerical
-from rthm_core.physical.advance import Physical, advance_segment, piece_count, present_rate
+from rthm_core.physical.advance import Physical, advance_segment, mode_count, present_rate
 from rthm_core.physical.drive import Drive, drive, motor_position, settled
 from rthm_core.physical.flow import mechanics_rate
 from rthm_core.physical.integrate import SCRATCH, inputs_at
@@ -72,7 +72,7 @@ class Ledger(NamedTuple):
     parts: Floats
     plain: bool
     hold: Floats
-    pieces: Integers
+    modes: Integers
 
 
 def ledger(
@@ -113,8 +113,8 @@ def ledger(
         np.zeros(believed.system.ab.shape[0]),
         np.zeros((model.whole.orders, m)),
         plain,
-        np.zeros(piece_count(model)),
-        np.zeros(piece_count(model), dtype=np.int64),
+        np.zeros(mode_count(model)),
+        np.zeros(mode_count(model), dtype=np.int64),
     )
 
 
@@ -167,7 +167,7 @@ def _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r):  # type: ignore[no-unty
 
 
 @called
-def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-def]
+def _outside(ledger, physical, modes, begin_ns, s):  # type: ignore[no-untyped-def]
     """Loads and everything that acts on the plant from outside, from the equation of motion, into
     ``ledger.at``.
     """
@@ -181,7 +181,7 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
     mechanics_rate(
         model.laws,
         model,
-        pieces,
+        modes,
         ledger.y,
         work.u,
         work.w,
@@ -198,7 +198,7 @@ def _outside(ledger, physical, pieces, begin_ns, s):  # type: ignore[no-untyped-
 
 
 @called
-def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1, pieces, inputs2):  # type: ignore[no-untyped-def]
+def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1, modes, inputs2):  # type: ignore[no-untyped-def]
     """Add the work of one smooth step; ``ledger.numerical`` holds z2 and its rate at both ends."""
     at, h, two = ledger.at, s1 - s0, ledger.numerical
     n2 = numerical.n
@@ -210,7 +210,7 @@ def _smooth_step(ledger, physical, numerical, begin_ns, s0, s1, y0, dy0, y1, dy1
             at.x2[i], at.v2[i] = quintic(
                 two[0, i], two[0, n2 + i], two[1, n2 + i], two[2, i], two[2, n2 + i], two[3, n2 + i], h, r
             )
-        _outside(ledger, physical, pieces, begin_ns, s)
+        _outside(ledger, physical, modes, begin_ns, s)
         at.w2[numerical.load_dof[0]] = polynomial(inputs2, 2 * numerical.m, 0, s)
         _believed_position(ledger, ledger.q_fx, ledger.fx, s, at.u_fx)
         _believed_position(ledger, ledger.q_ff, ledger.ff, s, at.u_ff)
@@ -255,8 +255,8 @@ def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[n
         _one_step(physical, ledger, dt)
     for k in range(1, trace.count[0]):
         _numerical_end(numerical, ledger, trace.time[k])
-        for i in range(ledger.pieces.size):
-            ledger.pieces[i] = trace.pieces[k, i]
+        for i in range(ledger.modes.size):
+            ledger.modes[i] = trace.modes[k, i]
         if trace.time[k] > trace.time[k - 1]:
             _smooth_step(
                 ledger,
@@ -269,7 +269,7 @@ def _count_segment(physical, numerical, ledger, begin_ns, dt):  # type: ignore[n
                 trace.y[2, k],
                 trace.y[0, k],
                 trace.y[1, k],
-                ledger.pieces,
+                ledger.modes,
                 ledger.inputs2,
             )
         copy_into(ledger.numerical[0], ledger.numerical[2])
@@ -287,7 +287,7 @@ def _one_step(physical, ledger, dt):  # type: ignore[no-untyped-def]
     mechanics_rate(
         physical.model.laws,
         physical.model,
-        state.pieces,
+        state.modes,
         state.y,
         work.u,
         work.w,

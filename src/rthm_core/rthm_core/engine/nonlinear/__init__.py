@@ -3,7 +3,7 @@
 ==============  ==================================================================================
 ``loop``        the linear systems, one for each set of dofs that stick
 ``steps``       steps driven by polynomials in time, as matrices and as series
-``switch``      where on its way a motion leaves the piece of a law
+``switch``      where on its way a motion leaves the mode of a law
 ``advance``     steps with collocated forces, up to the next switch
 ``event_free``  steps in which forces are constant and nothing switches
 ``kernel``      compiled: executes a program

@@ -2,7 +2,7 @@
 
 Over a step the forces of the laws are polynomials in time: constant, or of third degree through their
 values at the start and after each third (collocation, found by iteration). With such forces the motion is
-exact; where it would leave a piece on the way, the step ends at the root of the motion's own series.
+exact; where it would leave a mode on the way, the step ends at the root of the motion's own series.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from rthm_core.engine.nonlinear.switch import expand, first_left, product
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
+    PARTITION,
     PLACE,
-    SPLIT,
     STATE,
     STATES,
     plant_force,
     plant_rate,
 )
-from rthm_core.physical.switching import loose_piece, switched
+from rthm_core.physical.switching import breakaway_mode, next_mode
 from rthm_core.simd import WIDTH, simd_copy
 
 TOLERANCE = 1e-8
@@ -60,7 +60,7 @@ class Work(NamedTuple):
         Rate of the forces at the end of the last step, from which the next iteration begins.
     scale : (1,) array
         Largest acceleration by a law.
-    pieces : (L,) array
+    modes : (L,) array
         In force.
     moments : (d (d + 1) / 2,) array
         Integrals of the products of [y, held, g] over the last steps; empty where work is not counted.
@@ -76,12 +76,12 @@ class Work(NamedTuple):
     terms: Floats
     slope: Floats
     scale: Floats
-    pieces: Integers
+    modes: Integers
     moments: Floats
     sums: Floats
 
 
-def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: bool) -> Work:
+def work(size: int, d: int, g: int, orders: int, modes: Integers, *, counting: bool) -> Work:
     """Work at the start of a test."""
     return Work(
         np.zeros(d),
@@ -92,14 +92,14 @@ def work(size: int, d: int, g: int, orders: int, pieces: Integers, *, counting: 
         np.zeros((MOST_TERMS + ORDERS, size)),
         np.zeros(g),
         np.full(1, 1e-2),
-        pieces.copy(),
+        modes.copy(),
         np.zeros(d * (d + 1) // 2 if counting else 0),
         simd_copy(np.zeros(WIDTH)),
     )
 
 
 @inlined
-def _forces(laws, n, y, t, pieces, out):  # type: ignore[no-untyped-def]
+def _forces(laws, n, y, t, modes, out):  # type: ignore[no-untyped-def]
     """Forces of the laws and rates of their own states, at time `t` (s)."""
     own = laws.numbers.shape[0]
     for row in range(laws.numbers.shape[0]):
@@ -107,45 +107,45 @@ def _forces(laws, n, y, t, pieces, out):  # type: ignore[no-untyped-def]
         out[row] = 0.0
         for i in range(own, own + states):
             out[i] = 0.0
-        if laws.numbers[row, SPLIT] != FRICTION or pieces[row] != 0:
+        if laws.numbers[row, PARTITION] != FRICTION or modes[row] != 0:
             dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
             p = laws.parameters[row]
-            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, pieces[row])
+            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row])
             if states:
                 rates = out[own : own + states]
-                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, pieces[row], rates)
+                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row], rates)
         own += states
 
 
 @inlined
-def set_of(bits, pieces):  # type: ignore[no-untyped-def]
+def set_of(bits, modes):  # type: ignore[no-untyped-def]
     """Number of the set of dofs that stick."""
     number = 0
     for row in range(bits.size):
-        if pieces[row] == 0:
+        if modes[row] == 0:
             number += bits[row]
     return number
 
 
 @inlined
-def begin_step(nonlinear, z, t, pieces):  # type: ignore[no-untyped-def]
+def begin_step(nonlinear, z, t, modes):  # type: ignore[no-untyped-def]
     """Forces at the start of a step, into `z`; what is held by more than its breakaway force comes loose.
     Returns the number of the set that sticks.
     """
     first = z.size - nonlinear.input_matrix.shape[1]
-    for _ in range(2 * pieces.size + 1):
-        _forces(nonlinear.laws, nonlinear.n, z, t, pieces, z[first:])
-        number, loose, hold = set_of(nonlinear.bits, pieces), -1, 0.0
+    for _ in range(2 * modes.size + 1):
+        _forces(nonlinear.laws, nonlinear.n, z, t, modes, z[first:])
+        number, loose, hold = set_of(nonlinear.bits, modes), -1, 0.0
         if number == 0:
             break
-        for row in range(pieces.size):
-            if nonlinear.bits[row] and pieces[row] == 0:
+        for row in range(modes.size):
+            if nonlinear.bits[row] and modes[row] == 0:
                 held = product(nonlinear.holds[number, row], z)
                 if abs(held) > nonlinear.laws.breakaway[row]:
                     loose, hold = row, held
         if loose < 0:
             break
-        pieces[loose] = loose_piece(hold)
+        modes[loose] = breakaway_mode(hold)
     return number
 
 
@@ -212,7 +212,7 @@ def _collocate(nonlinear, work, matrices, z, t, length):  # type: ignore[no-unty
         for stage in range(3):
             _stage(matrices[stage], work.base[stage], first, work.polynomial, work.y)
             after = t + length * (stage + 1) / 3.0
-            _forces(nonlinear.laws, nonlinear.n, work.y, after, work.pieces, end[first:])
+            _forces(nonlinear.laws, nonlinear.n, work.y, after, work.modes, end[first:])
             for j in range(g.shape[1]):
                 change = max(change, abs(end[first + j] - g[stage + 1, j]) * nonlinear.weight[j])
                 g[stage + 1, j] = end[first + j]
@@ -275,7 +275,7 @@ def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
     size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
     done, length, switches = 0.0, whole, 0
     while done < whole:
-        number = begin_step(nonlinear, z, t + done, work.pieces)
+        number = begin_step(nonlinear, z, t + done, work.modes)
         slot = number * lengths + k if length == whole else steps.filled.size - 1
         if length != whole or not steps.filled[slot]:
             fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
@@ -289,13 +289,13 @@ def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
         end_step(nonlinear, work, number, z, law, share, terms, length)
         if law >= 0:
             hold = product(nonlinear.holds[number, law], work.end)
-            piece = work.pieces[law]
-            work.pieces[law] = switched(nonlinear.laws, nonlinear.n, law, piece, work.end, hold)
+            mode = work.modes[law]
+            work.modes[law] = next_mode(nonlinear.laws, nonlinear.n, law, mode, work.end, hold)
             switches += 1
         for i in range(size):
             z[i] = work.end[i]
         done = whole if law < 0 and done + length >= whole else done + share * length
         length = min(whole - done, 2.0 * length) if law < 0 else whole - done
     _forces(
-        nonlinear.laws, nonlinear.n, z, t + whole, work.pieces, z[z.size - nonlinear.input_matrix.shape[1] :]
+        nonlinear.laws, nonlinear.n, z, t + whole, work.modes, z[z.size - nonlinear.input_matrix.shape[1] :]
     )

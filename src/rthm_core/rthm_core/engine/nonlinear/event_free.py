@@ -28,23 +28,23 @@ def _holds_on(holds, limit, z, end):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _moves_on(slope, velocity, piece, z, end):  # type: ignore[no-untyped-def]
+def _moves_on(slope, velocity, mode, z, end):  # type: ignore[no-untyped-def]
     """Whether a dof that slips still does so at the end of a step, and has not turned in between."""
-    if piece * end[velocity] < 0.0:
+    if mode * end[velocity] < 0.0:
         return False
-    return piece * _after(slope, z, end) <= 0.0 or piece * product(slope, z) >= 0.0
+    return mode * _after(slope, z, end) <= 0.0 or mode * product(slope, z) >= 0.0
 
 
 @inlined
 def nothing_switches(  # type: ignore[no-untyped-def]
-    systems, holds, number, places, n, breakaway, z, pieces, end
+    systems, holds, number, places, n, breakaway, z, modes, end
 ):
     """Whether all dofs stick on, or slip on, over a step from ``z = [y, held, g]`` to the states `end`."""
-    for row in range(pieces.size):
-        piece, velocity = pieces[row], places[row, PLACE] + n
-        if piece == 0 and not _holds_on(holds[number, row], breakaway[row], z, end):
+    for row in range(modes.size):
+        mode, velocity = modes[row], places[row, PLACE] + n
+        if mode == 0 and not _holds_on(holds[number, row], breakaway[row], z, end):
             return False
-        if piece != 0 and not _moves_on(systems[number, velocity], velocity, piece, z, end):
+        if mode != 0 and not _moves_on(systems[number, velocity], velocity, mode, z, end):
             return False
     return True
 
@@ -63,7 +63,7 @@ def event_free_step(  # type: ignore[no-untyped-def]
     work_tables,
     k,
     z,
-    pieces,
+    modes,
     end,
     sums,
 ):
@@ -71,8 +71,8 @@ def event_free_step(  # type: ignore[no-untyped-def]
     which it may not where anything switches. Work is added to `sums` (8,) where it is counted.
     """
     number = 0
-    for row in range(pieces.size):
-        number += bits[row] if pieces[row] == 0 else 0
+    for row in range(modes.size):
+        number += bits[row] if modes[row] == 0 else 0
     slot = number * lengths.size + k
     if not filled[slot]:
         return False
@@ -81,7 +81,7 @@ def event_free_step(  # type: ignore[no-untyped-def]
         for j in range(z.size):
             total += matrices[slot, 0, j, i] * z[j]
         end[i] = total
-    if not nothing_switches(systems, holds, number, places, n, breakaway, z, pieces, end):
+    if not nothing_switches(systems, holds, number, places, n, breakaway, z, modes, end):
         return False
     if work_tables.shape[0]:
         put_numbers(sums, (), numbers(sums, ()) + worked(work_tables, slot, z))

@@ -152,7 +152,7 @@ def run_nonlinear(
     sums = work.sums
     quick = nonlinear.steady and (tables.shape[0] > 0 or not counting)
     systems, holds, bits, places = nonlinear.systems, nonlinear.holds, nonlinear.bits, nonlinear.laws.numbers
-    breakaway, pieces, end = nonlinear.laws.breakaway, work.pieces, work.end[:size]
+    breakaway, modes, end = nonlinear.laws.breakaway, work.modes, work.end[:size]
     for p in range(passes):
         later = min(p, 1)
         for e in range(operations.what.size):
@@ -162,7 +162,7 @@ def run_nonlinear(
             if event_free:
                 event_free = event_free_step(
                     systems, holds, bits, places, nonlinear.n, breakaway, matrices, filled, lengths, tables,
-                    k, z, pieces, end, sums,
+                    k, z, modes, end, sums,
                 )  # fmt: skip
             if event_free:
                 for i in range(size):

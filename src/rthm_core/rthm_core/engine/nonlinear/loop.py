@@ -19,8 +19,8 @@ from rthm_core.engine.linear.loop import LinearLoop, linear_part
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
+    PARTITION,
     PLACE,
-    SPLIT,
     STATE,
     STATES,
     LawTable,
@@ -60,7 +60,7 @@ class Nonlinear(NamedTuple):
         Largest spectral radius of the dynamics, 1/s.
     steady : bool
         Whether all laws are dry friction that is constant in motion.
-    pieces : (L,) array
+    modes : (L,) array
         At the start of a test.
     """
 
@@ -73,7 +73,7 @@ class Nonlinear(NamedTuple):
     weight: Floats
     fastest: float
     steady: bool
-    pieces: Integers
+    modes: Integers
 
 
 class NonlinearLoop(NamedTuple):
@@ -110,7 +110,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or physical.model.wires.laws.size:
         return None
-    if np.sum(laws.numbers[:, SPLIT] == FRICTION) > MOST_STICKING:
+    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:
@@ -148,15 +148,15 @@ def _nonlinear(physical: Physical, laws: LawTable, before: int, joint: Floats) -
     input_matrix[before : before + ny, :count] = model.mechanics[:, model.mechanics.shape[1] - count :]
     own = [state for row in numbers for state in range(row[STATE], row[STATE] + row[STATES])]
     input_matrix[own, count + np.arange(len(own))] = 1.0
-    rubbing = np.flatnonzero(numbers[:, SPLIT] == FRICTION)
+    rubbing = np.flatnonzero(numbers[:, PARTITION] == FRICTION)
     bits = np.zeros(count, dtype=np.int64)
     bits[rubbing] = 1 << np.arange(rubbing.size)
     free = np.hstack([joint, input_matrix])
     sets = [rubbing[[bool(s >> i & 1) for i in range(rubbing.size)]] for s in range(1 << rubbing.size)]
     systems, holds = zip(*(_sticking(free, laws, model.n, rows) for rows in sets), strict=True)
     fastest = max(np.abs(np.linalg.eigvals(one[:, :size])).max(initial=0.0) for one in systems)
-    steady = all(law.constant and law.split == "friction" for law in map(plant_law, numbers[:, CODE]))
-    pieces = physical.state.pieces[:count].copy()
+    steady = all(law.constant and law.partition == "friction" for law in map(plant_law, numbers[:, CODE]))
+    modes = physical.state.modes[:count].copy()
     return Nonlinear(
         np.stack(systems),
         np.stack(holds),
@@ -167,7 +167,7 @@ def _nonlinear(physical: Physical, laws: LawTable, before: int, joint: Floats) -
         np.abs(input_matrix).max(axis=0),
         float(fastest),
         steady,
-        pieces,
+        modes,
     )
 
 

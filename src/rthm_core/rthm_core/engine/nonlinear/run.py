@@ -186,7 +186,7 @@ def start_state(loop: NonlinearLoop, samples: int, references: int) -> State:
         np.zeros(3, dtype=np.int64),
     )
     counting = bool(loop.forms.size)
-    return State(z, work(n, d, g, orders, loop.nonlinear.pieces, counting=counting), past)
+    return State(z, work(n, d, g, orders, loop.nonlinear.modes, counting=counting), past)
 
 
 class Portion(NamedTuple):
@@ -229,7 +229,7 @@ def nonlinear_blocks(
     ns; None where there is no fast way for it.
     """
     loop = _loop(spec, energies)
-    if loop is None or not loop.nonlinear.pieces.size:
+    if loop is None or not loop.nonlinear.modes.size:
         return None
     found = plan(spec, loop, end, step, energies=energies, span=span)
     if found is None:

@@ -1,11 +1,11 @@
-"""Where on its way a motion leaves the piece of a law, compiled: by the series of the motion over a step."""
+"""Where on its way a motion leaves the mode of a law, compiled: by the series of the motion over a step."""
 
 from __future__ import annotations
 
 from rthm_core.compiled import inlined
 from rthm_core.engine.nonlinear.steps import at, series
-from rthm_core.physical.laws import FRICTION, NONE, PLACE, POSITION, SPLIT
-from rthm_core.physical.switching import between, margin, narrowed
+from rthm_core.physical.laws import FRICTION, NONE, PARTITION, PLACE, POSITION
+from rthm_core.physical.switching import between, guard, narrowed
 
 
 @inlined
@@ -18,38 +18,38 @@ def product(row, z):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _margin(nonlinear, number, row, piece, z):  # type: ignore[no-untyped-def]
+def _guard(nonlinear, number, row, mode, z):  # type: ignore[no-untyped-def]
     """Margin of a law, with the force that holds its dof if it sticks."""
     hold = 0.0
-    if piece == 0 and nonlinear.laws.numbers[row, SPLIT] == FRICTION:
+    if mode == 0 and nonlinear.laws.numbers[row, PARTITION] == FRICTION:
         hold = product(nonlinear.holds[number, row], z)
-    return margin(nonlinear.laws, nonlinear.n, row, piece, z, hold)
+    return guard(nonlinear.laws, nonlinear.n, row, mode, z, hold)
 
 
 @inlined
 def _turning(nonlinear, number, row, z):  # type: ignore[no-untyped-def]
-    """What vanishes where the margin of a law is least: velocity, or acceleration, of its dof."""
+    """What vanishes where the guard of a law is least: velocity, or acceleration, of its dof."""
     velocity = nonlinear.laws.numbers[row, PLACE] + nonlinear.n
     value = z[velocity]
-    if nonlinear.laws.numbers[row, SPLIT] != POSITION:
+    if nonlinear.laws.numbers[row, PARTITION] != POSITION:
         value = product(nonlinear.systems[number, velocity], z)
     return value
 
 
 @inlined
-def _dips(nonlinear, number, row, piece, z, end):  # type: ignore[no-untyped-def]
-    """Whether a law may have left its piece and come back to it within the step."""
-    split = nonlinear.laws.numbers[row, SPLIT]
-    if split == POSITION:
+def _dips(nonlinear, number, row, mode, z, end):  # type: ignore[no-untyped-def]
+    """Whether a law may have left its mode and come back to it within the step."""
+    partition = nonlinear.laws.numbers[row, PARTITION]
+    if partition == POSITION:
         return _turning(nonlinear, number, row, z) * _turning(nonlinear, number, row, end) < 0.0
-    if split == NONE or piece == 0 or piece * _turning(nonlinear, number, row, end) <= 0.0:
+    if partition == NONE or mode == 0 or mode * _turning(nonlinear, number, row, end) <= 0.0:
         return False
-    return piece * _turning(nonlinear, number, row, z) < 0.0
+    return mode * _turning(nonlinear, number, row, z) < 0.0
 
 
 @inlined
 def _least(nonlinear, work, number, row, terms):  # type: ignore[no-untyped-def]
-    """Share of the step at which the margin of a law is least; the state there is left in ``work.end``."""
+    """Share of the step at which the guard of a law is least; the state there is left in ``work.end``."""
     low, high = 0.0, 1.0
     at(work.terms, terms, 1.0, work.end)
     sign = 1.0 if _turning(nonlinear, number, row, work.end) > 0.0 else -1.0
@@ -65,16 +65,16 @@ def _least(nonlinear, work, number, row, terms):  # type: ignore[no-untyped-def]
 
 @inlined
 def _root(nonlinear, work, number, row, terms, high):  # type: ignore[no-untyped-def]
-    """First share of the step at which a law has left its piece, which it has at `high` (Illinois method)."""
-    piece, low, at_low = work.pieces[row], 0.0, 0.0
+    """First share of the step at which a law has left its mode, which it has at `high` (Illinois method)."""
+    mode, low, at_low = work.modes[row], 0.0, 0.0
     at(work.terms, terms, high, work.end)
-    at_high = _margin(nonlinear, number, row, piece, work.end)
+    at_high = _guard(nonlinear, number, row, mode, work.end)
     for _ in range(100):
         if high - low <= 1e-14:
             break
         middle = between(low, high, at_low, at_high)
         at(work.terms, terms, middle, work.end)
-        value = _margin(nonlinear, number, row, piece, work.end)
+        value = _guard(nonlinear, number, row, mode, work.end)
         low, high, at_low, at_high = narrowed(low, high, at_low, at_high, middle, value)
     return high
 
@@ -92,20 +92,20 @@ def expand(nonlinear, work, number, z, length):  # type: ignore[no-untyped-def]
 
 @inlined
 def first_left(nonlinear, work, number, z, length):  # type: ignore[no-untyped-def]
-    """First law that leaves its piece within the step just tried (-1: none), the share of the step at which
+    """First law that leaves its mode within the step just tried (-1: none), the share of the step at which
     it does, and the number of terms of the series (0: not needed).
     """
     terms, law, share = 0, -1, 1.0
-    for row in range(work.pieces.size):
-        piece, end = work.pieces[row], 1.0
-        left = _margin(nonlinear, number, row, piece, work.end) < 0.0
-        if not left and not _dips(nonlinear, number, row, piece, z, work.end):
+    for row in range(work.modes.size):
+        mode, end = work.modes[row], 1.0
+        left = _guard(nonlinear, number, row, mode, work.end) < 0.0
+        if not left and not _dips(nonlinear, number, row, mode, z, work.end):
             continue
         if terms == 0:
             terms = expand(nonlinear, work, number, z, length)
         if not left:
             end = _least(nonlinear, work, number, row, terms)
-            left = _margin(nonlinear, number, row, piece, work.end) < 0.0
+            left = _guard(nonlinear, number, row, mode, work.end) < 0.0
         if left:
             root = _root(nonlinear, work, number, row, terms, end)
             if root < share or law < 0:

@@ -1,7 +1,7 @@
-"""Advance a loop and its tangents where forces of laws are constant in each piece, compiled.
+"""Advance a loop and its tangents where forces of laws are constant in each mode, compiled.
 
 Where a law switches, the instant at which it does moves with the parameters, and the tangents jump:
-``dy+ = dy- + (y'- - y'+) dt`` with ``dt = -dm / m'`` for a margin m that vanishes there.
+``dy+ = dy- + (y'- - y'+) dt`` with ``dt = -dm / m'`` for a guard m that vanishes there.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rthm_core.engine.nonlinear.steps import fill, terms_of
 from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
-from rthm_core.physical.switching import switched
+from rthm_core.physical.switching import next_mode
 from rthm_core.simd import everywhere, numbers, put_numbers
 
 
@@ -56,53 +56,53 @@ class TangentWork(NamedTuple):
 
 
 @inlined
-def _forces(forces, pieces, first, dz):  # type: ignore[no-untyped-def]
-    """Tangents of the laws' forces in their present pieces."""
-    for row in range(pieces.size):
+def _forces(forces, modes, first, dz):  # type: ignore[no-untyped-def]
+    """Tangents of the laws' forces in their present modes."""
+    for row in range(modes.size):
         for group in range(dz.shape[1]):
-            put_numbers(dz, (first + row, group), numbers(forces, (row, pieces[row] + 1, group)))
+            put_numbers(dz, (first + row, group), numbers(forces, (row, modes[row] + 1, group)))
 
 
 @inlined
-def _shift(nonlinear, tangents, number, law, piece, z, dz, rate, shift):  # type: ignore[no-untyped-def]
-    """How much later a law leaves its piece, for each parameter."""
+def _shift(nonlinear, tangents, number, law, mode, z, dz, rate, shift):  # type: ignore[no-untyped-def]
+    """How much later a law leaves its mode, for each parameter."""
     velocity, holds, size = (
         nonlinear.laws.numbers[law, PLACE] + nonlinear.n,
         nonlinear.holds[number, law],
         rate.size,
     )
     slope, sign = rate[velocity], 1.0
-    if piece == 0:
+    if mode == 0:
         slope, sign = 0.0, 1.0 if product(holds, z) > 0.0 else -1.0
         for j in range(size):
             slope += holds[j] * rate[j]
     for group in range(dz.shape[1]):
-        margin = numbers(dz, (velocity, group))
-        if piece == 0:
-            margin = numbers(tangents.breakaway, (law, group)) * -sign
+        guard = numbers(dz, (velocity, group))
+        if mode == 0:
+            guard = numbers(tangents.breakaway, (law, group)) * -sign
             for j in range(z.size):
                 change = numbers(tangents.holds, (number, law, j, group))
-                margin += holds[j] * numbers(dz, (j, group)) + change * z[j]
-        put_numbers(shift, (group,), margin / -slope if slope != 0.0 else everywhere(0.0))
+                guard += holds[j] * numbers(dz, (j, group)) + change * z[j]
+        put_numbers(shift, (group,), guard / -slope if slope != 0.0 else everywhere(0.0))
 
 
 @inlined
 def _cross(nonlinear, work, tangents, own, number, law, z, dz, t):  # type: ignore[no-untyped-def]
-    """Let a law switch at `t`, where it leaves its piece, and the tangents jump."""
+    """Let a law switch at `t`, where it leaves its mode, and the tangents jump."""
     first, size = z.size - nonlinear.input_matrix.shape[1], nonlinear.systems.shape[1]
     for i in range(size):
         own.rate[i] = product(nonlinear.systems[number, i], z)
-    piece = work.pieces[law]
-    _shift(nonlinear, tangents, number, law, piece, z, dz, own.rate, own.shift)
+    mode = work.modes[law]
+    _shift(nonlinear, tangents, number, law, mode, z, dz, own.rate, own.shift)
     hold = product(nonlinear.holds[number, law], z)
-    work.pieces[law] = switched(nonlinear.laws, nonlinear.n, law, piece, z, hold)
-    following = begin_step(nonlinear, z, t, work.pieces)
-    _forces(tangents.forces, work.pieces, first, dz)
+    work.modes[law] = next_mode(nonlinear.laws, nonlinear.n, law, mode, z, hold)
+    following = begin_step(nonlinear, z, t, work.modes)
+    _forces(tangents.forces, work.modes, first, dz)
     for i in range(size):
         jump = own.rate[i] - product(nonlinear.systems[following, i], z)
         for group in range(own.shift.shape[0]):
             put_numbers(dz, (i, group), numbers(dz, (i, group)) + jump * numbers(own.shift, (group,)))
-    if work.pieces[law] == 0:  # at rest, whatever the parameter
+    if work.modes[law] == 0:  # at rest, whatever the parameter
         for group in range(own.shift.shape[0]):
             velocity = nonlinear.laws.numbers[law, PLACE] + nonlinear.n
             put_numbers(dz, (velocity, group), everywhere(0.0))
@@ -114,8 +114,8 @@ def advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, t):
     size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
     first, done, length, switches = z.size - nonlinear.input_matrix.shape[1], 0.0, whole, 0
     while done < whole:
-        number = begin_step(nonlinear, z, t + done, work.pieces)
-        _forces(tangents.forces, work.pieces, first, dz)
+        number = begin_step(nonlinear, z, t + done, work.modes)
+        _forces(tangents.forces, work.modes, first, dz)
         slot = number * lengths + k if length == whole else steps.filled.size - 1
         if length != whole or not steps.filled[slot]:
             fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
@@ -139,8 +139,8 @@ def advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, t):
             _cross(nonlinear, work, tangents, own, number, law, z, dz, t + done)
             switches += 1
         length = whole - done
-    begin_step(nonlinear, z, t + whole, work.pieces)
-    _forces(tangents.forces, work.pieces, first, dz)
+    begin_step(nonlinear, z, t + whole, work.modes)
+    _forces(tangents.forces, work.modes, first, dz)
 
 
 @inlined

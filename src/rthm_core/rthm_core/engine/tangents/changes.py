@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
-from rthm_core.physical.laws import CODE, FRICTION, SPLIT, plant_law
+from rthm_core.physical.laws import CODE, FRICTION, PARTITION, plant_law
 from rthm_core.simd import WIDTH, simd_copy, simd_empty
 from rthm_core.spec import apply, number_at
 
@@ -43,7 +43,7 @@ class Tangents(NamedTuple):
     ----------
     systems, holds : (S, N, d, Q, 8), (S, L, d, Q, 8) arrays
     forces : (L, 3, Q, 8) array
-        Force of each law in its pieces -1, 0 and 1.
+        Force of each law in its modes -1, 0 and 1.
     breakaway : (L, Q, 8) array
     sample, force, reference : (N + M, ., Q, 8) arrays
         Of the transposed matrices.
@@ -137,13 +137,13 @@ def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
 
 
 def _forces(numbers: Integers, parameters: Floats) -> Floats:
-    """Force (L, 3) in the pieces -1, 0 and 1 of laws that are constant in each."""
+    """Force (L, 3) in the modes -1, 0 and 1 of laws that are constant in each."""
     found = np.zeros((numbers.shape[0], 3))
     for row, (law, p) in enumerate(zip(numbers, parameters, strict=True)):
-        of_piece: Any = plant_law(law[CODE]).force
-        for piece in (-1, 1):
-            found[row, piece + 1] = of_piece(0.0, 0.0, [], 0.0, p, piece)
-        assert law[SPLIT] == FRICTION
+        of_mode: Any = plant_law(law[CODE]).force
+        for mode in (-1, 1):
+            found[row, mode + 1] = of_mode(0.0, 0.0, [], 0.0, p, mode)
+        assert law[PARTITION] == FRICTION
     return found
 
 

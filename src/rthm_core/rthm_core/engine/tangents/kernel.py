@@ -127,7 +127,7 @@ def _event_free(  # type: ignore[no-untyped-def]
     )
     if not nothing_switches(
         nonlinear.systems, nonlinear.holds, number, nonlinear.laws.numbers, nonlinear.n,
-        nonlinear.laws.breakaway, y, work.pieces, end,
+        nonlinear.laws.breakaway, y, work.modes, end,
     ):  # fmt: skip
         return False
     if steps.work_tables.shape[0]:
@@ -170,7 +170,7 @@ def run_tangents(
         for e in range(operations.what.size):
             what, k = operations.what[e], operations.length[later, e]
             if k >= 0:
-                number = set_of(nonlinear.bits, work.pieces)
+                number = set_of(nonlinear.bits, work.modes)
                 if _event_free(
                     nonlinear, steps, work, tangents, changes, own, number, k, y, dz, after, end, groups
                 ):

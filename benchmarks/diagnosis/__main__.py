@@ -7,6 +7,7 @@ import io
 import json
 import os
 import platform
+import resource
 import subprocess
 import sys
 import tarfile
@@ -23,11 +24,35 @@ from benchmarks.rigs import RTHM, virtual_bag
 from rthm_core.spec import Spec, apply, shipped_spec, write_spec
 
 NOMINAL = "paper_noisy"
-GUIDE = {"block": "plant", "kind": "coulomb_friction", "dof": "x1", "force": 0.03}
+UNLISTED = Path(__file__).with_name("unlisted.py")
+
+
+def on_plant(kind: str, **parameters: float) -> dict[str, Any]:
+    """Section of an effect on x1."""
+    return {"block": "plant", "kind": kind, "dof": "x1"} | parameters
+
+
+def hidden(**sections: dict[str, Any]) -> dict[str, Any]:
+    """Changes of a spec by which it has these effects."""
+    return {"effects": list(sections)} | sections
+
+
+FRICTION = on_plant("coulomb_friction", force=0.03)
+DRAG, SPRING = on_plant("quadratic_drag", coefficient=0.1), on_plant("cubic_stiffness", coefficient=20.0)
+LOOPS = on_plant("bouc_wen", alpha=0.5, A=1.0, beta=2.0, gamma=1.0, n=1.0)
+WIRE = {"block": "wire", "kind": "backlash", "actuator": "a1", "gap": 0.002}
 HIDDEN: dict[str, dict[str, Any]] = {
     "nothing": {},
-    "dry friction of 0.03 N": {"effects": ["guide"], "guide": GUIDE},
+    "dry friction of 0.03 N": hidden(friction=FRICTION),
+    "dry friction, drag and a cubic spring": hidden(friction=FRICTION, drag=DRAG, spring=SPRING),
+    "hysteresis": hidden(loops=LOOPS),
+    "backlash of the wire": hidden(wire=WIRE),
+    "a swinging stiffness (no library)": hidden(
+        swing=on_plant("parametric_spring", stiffness=0.8, frequency=2.2)
+    ),
+    "friction in one place (no library)": hidden(rub=on_plant("rubbing_place", force=0.06, width=0.03)),
 }
+"""What is hidden in the plant or its wire."""
 
 
 def arguments(words: list[str] | None) -> argparse.Namespace:
@@ -57,9 +82,9 @@ def sources_of(commit: str, folder: Path) -> str:
     return os.pathsep.join(str(package) for package in sorted((folder / "src").iterdir()))
 
 
-def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, str]:
-    """Wall time in s of the whole command, start and reading included, and what it found."""
-    begin = time.perf_counter()
+def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, float, str]:
+    """Wall and CPU time in s of the whole command, start and reading included, and what it found."""
+    begin, before = time.perf_counter(), children_cpu()
     done = subprocess.run(
         [*RTHM, "diagnose", str(bag), "--spec", NOMINAL, "--json", "-"],
         capture_output=True,
@@ -67,9 +92,16 @@ def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, str]:
         check=False,
         env=environment,
     )
-    seconds = time.perf_counter() - begin
+    seconds, cpu = time.perf_counter() - begin, children_cpu() - before
     said = json.loads(done.stdout)
-    return seconds, ", ".join(f"{one['block']} {one['kind']}" for one in said["physics"]) or said["verdict"]
+    names = ", ".join(f"{one['block']} {one['kind']}" for one in said["physics"])
+    return seconds, cpu, names or said["verdict"]
+
+
+def children_cpu() -> float:
+    """CPU time of all processes that were waited for, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
@@ -83,16 +115,19 @@ def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
     }
     rows: list[dict[str, Any]] = []
     for number, (name, changes) in enumerate(HIDDEN.items()):
-        bag = recording(apply(shipped_spec(NOMINAL), changes), folder / str(number), options.duration)
+        true = apply(shipped_spec(NOMINAL), {"effects_from": [str(UNLISTED)]} | changes)
+        bag = recording(true, folder / str(number), options.duration)
         firsts = {code: diagnosed(bag, environment) for code, environment in codes.items()}
         rounds = [
-            {code: diagnosed(bag, environment)[0] for code, environment in codes.items()}
+            {code: diagnosed(bag, environment) for code, environment in codes.items()}
             for _ in range(options.rounds)
         ]
-        for code, (seconds, found) in firsts.items():
-            warm = [one[code] for one in rounds]
+        for code, (seconds, _, found) in firsts.items():
+            warm, cpu = ([one[code][i] for one in rounds] for i in (0, 1))
             cold = None if number else seconds
-            rows.append({"hidden": name, "code": code, "found": found, "cold": cold, "warm": warm})
+            rows.append(
+                {"hidden": name, "code": code, "found": found, "cold": cold, "warm": warm, "cpu": cpu}
+            )
             print(rows[-1], file=sys.stderr, flush=True)
     return rows
 
@@ -104,17 +139,17 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         "# Time of a diagnosis",
         "",
         f"{header['date']}, {header['machine']}; `rthm diagnose` of {header['duration']:g} s of {NOMINAL}, "
-        "wall time of the whole command: start, reading, every kind tried. First use: nothing is compiled.",
+        "time of the whole command: start, reading, every kind tried. First use: nothing is compiled.",
         *(["Another version of the code was timed in turn with today's."] if beside else []),
         f"Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time{beside}`.",
         "",
-        "| hidden | code | found | first use | later, median | later, each |",
-        "|---|---|---|---|---|---|",
+        "| hidden | code | found | first use | later, median | later, each | CPU, median |",
+        "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         cold = f"{row['cold']:.1f} s" if row["cold"] else ""
         each = ", ".join(f"{seconds:.1f}" for seconds in row["warm"])
-        later = f"{median(row['warm']):.1f} s | {each} s"
+        later = f"{median(row['warm']):.1f} s | {each} s | {median(row['cpu']):.1f} s"
         lines.append(f"| {row['hidden']} | {row['code']} | {row['found']} | {cold} | {later} |")
     return "\n".join(lines) + "\n"
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.driven import is_driven_wrong, wires_are_off
+from rthm_analysis.diagnosis.physical.driven import is_driven_wrong, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.replay.evidence import Channel
 
 COUNT = 3200
@@ -15,7 +15,9 @@ RANDOM = np.random.default_rng(7)
 WANDERS = 5.0 * np.sin(np.linspace(0.0, 9.0, COUNT))
 
 
-def side(force: np.ndarray, motor: np.ndarray, retuned: np.ndarray | None = None) -> Any:
+def side(
+    force: np.ndarray, motor: np.ndarray, retuned: np.ndarray | None = None, *, wanders: bool = False
+) -> Any:
     """A physical side whose wire's force and motor have these errors over their noise."""
     left = {"nominal": force, "retuned": force if retuned is None else retuned}
     alone = SimpleNamespace(forces=[1], residual=lambda model: left[model])
@@ -27,6 +29,7 @@ def side(force: np.ndarray, motor: np.ndarray, retuned: np.ndarray | None = None
         selection=SimpleNamespace(base=SimpleNamespace(model="retuned")),
         fitting=SimpleNamespace(wires_alone=alone, experiment=SimpleNamespace(evidence=evidence)),
         motor_left=motor[:, None] if motor.size else np.empty((COUNT, 0)),
+        motor_wanders=wanders,
     )
 
 
@@ -40,6 +43,13 @@ def test_a_motor_that_wanders_is_told_by_the_force_of_its_wire() -> None:
 
 def test_a_sensor_of_the_motor_that_wanders_is_not_its_motion() -> None:
     assert not is_driven_wrong(side(noise(), 20.0 * WANDERS + noise()))
+
+
+def test_what_the_sensor_of_a_motor_reads_beside_the_commands_is_told_and_noise_is_not() -> None:
+    assert motors_read_wrong(side(noise(), 20.0 * WANDERS + noise()))
+    assert not motors_read_wrong(side(noise(), 20.0 * WANDERS + noise(), wanders=True))
+    assert not motors_read_wrong(side(0.4 * WANDERS + noise(), 20.0 * WANDERS + noise()))
+    assert not motors_read_wrong(side(noise(), noise()))
 
 
 def test_a_wire_that_is_off_by_itself_is_not_its_motor() -> None:

@@ -203,7 +203,8 @@ def _is_motion(evidence: Evidence, column: int, line: Line) -> bool:
             if one.family in ("force", "motor") and one.family != channel.family:
                 shows.append((filled(evidence.measured[:, i]), 0.0))
         if evidence.driven_by == "command":
-            shows += [(one, 0.0) for one in held_commands(evidence).T]
+            ratio = 1.0 if channel.family == "motor" else 0.0  # no motor goes further than its command
+            shows += [(one, ratio) for one in held_commands(evidence).T]
     return any(_shows(signal, evidence.time, line, ratio) for signal, ratio in shows)
 
 

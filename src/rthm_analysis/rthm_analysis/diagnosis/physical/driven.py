@@ -16,6 +16,9 @@ WIRE = 3.0
 is where something is missing: what the smoothing of that motion leaves is less.
 """
 
+READ_WRONG = 10.0
+"""Error of a motor's position over the noise of its sensor, from which it is no small mismatch of timing."""
+
 MOST = 0.5
 """Part of that residual that the measured error of the motor must explain for the motor to be the reason."""
 
@@ -34,6 +37,15 @@ def is_driven_wrong(physical: Physical) -> bool:
     if physical.drives:
         return not drives_earned(physical)
     return wires_are_off(physical) and _forces_follow_motors(physical)
+
+
+def motors_read_wrong(physical: Physical) -> bool:
+    """Whether the motors' sensors are far from what the commands make, where no force follows that."""
+    left = physical.motor_left
+    if not left.size or physical.drives or physical.motor_wanders:
+        return False
+    off = np.sqrt(np.nanmean(np.square(left), axis=0))
+    return bool(np.any(off > READ_WRONG)) and not _forces_follow_motors(physical)
 
 
 def wires_are_off(physical: Physical) -> bool:

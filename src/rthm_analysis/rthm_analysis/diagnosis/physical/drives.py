@@ -57,12 +57,15 @@ class Drives:
         Sizes at which other kinds would have been seen.
     left : (s, m) array
         What the settled spec leaves of the motors' positions, over their noise.
+    wanders : bool
+        Whether that may be coloured noise of their sensors.
     """
 
     rounds: list[list[FittedCandidate]]
     settled: Spec
     limits: Limits
     left: Floats
+    wanders: bool = True
 
     @property
     def model(self) -> Model:
@@ -131,7 +134,8 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         rounds.append(tried)
         model = tried[0].fitted.model
     left = evidence.measured - experiment.predicted(model.spec, runs)
-    return Drives(rounds, model.spec, limits, left / _noise(experiment, model, runs, spec))
+    noise = _noise(experiment, model, runs, spec)
+    return Drives(rounds, model.spec, limits, left / noise, _wanders(evidence, left, noise))
 
 
 def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:
@@ -149,7 +153,9 @@ def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> F
     residual = measured - experiment.predicted(model.spec, runs)
     found = noise_levels(residual, measured)
     stated = spec.noise.motor
-    return np.where((stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * measured.std(0)), found)
+    return np.where(
+        (stated > 0.0) & (found > stated), np.maximum(stated, 1e-5 * np.nanstd(measured, axis=0)), found
+    )
 
 
 def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate]:

@@ -10,7 +10,7 @@ from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless, without_vague
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
-from rthm_analysis.diagnosis.physical.driven import drives_earned, wires_are_off
+from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
@@ -52,6 +52,11 @@ DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
 )
 
+READ_WRONG = (
+    "The recorded positions of the motors are not what the commands make of them, and the wires' forces "
+    "do not follow: the sensors of the motors are off.",
+)
+
 UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
 
 
@@ -66,7 +71,7 @@ def physical_part(physical: Physical) -> Part:
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces, vague = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]
-    driven = DRIVEN if judged.is_driven_wrong else ()
+    driven = DRIVEN if judged.is_driven_wrong else READ_WRONG if motors_read_wrong(physical) else ()
     curves = _described(judged) if left else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
     if left and not judged.earned and not driven:

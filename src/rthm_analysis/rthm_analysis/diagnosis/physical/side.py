@@ -64,6 +64,8 @@ class Physical:
         Sizes at which other effects of the motors would have been seen.
     motor_left : (s, m) array
         What the settled spec leaves of the motors' positions in the training part, over their noise.
+    motor_wanders : bool
+        Whether that may be coloured noise of their sensors.
     """
 
     spec: Spec
@@ -79,6 +81,7 @@ class Physical:
     selection: Selection
     drive_limits: Limits
     motor_left: Floats
+    motor_wanders: bool
 
     @property
     def sigma(self) -> Floats:
@@ -125,7 +128,7 @@ def diagnose_physical(
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
-        begun.nominal, selection, drives.limits, drives.left,
+        begun.nominal, selection, drives.limits, drives.left, drives.wanders,
     )  # fmt: skip
 
 

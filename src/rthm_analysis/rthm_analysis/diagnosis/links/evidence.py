@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import USE_GRAIN, USE_TOLD_NS
 from rthm_analysis.diagnosis.links.host_stalls import without_stalls
 from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
@@ -33,12 +34,6 @@ from rthm_core.schedule import Schedule
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-GRAIN = 1e-6
-"""Instants of use are taken as exact to this, s."""
-
-TOLD_NS = 1_000_000
-"""A receiver tells a use, ns, at most so much after the command that it made of it, unless it stalls."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +80,7 @@ class LinkEvidence:
     clocked: bool
     host_stalls: Integers
     outages: Integers
-    offset_std: float = GRAIN
+    offset_std: float = USE_GRAIN
 
     def between(self, begin_ns: int, end_ns: int) -> LinkEvidence:
         """Return the evidence of the samples stamped, and of the uses made, in a span of time."""
@@ -151,14 +146,14 @@ def _between_hosts(recording: Recording, name: str) -> tuple[int, float]:
     """
     uses = recording.links[name]
     lead = recording.clocks.missing_age_ns(name, uses.use_ns, uses.sample_ns)
-    middle, unsure = int(np.median(lead)), max(GRAIN, recording.clocks.uncertainty(name))
-    return (middle, unsure) if abs(middle) * 1e-9 > unsure else (0, GRAIN)
+    middle, unsure = int(np.median(lead)), max(USE_GRAIN, recording.clocks.uncertainty(name))
+    return (middle, unsure) if abs(middle) * 1e-9 > unsure else (0, USE_GRAIN)
 
 
 def _as_drawn(due: Integers, low: Floats, high: Floats) -> bool:
     """Whether nearly all samples came when the random numbers of the spec say."""
     told = np.isfinite(high)
-    return bool(np.mean((low[told] < GRAIN) & (high[told] >= 0.0)) > 0.98) if told.any() else False
+    return bool(np.mean((low[told] < USE_GRAIN) & (high[told] >= 0.0)) > 0.98) if told.any() else False
 
 
 def _uses(uses: LinkTable, start: int, stamp: Integers, receiver: int) -> tuple[Integers, Integers]:
@@ -191,7 +186,7 @@ def _as_commanded(
     newest = np.maximum(np.searchsorted(sent, at, side="right") - 1, 0)
     same = (effort[newest] == told[row]).all(axis=1) & (sent[newest] <= at)
     if same.mean() < 0.5:
-        soon = (sent[newest] <= at) & (at - sent[newest] < TOLD_NS)
+        soon = (sent[newest] <= at) & (at - sent[newest] < USE_TOLD_NS)
         return np.where(soon, sent[newest], at), row
     at = np.where(same, sent[newest], at)
     missing = np.setdiff1d(np.arange(stamp.size), row)
@@ -213,8 +208,8 @@ def _intervals(due: Integers, at: Integers, row: Integers, exact: bool) -> tuple
     known, used = first < at.size, (first < at.size) & (row[here] == number)
     waited = (at[here] - due) / NS
     if exact:
-        low = np.where(used, waited - 0.5 * GRAIN, waited)
-        high = np.where(used, waited + 0.5 * GRAIN, np.inf)
+        low = np.where(used, waited - 0.5 * USE_GRAIN, waited)
+        high = np.where(used, waited + 0.5 * USE_GRAIN, np.inf)
     else:
         low = np.where(first > 0, (at[before] - due) / NS, -np.inf)
         high = np.where(used, waited, np.inf)

@@ -10,29 +10,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    COMMAND_MISFIT_RATIO,
+    EQUAL_VALUES_RATIO,
+    FORESEEN_SHARE,
+    SAMPLE_MISFIT_RATIO,
+    SHIFT_REACHES_NS,
+    SHIFT_USES,
+)
 from rthm_analysis.recording import LinkTable, Recording, Table, hold
-from rthm_core.clock import NS
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-LOOKED_AT = 300
-"""Uses from which a shift is found."""
-
-REACHES = (NS // 10, 5 * NS)
-"""Largest shifts that are tried, ns, one after the other."""
-
-FORESEEN = 0.1
-"""Share of uses before their sample was taken that bad stamps explain."""
-
-EQUAL = 1e-9
-"""Values that fit this well, relative to the signal's rms, are those of the right samples."""
-
-EXACT, FOLLOWED = 1e-2, 0.9
-"""Values that fit the right sample, and motors that follow the right command, leave less than this share of
-the misfit of the nearest stamps; motors have noise and lags."""
 
 
 def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> int | None:
@@ -46,8 +37,8 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
     uses = recording.links[name]
     if not (len(uses) and len(source)):
         return None
-    some = np.unique(np.linspace(0, len(uses) - 1, LOOKED_AT).astype(np.int64))
-    for reach in REACHES:
+    some = np.unique(np.linspace(0, len(uses) - 1, SHIFT_USES).astype(np.int64))
+    for reach in SHIFT_REACHES_NS:
         shifts = _shifts(source.stamp_ns, uses.sample_ns[some], reach)
         if not shifts.size:
             continue
@@ -87,13 +78,13 @@ def _told_by_values(
     table, columns, others, target = parts
     misfits = {nearest: _misfit(table, columns, others, target, uses.sample_ns - nearest)}
     known = target[np.isfinite(target)]
-    if not known.size or misfits[nearest] < EQUAL * float(np.sqrt(np.mean(known**2))):
+    if not known.size or misfits[nearest] < EQUAL_VALUES_RATIO * float(np.sqrt(np.mean(known**2))):
         return nearest
     for shift in shifts[np.argsort(np.abs(shifts), kind="stable")]:
-        if (uses.sample_ns - shift > uses.use_ns).mean() > FORESEEN:
+        if (uses.sample_ns - shift > uses.use_ns).mean() > FORESEEN_SHARE:
             continue  # Nobody uses samples of the future; a compensator only looks as if it did.
         misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
-    return _clearly_best(misfits, nearest, EXACT)
+    return _clearly_best(misfits, nearest, SAMPLE_MISFIT_RATIO)
 
 
 def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Integers, nearest: int) -> int:
@@ -111,7 +102,7 @@ def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Int
         return sum(_not_followed(u, u_d) for u, u_d in zip(motors.T, followed.T, strict=True))
 
     misfits = {shift: misfit(shift) for shift in shifts.tolist()}
-    return _clearly_best(misfits, nearest, FOLLOWED)
+    return _clearly_best(misfits, nearest, COMMAND_MISFIT_RATIO)
 
 
 def _clearly_best(misfits: dict[int, float], nearest: int, share: float) -> int:

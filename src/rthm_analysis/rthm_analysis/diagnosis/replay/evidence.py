@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import STRAY_COMMANDS_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -23,10 +24,8 @@ if TYPE_CHECKING:
 CHANNELS = ("position", "velocity", "force", "motor")
 """Families of measured signals of the physical side."""
 
-STRAYS = 0.01
-"""Share of the uses of commands that may be stamped wrongly."""
 
-UNITS = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
+UNIT_OF = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
 
 
 @dataclass(frozen=True)
@@ -190,5 +189,5 @@ def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple
         return due[used], values[used], link.delay_ns / NS
     order = np.argsort(uses.use_ns, kind="stable")
     at, stamps = uses.use_ns[order], sent_stamps(recording, spec, "tau4", sent)[order]
-    under_way = float(np.quantile(at - stamps, STRAYS)) / NS if at.size else 0.0
+    under_way = float(np.quantile(at - stamps, STRAY_COMMANDS_SHARE)) / NS if at.size else 0.0
     return at - recording.start_ns, hold(sent.stamp_ns, values, stamps), max(under_way, 0.0)

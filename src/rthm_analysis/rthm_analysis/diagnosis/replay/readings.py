@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.resolution import RESOLUTION
+from rthm_analysis.diagnosis.criteria.replay import REPLAY_RESOLUTION, ROUNDING_STEP_TO_NOISE
 from rthm_core.compiled import Floats
-
-UNBLURRED = 2.5
-"""Step, over the noise, from which readings show the steps of their rounding."""
 
 
 def noise_level(residual: Floats, measured: Floats) -> float:
@@ -27,7 +24,7 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     typical = 1.4826 * float(np.median(np.abs(third)))
     spread = float(np.sqrt(np.mean(np.square(third))))
     level = typical if typical > 0.3 * spread else min(spread, 3.0 * typical) if typical > 0.0 else spread
-    floor = RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
+    floor = REPLAY_RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
     return max(level, _rounding(lattice(measured), level), floor, 1e-300)
 
 
@@ -45,7 +42,7 @@ def _rounding(step: float | None, level: float) -> float:
     """
     if step is None:
         return 0.0
-    return step if step > UNBLURRED * level else step / np.sqrt(12.0)
+    return step if step > ROUNDING_STEP_TO_NOISE * level else step / np.sqrt(12.0)
 
 
 def lattice(values: Floats) -> float | None:

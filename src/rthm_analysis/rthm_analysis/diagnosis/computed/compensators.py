@@ -17,7 +17,9 @@ from rthm_analysis.diagnosis.computed.controller import (
 from rthm_analysis.diagnosis.computed.replayed import Predicted, Used
 from rthm_analysis.diagnosis.criteria.computed import (
     COMPENSATOR_COMMANDS_TRIED,
+    COMPENSATOR_FEWEST_ROWS,
     COMPENSATOR_LONGEST_HORIZON,
+    COMPENSATOR_OUTLIER_MEDIANS,
     RIGHT_COMMAND_RMS_SHARE,
     RIGHT_COMMANDS_SHARE,
 )
@@ -138,7 +140,7 @@ def _with_fitted_horizon(recording: Recording, spec: Spec, part: Used) -> Iterat
     told = _efforts(recording, spec, part)
     rows = (part.recorded >= 0) & np.isfinite(told).all(axis=1)
     rows &= np.isfinite(np.array(values)).all(axis=(0, 2)) & (np.arange(part.time.size) >= part.settled)
-    if np.count_nonzero(rows) < 20:
+    if np.count_nonzero(rows) < COMPENSATOR_FEWEST_ROWS:
         return
     power = np.vander(nodes, count, increasing=True)
     curves = np.linalg.solve(power, np.array([one[rows].ravel() for one in values]))
@@ -159,7 +161,7 @@ def _best_root(curves: Floats, told: Floats) -> float:
     for _ in range(30):
         slope = (order[1:] * best ** order[:-1]) @ curves[1:]
         off = told - best**order @ curves
-        near = np.abs(off) <= 3.0 * np.median(np.abs(off)) + 1e-300
+        near = np.abs(off) <= COMPENSATOR_OUTLIER_MEDIANS * np.median(np.abs(off)) + 1e-300
         step = float(slope[near] @ off[near]) / max(float(slope[near] @ slope[near]), 1e-300)
         best += step
         if abs(step) < 1e-13:

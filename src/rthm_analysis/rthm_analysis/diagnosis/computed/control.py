@@ -25,6 +25,8 @@ from rthm_analysis.diagnosis.computed.replayed import samples_used
 from rthm_analysis.diagnosis.criteria.computed import (
     COMPUTED_FEWEST_SAMPLES,
     COMPUTED_FLOOR,
+    LIMITED_COMMANDS_SHARE,
+    OTHER_LAW_LEFT_SHARE,
     RIGHT_COMMAND_RMS_SHARE,
     RIGHT_COMMANDS_SHARE,
 )
@@ -135,7 +137,7 @@ def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator
     }
     mismatch = size_of(off) / (COMPUTED_FLOOR * commands.size)
     if commands.right(off) >= RIGHT_COMMANDS_SHARE:
-        limited = commands.right(off) < 1.0 - 1e-3
+        limited = commands.right(off) < 1.0 - LIMITED_COMMANDS_SHARE
         left = (words.unlike(name, 1.0 - commands.right(off), size_of(off)),) if limited else ()
         told, unexplained = (left, ()) if spec.limits is not None else ((), left)
         block = Mismatch("controller", mismatch, bool(unexplained))
@@ -168,7 +170,8 @@ def _other(train: Commands, unseen: Commands, name: str, compliance: float, off:
     """Another law of x1 and F_d, if there is one; else how far off the commands are."""
     gains, left = affine(train)
     basis = np.column_stack([unseen.x1, unseen.force, np.ones(unseen.u_d.size)])
-    if left < 0.1 * size_of(off) and size_of(unseen.u_d - basis @ gains) < 0.1 * size_of(off):
+    most = OTHER_LAW_LEFT_SHARE * size_of(off)
+    if left < most and size_of(unseen.u_d - basis @ gains) < most:
         return words.other_law(name, (float(gains[0]), float(gains[1]), float(gains[2])), compliance)
     return words.unlike(
         name, float(np.mean(np.abs(off) > RIGHT_COMMAND_RMS_SHARE * train.size)), size_of(off)

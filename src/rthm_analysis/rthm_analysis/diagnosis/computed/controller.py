@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed.latched import Latched, delayed
-from rthm_analysis.diagnosis.criteria.computed import RIGHT_COMMAND_RMS_SHARE
+from rthm_analysis.diagnosis.criteria.computed import RIGHT_COMMAND_RMS_SHARE, ROUGHLY_RIGHT_RATIO
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.substructure import as_built
@@ -93,7 +93,7 @@ def fitted_compliance(commands: Commands) -> tuple[float, float]:
         return float("nan"), float("inf")
     part = commands.rows(strong)
     rough = float(np.median((part.u_d - part.x1) / part.force))
-    close = np.abs(commands.error(rough)) <= 10.0 * RIGHT_COMMAND_RMS_SHARE * commands.size
+    close = np.abs(commands.error(rough)) <= ROUGHLY_RIGHT_RATIO * RIGHT_COMMAND_RMS_SHARE * commands.size
     best = commands.rows(close) if close.any() else part
     power = float(best.force @ best.force)
     value = float(best.force @ (best.u_d - best.x1)) / power

@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed.structure import LOAD_COEFFICIENTS, Structure
-from rthm_analysis.diagnosis.criteria.computed import NUMERICAL_LEFT_SHARE, NUMERICAL_MOST_PARAMETERS
+from rthm_analysis.diagnosis.criteria.computed import (
+    MOVED_PARAMETER_SHARE,
+    MOVED_PARAMETER_STDS,
+    NUMERICAL_LEFT_SHARE,
+    NUMERICAL_MOST_PARAMETERS,
+)
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
@@ -252,7 +257,8 @@ def _moving(train: Ticks, nominal: Structure, sizes: Scales) -> tuple[Name, ...]
     moved = [
         name
         for name, spread in zip(names, std, strict=True)
-        if abs(one.value(name) - nominal.value(name)) > max(5.0 * spread, 1e-4 * abs(nominal.value(name)))
+        if abs(one.value(name) - nominal.value(name))
+        > max(MOVED_PARAMETER_STDS * spread, MOVED_PARAMETER_SHARE * abs(nominal.value(name)))
     ]
     return tuple(moved) if len(moved) <= NUMERICAL_MOST_PARAMETERS else ()
 

@@ -22,7 +22,13 @@ from rthm_analysis.diagnosis.computed.numerical import (
     ticks_of,
 )
 from rthm_analysis.diagnosis.computed.structure import Structure, structure
-from rthm_analysis.diagnosis.criteria.computed import COMPUTED_FEWEST_SAMPLES, COMPUTED_FLOOR, STATE_ROUNDING
+from rthm_analysis.diagnosis.criteria.computed import (
+    COMPUTED_FEWEST_SAMPLES,
+    COMPUTED_FLOOR,
+    NUMERICAL_STILL_LEFT_SHARE,
+    SIGNIFICANT_TO_ROUNDING,
+    STATE_ROUNDING,
+)
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
@@ -116,7 +122,9 @@ def _numerical_part(
     size = max(float(np.sqrt(np.mean(ticks.force[known] ** 2))) if known.any() else 0.0, 1e-12)
     mismatch = float(np.sqrt(np.mean(off[known] ** 2))) / (COMPUTED_FLOOR * size) if known.any() else 0.0
     limits = _numerical_limits(unseen, nominal, enough)
-    blocks = (Mismatch("numerical", mismatch, bool(found.names) or found.left > 10.0 * enough),)
+    blocks = (
+        Mismatch("numerical", mismatch, bool(found.names) or found.left > SIGNIFICANT_TO_ROUNDING * enough),
+    )
     if not found.names:
         left = (
             (words.not_one("numerical", COMPUTED_FLOOR * mismatch, COMPUTED_FLOOR * mismatch),)
@@ -134,7 +142,7 @@ def _numerical_part(
         Alternative("numerical", wrong_kind("numerical"), fit.nrmse["nominal"] * error / found.nominal, True)
         for name, error in sorted(found.tried.items(), key=lambda item: item[1])[1:3]
     )
-    still = found.left > max(10.0 * enough, 0.05 * found.nominal)
+    still = found.left > max(SIGNIFICANT_TO_ROUNDING * enough, NUMERICAL_STILL_LEFT_SHARE * found.nominal)
     left = (
         words.not_one(
             "numerical", COMPUTED_FLOOR * mismatch, COMPUTED_FLOOR * mismatch * found.left / found.nominal

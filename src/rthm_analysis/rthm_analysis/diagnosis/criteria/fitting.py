@@ -10,6 +10,15 @@ DIVERGED_ERROR = 1e6
 CROSS_VALIDATION_PARTS = 20
 """Parts of the data that take turns at being left out."""
 
+FIT_STEPS = 8
+"""Steps of a fit, unless it is asked for another number."""
+
+FIT_GAIN = 3e-4
+"""Share of the squared error that a step must still bring for a fit to go on, unless it is to finish."""
+
+SETTLED_GAIN = 0.1
+"""Gain in squared error, in units of the noise, below which no step is worth another: chance makes more."""
+
 DIFFERENCE_STEP = 1e-3
 """Step of finite differences, in the scale of a parameter."""
 

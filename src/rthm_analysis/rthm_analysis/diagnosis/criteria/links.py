@@ -37,6 +37,15 @@ USE_GRAIN = 1e-6
 USE_TOLD_NS = 1_000_000
 """A receiver tells a use, ns, at most so much after the command that it made of it, unless it stalls."""
 
+LINK_FEWEST_USES = 20
+"""Uses of a link below which it is not checked."""
+
+AS_DRAWN_SHARE = 0.98
+"""Share of the samples that must come when the random numbers of the spec say, to be drawn from them."""
+
+AS_COMMANDED_SHARE = 0.5
+"""Share of the commands that must repeat the force reference as it was used, to tell when it was."""
+
 LINK_BLOCKS = 10
 """Blocks of time; odd ones judge what even ones fitted, and the other way round."""
 
@@ -86,6 +95,9 @@ WHOLE_PERIOD_TOLERANCE = 0.25
 ON_TICK_PERIOD_SHARE = 0.05
 """Part of a period within which a command belongs to a tick."""
 
+COMMANDS_PER_REFERENCE = 1.05
+"""Commands beside the ticks, over the references that may each have made one, that a period may leave."""
+
 FOUND_TICKS_COMMANDED = 0.95
 SPEC_TICKS_COMMANDED = 0.7
 """Share of the ticks with a command that a period needs to be found, and to be kept as the spec's."""
@@ -118,6 +130,14 @@ STALL_LATE = 0.001
 SHIFT_USES = 300
 """Uses from which a shift of stamps is found."""
 
+SHIFT_VOTES_SHARE = 0.5
+SHIFT_VOTES_TO_BEST = 0.9
+"""Share of the uses whose stamps must be stamps of the source with a shift, and their number over that of the
+best shift."""
+
+SHIFT_FEWEST_VALUES = 20
+"""Values below which no misfit tells a shift."""
+
 SHIFT_REACHES_NS = (100_000_000, 5_000_000_000)
 """Largest shifts that are tried, ns, one after the other."""
 
@@ -129,5 +149,5 @@ EQUAL_VALUES_RATIO = 1e-9
 
 SAMPLE_MISFIT_RATIO = 1e-2
 COMMAND_MISFIT_RATIO = 0.9
-"""Values that fit the right sample, and motors that follow the right command, leave less than this share of
-the misfit of the nearest stamps; motors have noise and lags."""
+"""Commands beside the ticks of a period, over the references that may each have made one, up to which
+references account for them."""

@@ -16,6 +16,10 @@ SYMMETRIC_SHARE = 0.85
 DISSIPATED_SHARE = 0.5
 """Share of the work without regard to sign that must go one way, to say that the force takes energy."""
 
+DRAWN_CURVE_SHARE = 0.02
+"""Share of the variance of a residual force that its mean over a variable must hold, to be drawn where
+nothing is named."""
+
 CURVE_TRIAL_FORCE_RATIO = 1e-3
 """Force of a shape in its trial replay over that of the spring: so small that laws stay straight."""
 

@@ -79,14 +79,31 @@ START_PERIOD_SHARE = 0.08
 STRAY_COMMANDS_SHARE = 0.01
 """Share of the uses of commands that may be stamped wrongly."""
 
+CHANNEL_FEWEST_SHARE = 0.5
+"""Share of the samples above which a signal counts as measured."""
+
 ROUNDING_STEP_TO_NOISE = 2.5
 """Step, over the noise, from which readings show the steps of their rounding."""
+
+LATTICE_MOST_VALUES = 0.9
+"""Different values over samples above which they lie on no lattice: a sensor that rounds repeats some."""
+
+LATTICE_TOLERANCE = 1e-3
+"""Share of a step within which all values must lie on the lattice."""
+
+NOISE_MEDIAN_TO_RMS = 0.3
+NOISE_RMS_TO_MEDIAN = 3.0
+"""Noise by the median of the differences, over that by their rms, above which the median is right; where it
+is below, most readings repeat, and the noise is at most so many times the median."""
 
 SLOW_SENSOR_MOST_SAMPLES = 50
 """Samples from one reading of a sensor to the next, at most."""
 
 SLOW_SENSOR_REGULAR_SHARE = 0.95
 """Share of the changes that must come at multiples of one interval to be readings of a slower sensor."""
+
+SLOW_SENSOR_MOST_CHANGES = 0.6
+"""Share of the samples with a change above which a sensor is not slow: it would repeat every other one."""
 
 INTERPOLATED_SHARE = 0.3
 """Share of the samples on straight lines between others from which a recording was interpolated."""
@@ -104,4 +121,5 @@ ROUNDED_BEND_STEPS = 4.0
 """Second difference in steps of the readings below which rounding makes the straight lines."""
 
 READINGS_FEWEST_SAMPLES = 200
-"""Samples from which readings can be told from what lies between them."""
+"""Noise by the median of the differences, over that by their rms, above which the median is right; where it
+is below, few samples hold most of the power, and the noise is at most so many times the median."""

@@ -43,6 +43,12 @@ sticks."""
 STUCK_SHORT_S = 0.1
 """Seconds; a longer stretch is a stuck sensor."""
 
+STUCK_MOST_SHARE = 0.5
+"""Share of a recording in such stretches above which its values repeat by themselves, and nothing is said."""
+
+FEWEST_KNOWN_SHARE = 0.5
+"""Share of the samples that must be known for stuck values, or ends of a range, to be looked for."""
+
 # Drop-outs: samples that are missing or zero.
 
 DROPOUT_FEWEST_SAMPLES = 4
@@ -51,6 +57,9 @@ DROPOUT_FEWEST_SAMPLES = 4
 SLOW_CHANNEL_GAP_SHARE = 0.2
 """Share of the samples; with more of them missing in short gaps, the channel is sampled less often, not
 cut."""
+
+SLOW_CHANNEL_FEWEST_GAPS = 20
+"""Gaps of one length above which they come from slow sampling, where as many samples are missing in them."""
 
 DROPOUT_TO_USUAL_LENGTH = 2.0
 """Length of a stretch, over that of all but two in a hundred others: coarse sensors repeat zeros, too."""
@@ -90,6 +99,16 @@ deviations of white noise."""
 SPIKE_LEAST_STD_RATIO = 0.01
 """Size of a spike, over the spread of the signal; smaller ones spoil nothing that robust noise does not
 cover."""
+
+SPIKE_TO_COARSE_STEP = 4.0
+"""Size of a spike over the step of a coarse sensor."""
+
+SPIKE_CALM_SAMPLES = 4
+"""Samples before and after a spike that say where the signal was and is again."""
+
+SPIKE_RETURN_SHARE = 0.4
+SPIKE_CALM_SHARE = 0.6
+"""Share of a spike by which the signal may have moved on behind it, and by which it may change beside it."""
 
 SPIKES_MOST_SHARE = 0.05
 """Share of the samples; a signal with more is of another kind, and nothing is said."""
@@ -142,5 +161,5 @@ RANGE_END_MOST_SHARE = 0.6
 """Share of a recording at the end of a range from which nothing of the signal is left to go on with."""
 
 RANGE_END_STDS = 4.0
-"""Standard deviations of the noise within which readings beside an end are left out, too: of these, only the
-lower ones were passed."""
+"""Share of a recording in stretches of one value above which it repeats values by itself, and nothing is
+said."""

@@ -26,6 +26,9 @@ RELEVANT_SHARE_OF_FIRST = 0.03
 RELEVANT_SHARE_OF_REST = 0.05
 """Share of what is left of a mismatch that an effect must explain to be what is missing."""
 
+RELEVANT_MAJOR_SHARE = 0.5
+"""Share of what is left of a mismatch from which an effect matters, however little it is of the first."""
+
 TRUSTED_ARITHMETIC = 1e-6
 """Share of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
 
@@ -45,6 +48,14 @@ IMITATOR_GIVEN_UP_CHI2 = 30.0
 WORTH_A_FIT_SHARE = 0.15
 """Share of the best candidate's gain that another must promise to be refined."""
 
+PROMISING_SHARE_OF_CHANCE = 0.7
+WORTH_A_FIT_SHARE_OF_CHANCE = 0.6
+"""Shares of `GAIN_OF_CHANCE` that the best candidate must promise for any to be refined, and each for itself:
+a fit finds more than a straight line promises."""
+
+KINDS_FROM_TWO_STARTS = 5
+"""Kinds and places, best first, that are refined from two starts."""
+
 MOST_KINDS_REFINED = 10
 """Most kinds that are refined."""
 
@@ -61,6 +72,9 @@ MOST_KINDS_RESCREENED = 12
 LARGEST_SIZE_FACTOR = 50.0
 """A size that is further away from the trial's is tried again from nearer by."""
 
+DRIVE_WORTH_A_FIT = 0.5
+"""Share of `GAIN_OF_CHANCE` that an effect in a motor must promise to be fitted."""
+
 # Fits of candidates, in heats: the worse ones are given up early.
 
 HEATS = ((2, 0), (3, 6), (8, 2))
@@ -68,6 +82,9 @@ HEATS = ((2, 0), (3, 6), (8, 2))
 
 HEAT_ERROR_RATIO = 10.0
 """How much further from the noise than the best a candidate may be that is fitted any longer."""
+
+HEAT_ERROR_SHARE_OF_NOISE = 0.1
+"""Share of the noise by which any candidate may be beyond it and is still fitted."""
 
 STARTING_SIZE_SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a candidate's estimated size from which its fit may begin."""
@@ -157,6 +174,11 @@ DRIVE_FLAT_DELAY = 2e-3
 COMMAND_BINS = 1 << 17
 """Bins of the commanded range in which an error that comes again with the command is looked for."""
 
+ROUNDING_FEWEST_STEPS = 6
+ROUNDING_LINE_TO_RMS = 6.0
+"""Steps of rounding within the range of the commands, and line in the spectrum over its rms, from which
+commands are rounded."""
+
 # Tones: loads and errors of one frequency.
 
 TONE_PADDING = 4
@@ -194,3 +216,6 @@ PEAK_WIDTH = 2.0
 
 PEAK_STDS = 6.0
 """Standard deviations by which a peak must rise above the noise of a spectrum."""
+
+TONE_AGREEMENT_STDS = 3.0
+"""Best candidates whose kinds are refined from a second start as well."""

@@ -94,6 +94,9 @@ OTHER_WIRE_FACTOR = 3.0
 OTHER_WIRE_PARTS = 12
 """Parts of a recording in which the stiffness of a wire is looked at."""
 
+OTHER_WIRE_LEAST_WEIGHT = 0.05
+"""How much the elongation changes in a part, over the liveliest one, from which its stiffness counts."""
+
 OTHER_MASS_FACTOR = 3.0
 """Factor of a mass, which no effect of ours makes."""
 
@@ -108,6 +111,9 @@ OTHER_LINEAR_CORRELATION = 0.99
 
 OSCILLATION_POWER_SHARE = 0.9
 """Share of a free motion's power near one frequency, from which it is an oscillation."""
+
+OSCILLATION_FEWEST_PERIODS = 5
+"""Periods in a recording from which a free motion tells its frequency."""
 
 OTHER_LOOP_ENTRIES = 5
 """Delays, periods and computing blocks unlike the spec's from which it is of another test: a slow network
@@ -131,6 +137,9 @@ MAINS_WANDER_HZ = 0.3
 HUM_NEIGHBOUR_HZ = 4.0
 """Hz on either side, from which the level beside the line is taken."""
 
+HUM_FEWEST_NEIGHBOURS = 20
+"""Frequencies beside the line from which their median says what chance is."""
+
 HUM_POWER_TO_MEDIAN = 40.0
 """Power of the line over the median beside it: by chance once in 1e11 lines."""
 
@@ -142,6 +151,9 @@ HUM_MEANS_TAKEN_OFF = 3
 
 HUM_SHOWN_SHARE = 0.3
 """Share of a line's amplitude that another channel would have to show, were it a motion."""
+
+HUM_SHOWN_POWER_SHARE = 0.5
+"""Share of the power that a line must have, from which it shows in another channel of no known ratio."""
 
 HUM_TO_NATURAL_FREQUENCY = 3.0
 """Mains over the plant's highest natural frequency, from which the plant itself hardly moves so fast."""

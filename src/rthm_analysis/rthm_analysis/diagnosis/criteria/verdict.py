@@ -56,6 +56,10 @@ removes nearly everything."""
 NEGLIGIBLE_SHARE = 0.01
 """Share of the mismatch on unseen data below which an effect does not matter."""
 
+RETUNED_LEFT_SHARE = 0.5
+"""Share of the mismatch on unseen data that new values may leave, to be told although they do not reach the
+noise."""
+
 RIVAL_GAIN_SHARE = 0.9
 """Share of an effect's gain that another kind may bring, too: with more, both only mend a shape."""
 
@@ -87,6 +91,13 @@ which that jump must be above zero."""
 WINDOWED_CHI2 = 10.0
 """Reduced chi-squared in short runs from which longer ones would only drift further."""
 
+LONGEST_RUN_SHARE = 0.08
+"""Share of a recording above which a run is as long as one over everything tells no more of the noise."""
+
+OTHER_BEGINNING_EXPLAINED_SHARE = 0.5
+"""Share of what is left that another way of the loads must remove: far from the noise, the smaller of two
+errors says nothing."""
+
 REFIT_CHI2 = 1.5
 """Reduced chi-squared of a model above which one that was fitted from it is fitted again."""
 
@@ -113,6 +124,9 @@ NEGLIGIBLE_DELAY_STD = 1e-6
 
 LARGEST_INTERVAL_SHARE = 0.8
 """Share of a recording over which a mismatch that starts or stops may reach and still have an interval."""
+
+LATE_TRAINING_SHARE = 0.9
+"""Share of the training part before which nothing may show, to say that it shows only in unseen data."""
 
 SAME_VALUE_SHARE = 2e-4
 """Relative difference up to which a value is still that of the spec: clocks that are off by 1e-4 make
@@ -141,6 +155,9 @@ whether another way fits: each starts beside its answer."""
 DRIVE_MOST_EFFECTS = 2
 """Most effects that are added to the motors, one in each round."""
 
+DRIVE_STEPS = 12
+"""Steps of the fit of an effect in a motor."""
+
 DRAFT_FEWEST_SAMPLES = 3000
 DRAFT_LEAST_EXCESS = 5000.0
 """Samples that a draft has at least, and squared error in them above the noise, in units of the noise: so
@@ -150,4 +167,4 @@ DRAFT_FEWEST_IN_WINDOW = 30
 """Samples of a draft in each window at least."""
 
 DRAFT_KINDS_COPIED = 5
-"""Kinds of each round of a draft that are copied near the noise: the one that was chosen and others."""
+"""Share of a recording above which runs are made no longer to tell the noise."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.signals import (
+    OSCILLATION_FEWEST_PERIODS,
     OSCILLATION_POWER_SHARE,
     OTHER_FREQUENCY_FACTOR_DOWN,
     OTHER_FREQUENCY_FACTOR_UP,
@@ -15,6 +16,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     OTHER_PERIOD_LOG,
     OTHER_START_SHARE,
     OTHER_WIRE_FACTOR,
+    OTHER_WIRE_LEAST_WEIGHT,
     OTHER_WIRE_PARTS,
 )
 from rthm_analysis.diagnosis.faults.plant import plant_seen
@@ -97,7 +99,7 @@ def _wire(smooth: Smooth, wire: Wire) -> Reason:
     if stiffness.size < OTHER_WIRE_PARTS // 2:
         return None
     allowed = OTHER_WIRE_FACTOR * (1.0 + 2.0 * wire.uncertainty)
-    strong = stiffness[weight > 0.05 * weight.max()]
+    strong = stiffness[weight > OTHER_WIRE_LEAST_WEIGHT * weight.max()]
     if np.any((strong > wire.stiffness / allowed) & (strong < wire.stiffness * allowed)):
         return None
     if related(longer, force)[1] < OTHER_LINEAR_CORRELATION:
@@ -151,7 +153,7 @@ def _free(evidence: Evidence, spec: Spec) -> Reason:
     power[:2] = 0.0
     peak = int(np.argmax(power))
     near = power[max(peak - max(3, peak // 5), 0) : peak + max(3, peak // 5) + 1]
-    if peak < 5 or near.sum() < OSCILLATION_POWER_SHARE * power.sum():
+    if peak < OSCILLATION_FEWEST_PERIODS or near.sum() < OSCILLATION_POWER_SHARE * power.sum():
         return None
     seen = 2.0 * np.pi * peak / duration
     nominal = float(np.sqrt(spec.plant.stiffness[0] / spec.plant.mass[0]))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.samples import (
+    FEWEST_KNOWN_SHARE,
     RANGE_END_FEWEST_READINGS,
     RANGE_END_MOST_SHARE,
     RANGE_END_STDS,
@@ -58,7 +59,7 @@ def find_clipped(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
 def _ends(values: Floats) -> list[float]:
     """Ends of the range at which a signal with noise was cut."""
     known = values[np.isfinite(values)]
-    if known.size < 0.5 * values.size or not np.ptp(known) > 0.0:
+    if known.size < FEWEST_KNOWN_SHARE * values.size or not np.ptp(known) > 0.0:
         return []
     ends = [end for end in (float(known.min()), float(known.max())) if _repeats(values, end)]
     free = known[~np.isin(known, ends)]

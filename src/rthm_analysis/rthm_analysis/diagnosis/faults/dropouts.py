@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.samples import (
     DROPOUT_JUMP_TO_USUAL,
     DROPOUT_JUMPING_SHARE,
     DROPOUT_TO_USUAL_LENGTH,
+    SLOW_CHANNEL_FEWEST_GAPS,
     SLOW_CHANNEL_GAP_SHARE,
 )
 from rthm_analysis.diagnosis.faults.commanded import is_real
@@ -69,7 +70,11 @@ def _gaps(values: Floats) -> list[Stretch]:
     if short > SLOW_CHANNEL_GAP_SHARE * values.size:
         return []
     lengths = np.array([b - a for a, b in found if b - a >= DROPOUT_FEWEST_SAMPLES])
-    if lengths.size > 20 and np.ptp(lengths) <= 1 and lengths.sum() > SLOW_CHANNEL_GAP_SHARE * values.size:
+    if (
+        lengths.size > SLOW_CHANNEL_FEWEST_GAPS
+        and np.ptp(lengths) <= 1
+        and lengths.sum() > SLOW_CHANNEL_GAP_SHARE * values.size
+    ):
         return []
     return [one for one in found if one[1] - one[0] >= DROPOUT_FEWEST_SAMPLES]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.signals import (
     HUM_AMPLITUDE_RATIO,
+    HUM_FEWEST_NEIGHBOURS,
     HUM_FEWEST_PERIODS,
     HUM_MEANS_TAKEN_OFF,
     HUM_NEIGHBOUR_HZ,
@@ -16,6 +17,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     HUM_PERIODS_PER_SAMPLE,
     HUM_POWER_TO_MEDIAN,
     HUM_POWER_TO_NEXT,
+    HUM_SHOWN_POWER_SHARE,
     HUM_SHOWN_SHARE,
     HUM_TO_NATURAL_FREQUENCY,
     MAINS_HZ,
@@ -98,7 +100,7 @@ def _line(time: Floats, values: Floats, near: float, mains: float) -> Line | Non
     inside = np.abs(frequencies - near) <= MAINS_WANDER_HZ + 1.0 / time[-1]
     away = np.abs(frequencies - near)
     beside = (away <= HUM_NEIGHBOUR_HZ) & (away > 2.0 * MAINS_WANDER_HZ)
-    if not inside.any() or np.count_nonzero(beside) < 20:
+    if not inside.any() or np.count_nonzero(beside) < HUM_FEWEST_NEIGHBOURS:
         return None
     peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
     least = max(
@@ -206,7 +208,7 @@ def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
     beside = (np.abs(frequencies - line.frequency) <= HUM_NEIGHBOUR_HZ) & ~inside
     return bool(
         power[inside].max(initial=0.0)
-        > 0.5 * HUM_POWER_TO_MEDIAN * max(float(np.median(power[beside])), 1e-300)
+        > HUM_SHOWN_POWER_SHARE * HUM_POWER_TO_MEDIAN * max(float(np.median(power[beside])), 1e-300)
     )
 
 

@@ -13,13 +13,17 @@ from rthm_analysis.diagnosis.criteria.samples import (
     SEVERAL_SPIKES_MEDIAN_RATIO,
     SPIKE_BETWEEN_SHARE,
     SPIKE_BLOCK,
+    SPIKE_CALM_SAMPLES,
+    SPIKE_CALM_SHARE,
     SPIKE_EXPLAINED_SHARE,
     SPIKE_LARGEST_LOG_HEIGHT,
     SPIKE_LEAST_STD_RATIO,
     SPIKE_MOST_SAMPLES,
     SPIKE_NEIGHBOURS,
+    SPIKE_RETURN_SHARE,
     SPIKE_TAIL_EXPECTED,
     SPIKE_TAIL_SHARE,
+    SPIKE_TO_COARSE_STEP,
     SPIKE_TO_LARGE_STEPS,
     SPIKE_TO_USUAL_BEND,
     SPIKE_TO_USUAL_DISTANCE,
@@ -139,7 +143,7 @@ def _spikes(values: Floats) -> list[Stretch]:
     least = np.maximum(
         SPIKE_TO_USUAL_DISTANCE * _usual(size, 0.9), SPIKE_TO_USUAL_BEND * _usual(second, 0.75)
     )
-    least = np.maximum(least, max(4.0 * steps, SPIKE_LEAST_STD_RATIO * spread, 1e-300))
+    least = np.maximum(least, max(SPIKE_TO_COARSE_STEP * steps, SPIKE_LEAST_STD_RATIO * spread, 1e-300))
     found = [
         one
         for one in stretches((size > least) & known)
@@ -169,12 +173,13 @@ def _reach_of_tail(heights: Floats) -> float:
 
 def _returns(values: Floats, one: Stretch, size: float) -> bool:
     """Whether the signal is back after it where it was before, and was calm there."""
-    before = values[max(one[0] - 4, 0) : one[0]]
-    after = values[one[1] : one[1] + 4]
+    before = values[max(one[0] - SPIKE_CALM_SAMPLES, 0) : one[0]]
+    after = values[one[1] : one[1] + SPIKE_CALM_SAMPLES]
     if not before.size or not after.size:
         return False
     calm = max(float(np.ptp(before)), float(np.ptp(after)))
-    return abs(float(np.median(before) - np.median(after))) < 0.4 * size and calm < 0.6 * size
+    apart = abs(float(np.median(before) - np.median(after)))
+    return apart < SPIKE_RETURN_SHARE * size and calm < SPIKE_CALM_SHARE * size
 
 
 def _size(evidence: Evidence, column: int, one: Stretch) -> float:

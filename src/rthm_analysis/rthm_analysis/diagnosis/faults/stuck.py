@@ -13,12 +13,14 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.samples import (
     ALIVE_CHANGE_RATIO,
+    FEWEST_KNOWN_SHARE,
     HELD_FEWEST_STRETCHES,
     NOISY_ALTERNATING_SHARE,
     PADDED_SAMPLES,
     STUCK_FEWEST_SAMPLES,
     STUCK_LEAP_RATIO,
     STUCK_LEAP_RATIO_WITHOUT_NOISE,
+    STUCK_MOST_SHARE,
     STUCK_NEIGHBOURS,
     STUCK_RATE_SAMPLES,
     STUCK_SHORT_S,
@@ -59,7 +61,10 @@ def find_stuck(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
 
 def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
     values = evidence.measured[:, column]
-    if np.count_nonzero(np.isfinite(values)) < 0.5 * values.size or not np.nanstd(values) > 0.0:
+    if (
+        np.count_nonzero(np.isfinite(values)) < FEWEST_KNOWN_SHARE * values.size
+        or not np.nanstd(values) > 0.0
+    ):
         return []
     begin, length = pieces(values)
     long = np.flatnonzero(length >= STUCK_FEWEST_SAMPLES)
@@ -67,7 +72,7 @@ def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
         long = np.flatnonzero(
             length >= max(STUCK_FEWEST_SAMPLES, STUCK_TO_USUAL_LENGTH * float(np.quantile(length, 0.99)))
         )
-    if not long.size or length[long].sum() > 0.5 * values.size:
+    if not long.size or length[long].sum() > STUCK_MOST_SHARE * values.size:
         return []
     noisy = carries_noise(values, length, long)
     others = _others(evidence, column)

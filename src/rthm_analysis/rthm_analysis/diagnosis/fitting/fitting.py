@@ -20,7 +20,10 @@ from rthm_analysis.diagnosis.criteria.fitting import (
     DIVERGED_ERROR,
     FINE_DIFFERENCE_RATIO,
     FINE_FIT_GAIN,
+    FIT_GAIN,
+    FIT_STEPS,
     POOR_FIT_CHI2,
+    SETTLED_GAIN,
 )
 from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
@@ -269,8 +272,8 @@ class Fitting:
         self,
         model: Model,
         known: Floats | None = None,
-        most: int = 8,
-        least: float = 3e-4,
+        most: int = FIT_STEPS,
+        least: float = FIT_GAIN,
         *,
         started: bool = False,
         affordable: bool = False,
@@ -315,7 +318,7 @@ class Fitting:
                 damping = max(damping * 10.0, 1e-3)
             if affordable and self.budget.spent:
                 break
-            if before - best < max(0.1, least * best):
+            if before - best < max(SETTLED_GAIN, least * best):
                 if small < DIFFERENCE_STEP or least > FINE_FIT_GAIN:
                     settled = least
                     break

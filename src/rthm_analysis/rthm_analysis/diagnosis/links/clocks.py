@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.links import (
+    COMMANDS_PER_REFERENCE,
     FOUND_TICKS_COMMANDED,
     ON_TICK_PERIOD_SHARE,
     OTHER_PERIOD_SHARE,
@@ -113,7 +114,10 @@ def _explains(stamps: Integers, period: int, share: float, references: int | Non
     on_tick = _near(stamps, ticks, ON_TICK_PERIOD_SHARE * period)
     if ticks.size < PERIOD_FEWEST_STAMPS or np.count_nonzero(on_tick) < share * ticks.size:
         return False
-    return references is None or np.count_nonzero(~on_tick) <= 1.05 * references + PERIOD_FEWEST_STAMPS
+    return (
+        references is None
+        or np.count_nonzero(~on_tick) <= COMMANDS_PER_REFERENCE * references + PERIOD_FEWEST_STAMPS
+    )
 
 
 def _near(stamps: Integers, ticks: Integers, reach: float) -> Flags:

@@ -20,7 +20,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.links import USE_GRAIN, USE_TOLD_NS
+from rthm_analysis.diagnosis.criteria.links import (
+    AS_COMMANDED_SHARE,
+    AS_DRAWN_SHARE,
+    LINK_FEWEST_USES,
+    USE_GRAIN,
+    USE_TOLD_NS,
+)
 from rthm_analysis.diagnosis.links.host_stalls import without_stalls
 from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
@@ -98,7 +104,7 @@ def link_evidence(
     source = recording.tables.get(SOURCES[name])
     if name not in recording.links:
         return f"links/{name} is not recorded: the link cannot be checked."
-    if source is None or len(source) < 2 or len(recording.links[name]) < 20:
+    if source is None or len(source) < 2 or len(recording.links[name]) < LINK_FEWEST_USES:
         return f"{SOURCES[name]} or links/{name} has too few samples: the link {name} cannot be checked."
     offset = stamp_offset(recording, spec, name, source)
     if offset is None:
@@ -114,7 +120,7 @@ def link_evidence(
     at, row = _uses(uses, start, stamp, receiver)
     if name == "tau3" and not receiver:
         at, row = _as_commanded(recording, stamp - offset, at, row, link.delay_ns)
-    if at.size < 20:
+    if at.size < LINK_FEWEST_USES:
         return f"links/{name} has too few uses: the link cannot be checked."
     hidden, unsure = _between_hosts(recording, name)
     known = link.offset_ns if offset or hidden else 0
@@ -153,7 +159,9 @@ def _between_hosts(recording: Recording, name: str) -> tuple[int, float]:
 def _as_drawn(due: Integers, low: Floats, high: Floats) -> bool:
     """Whether nearly all samples came when the random numbers of the spec say."""
     told = np.isfinite(high)
-    return bool(np.mean((low[told] < USE_GRAIN) & (high[told] >= 0.0)) > 0.98) if told.any() else False
+    return (
+        bool(np.mean((low[told] < USE_GRAIN) & (high[told] >= 0.0)) > AS_DRAWN_SHARE) if told.any() else False
+    )
 
 
 def _uses(uses: LinkTable, start: int, stamp: Integers, receiver: int) -> tuple[Integers, Integers]:
@@ -185,7 +193,7 @@ def _as_commanded(
     told = forces.effort[which]
     newest = np.maximum(np.searchsorted(sent, at, side="right") - 1, 0)
     same = (effort[newest] == told[row]).all(axis=1) & (sent[newest] <= at)
-    if same.mean() < 0.5:
+    if same.mean() < AS_COMMANDED_SHARE:
         soon = (sent[newest] <= at) & (at - sent[newest] < USE_TOLD_NS)
         return np.where(soon, sent[newest], at), row
     at = np.where(same, sent[newest], at)

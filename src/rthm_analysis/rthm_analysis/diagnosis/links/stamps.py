@@ -15,8 +15,11 @@ from rthm_analysis.diagnosis.criteria.links import (
     EQUAL_VALUES_RATIO,
     FORESEEN_SHARE,
     SAMPLE_MISFIT_RATIO,
+    SHIFT_FEWEST_VALUES,
     SHIFT_REACHES_NS,
     SHIFT_USES,
+    SHIFT_VOTES_SHARE,
+    SHIFT_VOTES_TO_BEST,
 )
 from rthm_analysis.recording import LinkTable, Recording, Table, hold
 from rthm_core.substructure import interface
@@ -63,8 +66,8 @@ def _shifts(source: Integers, used: Integers, reach: int) -> Integers:
     rows = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
     shifts, votes = np.unique(np.repeat(used, counts) - source[rows], return_counts=True)
     inside = (used - reach >= source[0]) & (used + reach <= source[-1])
-    enough = 0.5 * max(int(np.count_nonzero(inside)), used.size // 2)
-    return shifts[votes >= max(enough, 0.9 * votes.max(initial=0))]
+    enough = SHIFT_VOTES_SHARE * max(int(np.count_nonzero(inside)), used.size // 2)
+    return shifts[votes >= max(enough, SHIFT_VOTES_TO_BEST * votes.max(initial=0))]
 
 
 def _told_by_values(
@@ -124,7 +127,7 @@ def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamp
     there = table.stamp_ns[row] == stamps
     basis = np.column_stack([columns[row], others])[there]
     known = np.isfinite(basis).all(axis=1) & np.isfinite(target[there]).all(axis=1)
-    if np.count_nonzero(known) < 20:
+    if np.count_nonzero(known) < SHIFT_FEWEST_VALUES:
         return np.inf
     return _left_by(basis[known], target[there][known])
 

@@ -12,7 +12,9 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import FINISHED_CHI2, GAIN_OF_CHANCE, NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.criteria.verdict import (
+    LONGEST_RUN_SHARE,
     NOISE_REVISED_RATIO,
+    OTHER_BEGINNING_EXPLAINED_SHARE,
     REFIT_CHI2,
     STEPS_OF_ANOTHER_BEGINNING,
     WINDOWED_CHI2,
@@ -125,7 +127,7 @@ def in_short_runs(begun: Baseline, seen: Evidence, settled: Model, train: int) -
 def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
     """Whether little is left of what was: far from the noise, the smaller of two errors says nothing."""
     left = old.squares - fitting.expected
-    return old.squares - new.squares > max(0.5 * left, GAIN_OF_CHANCE)
+    return old.squares - new.squares > max(OTHER_BEGINNING_EXPLAINED_SHARE * left, GAIN_OF_CHANCE)
 
 
 def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) -> tuple[Baseline, Selection]:
@@ -210,7 +212,7 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
         noise = noise_left(part, settled.spec, runs.first(train))
-        if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
+        if runs.length is None or runs.length > LONGEST_RUN_SHARE * float(seen.time[-1]):
             return runs, noise
         fitting = Fitting(part, runs.first(train), noise.sigma, settled)
         if reduced_chi2(fitting, fitting.fit(settled)) > WINDOWED_CHI2:

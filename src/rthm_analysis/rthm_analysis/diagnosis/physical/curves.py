@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import RESIDUAL_PARABOLA_SAMPLES
+from rthm_analysis.diagnosis.criteria.missing import DRAWN_CURVE_SHARE, RESIDUAL_PARABOLA_SAMPLES
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_force
@@ -37,7 +37,7 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
         curves = {name: binned(values, force) for name, (values, _) in variables.items()}
         best = max(curves, key=lambda name: curves[name][3])
         at, mean, std, share = curves[best]
-        if share > 0.02 or any(one.block == "plant" for one in physics):
+        if share > DRAWN_CURVE_SHARE or any(one.block == "plant" for one in physics):
             over, unit = variables[best]
             law = None if named is None else spread_over(over, named)
             yield Curve("plant", best, unit, at, mean, std, law, share)

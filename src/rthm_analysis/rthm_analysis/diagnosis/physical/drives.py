@@ -8,8 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.noise import DRIVE_COLOUR_RATIO_TO_WHITE, DRIVE_COLOUR_SHARE_OF_SIGNAL
-from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PARAMETER, NEAR_NOISE_CHI2
-from rthm_analysis.diagnosis.criteria.verdict import DRIVE_MOST_EFFECTS, NEGLIGIBLE_DELAY_STD
+from rthm_analysis.diagnosis.criteria.search import (
+    DRIVE_WORTH_A_FIT,
+    GAIN_OF_CHANCE,
+    GAIN_PER_PARAMETER,
+    NEAR_NOISE_CHI2,
+)
+from rthm_analysis.diagnosis.criteria.verdict import DRIVE_MOST_EFFECTS, DRIVE_STEPS, NEGLIGIBLE_DELAY_STD
 from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits, motor_limits
@@ -144,11 +149,13 @@ def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate
     present = {(one.kind, one.place) for one in model.added}
     starts = [s for s in drive_starts(model.spec, fitting) if (s.added.kind, s.added.place) not in present]
     nothing = np.empty((0, here.residual.size))
-    promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * GAIN_OF_CHANCE]
+    promising = [
+        s for s in screen(fitting, here, nothing, starts) if s.gain > DRIVE_WORTH_A_FIT * GAIN_OF_CHANCE
+    ]
 
     def refined(one: ScoredCandidate) -> FittedCandidate | None:
         try:
-            fitted = fitting.fit(one.start.added_to(model), None, 12)
+            fitted = fitting.fit(one.start.added_to(model), None, DRIVE_STEPS)
         except (InputError, np.linalg.LinAlgError):
             return None
         return FittedCandidate(one.start, fitted, float(fitted.left_out.sum()))

@@ -6,7 +6,12 @@ from functools import partial
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.verdict import NEGLIGIBLE_SHARE, RIVAL_GAIN_SHARE
+from rthm_analysis.diagnosis.criteria.verdict import (
+    LATE_TRAINING_SHARE,
+    NEGLIGIBLE_SHARE,
+    RETUNED_LEFT_SHARE,
+    RIVAL_GAIN_SHARE,
+)
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless, without_vague
 from rthm_analysis.diagnosis.physical.curves import force_curve
@@ -126,7 +131,7 @@ def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:
 def _helps(judged: Judgement) -> bool:
     """Whether new values predict unseen data much better, though not to the noise."""
     before, after = judged.squares["nominal"] - judged.expected, judged.squares["retuned"] - judged.expected
-    return after < 0.5 * before
+    return after < RETUNED_LEFT_SHARE * before
 
 
 def _described(judged: Judgement) -> tuple[Described, ...]:
@@ -152,7 +157,11 @@ def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
 
 def _late(one: Remainder, physical: Physical) -> bool:
     """Whether nothing shows before the unseen part."""
-    return not one.in_train and bool(one.parts.size) and float(one.parts[:, 0].min()) > 0.9 * physical.train
+    return (
+        not one.in_train
+        and bool(one.parts.size)
+        and float(one.parts[:, 0].min()) > LATE_TRAINING_SHARE * physical.train
+    )
 
 
 def _on_the_load(physical: Physical) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.replay import STRAY_COMMANDS_SHARE
+from rthm_analysis.diagnosis.criteria.replay import CHANNEL_FEWEST_SHARE, STRAY_COMMANDS_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -142,7 +142,7 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
     ):
         values = plant.columns(field, places)
         for place, column in zip(places, values.T, strict=True):
-            if np.isfinite(column).mean() > 0.5:
+            if np.isfinite(column).mean() > CHANNEL_FEWEST_SHARE:
                 channels.append(Channel(family, place))
                 columns.append(column)
             else:

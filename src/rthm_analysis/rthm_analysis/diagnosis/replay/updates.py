@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.criteria.replay import (
     KNOT_INTERVAL_RATIO,
     READINGS_FEWEST_SAMPLES,
     ROUNDED_BEND_STEPS,
+    SLOW_SENSOR_MOST_CHANGES,
     SLOW_SENSOR_MOST_SAMPLES,
     SLOW_SENSOR_REGULAR_SHARE,
     STRAIGHT_BEND_RATIO,
@@ -54,7 +55,10 @@ def _readings(values: Floats) -> tuple[Flags | None, str]:
 def _held(values: Floats) -> Flags | None:
     """First sample of each hold, where changes come at multiples of one interval."""
     changes = np.flatnonzero(np.diff(values) != 0.0) + 1
-    if changes.size < READINGS_FEWEST_SAMPLES // SLOW_SENSOR_MOST_SAMPLES or changes.size > 0.6 * values.size:
+    if (
+        changes.size < READINGS_FEWEST_SAMPLES // SLOW_SENSOR_MOST_SAMPLES
+        or changes.size > SLOW_SENSOR_MOST_CHANGES * values.size
+    ):
         return None
     gaps, counts = np.unique(np.diff(changes), return_counts=True)
     interval = int(gaps[np.argmax(counts)])

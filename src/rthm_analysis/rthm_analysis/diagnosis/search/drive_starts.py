@@ -12,6 +12,8 @@ from rthm_analysis.diagnosis.criteria.search import (
     DRIVE_FLAT_DELAY,
     DRIVE_LONGEST_DELAY,
     DRIVE_SHORTEST_DELAY,
+    ROUNDING_FEWEST_STEPS,
+    ROUNDING_LINE_TO_RMS,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -140,7 +142,9 @@ def _step(evidence: Evidence, actuator: int, residual: Floats) -> float | None:
     total = np.bincount(place, weights=residual[known] - residual[known].mean(), minlength=COMMAND_BINS)
     spectrum = np.abs(np.fft.rfft(total))[1 : COMMAND_BINS // 3]
     best = int(np.argmax(spectrum)) + 1
-    if best < 6 or spectrum[best - 1] < 6.0 * np.sqrt(np.mean(np.square(spectrum))):
+    if best < ROUNDING_FEWEST_STEPS or spectrum[best - 1] < ROUNDING_LINE_TO_RMS * np.sqrt(
+        np.mean(np.square(spectrum))
+    ):
         return None
     return _sharpened((high - low) / best, command, residual[known])
 

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     GAIN_OF_CHANCE,
     GAIN_PER_PARAMETER,
     NEAR_NOISE_CHI2,
+    RELEVANT_MAJOR_SHARE,
     RELEVANT_SHARE_OF_FIRST,
     RELEVANT_SHARE_OF_REST,
     TRUSTED_ARITHMETIC,
@@ -153,7 +154,7 @@ def relevant(fitting: Fitting, new: FittedCandidate, selection: Selection) -> bo
     return (
         after < NEAR_NOISE_CHI2 * noise
         or gain > RELEVANT_SHARE_OF_FIRST * start
-        or gain > 0.5 * (before - noise)
+        or gain > RELEVANT_MAJOR_SHARE * (before - noise)
     )
 
 

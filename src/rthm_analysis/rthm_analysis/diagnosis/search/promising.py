@@ -6,11 +6,14 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import (
     GAIN_OF_CHANCE,
+    KINDS_FROM_TWO_STARTS,
     MOST_KINDS_REFINED,
     MOST_KINDS_RESCREENED,
+    PROMISING_SHARE_OF_CHANCE,
     SLOW_KIND_STARTS,
     STILL_PROMISING_SHARE,
     WORTH_A_FIT_SHARE,
+    WORTH_A_FIT_SHARE_OF_CHANCE,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.candidates import candidates
@@ -72,11 +75,11 @@ def _denied(fitting: Fitting, fitted: Fitted, one: ScoredCandidate, worth: float
 def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """Candidates worth a fit: those near the best in gain, the best kinds from two starts."""
     best = screened[0].gain if screened else 0.0
-    if best < 0.7 * GAIN_OF_CHANCE:
+    if best < PROMISING_SHARE_OF_CHANCE * GAIN_OF_CHANCE:
         return []
     near = [s for s in screened if s.gain > _worth_a_fit(best)]
     firsts = best_of_each(near, 1)[:MOST_KINDS_REFINED]
-    kinds = {s.start.label[:2] for s in firsts[:5]}
+    kinds = {s.start.label[:2] for s in firsts[:KINDS_FROM_TWO_STARTS]}
     chosen = list(firsts)
     for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
         label = one.start.label
@@ -94,7 +97,7 @@ def still_promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
 
 def _worth_a_fit(best: float) -> float:
     """Gain from which a candidate is fitted, given that of the best."""
-    return max(0.6 * GAIN_OF_CHANCE, WORTH_A_FIT_SHARE * best)
+    return max(WORTH_A_FIT_SHARE_OF_CHANCE * GAIN_OF_CHANCE, WORTH_A_FIT_SHARE * best)
 
 
 def smallest_seen(screened: list[ScoredCandidate]) -> dict[tuple[str, str, str], dict[str, float]]:

@@ -8,11 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.fitting import FIT_GAIN, POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.search import (
     FINISHING_GAIN,
     FINISHING_STEPS,
     HEAT_ERROR_RATIO,
+    HEAT_ERROR_SHARE_OF_NOISE,
     HEATS,
     NEAR_NOISE_CHI2,
     RELEVANT_SHARE_OF_FIRST,
@@ -134,7 +135,10 @@ def _within_reach(fitting: Fitting, tried: list[FittedCandidate]) -> int:
     """Of candidates in the order of their errors, how many may still become the best."""
     noise = fitting.expected
     best = tried[0].fitted.squares if tried else 0.0
-    return sum(t.fitted.squares - noise < max(HEAT_ERROR_RATIO * (best - noise), 0.1 * noise) for t in tried)
+    return sum(
+        t.fitted.squares - noise < max(HEAT_ERROR_RATIO * (best - noise), HEAT_ERROR_SHARE_OF_NOISE * noise)
+        for t in tried
+    )
 
 
 def fit_further(
@@ -142,7 +146,7 @@ def fit_further(
     tried: FittedCandidate,
     known: Floats | None,
     steps: int,
-    least: float = 3e-4,
+    least: float = FIT_GAIN,
     *,
     affordable: bool = False,
 ) -> FittedCandidate:

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     RINGING_SHARE,
     TONE_AGREEMENT,
     TONE_AGREEMENT_AT_RIG,
+    TONE_AGREEMENT_STDS,
     TONE_PARTS,
     TONE_RESOLUTION,
     TONE_RIVAL_SHARE,
@@ -72,7 +73,7 @@ def _differences(fitting: Fitting, fitted: Fitted, index: int) -> Floats:
         inverse = np.linalg.pinv(matrix, hermitian=True)
         wanted = inverse @ (scale * sums.gradient[part].sum(0)[own])
         std = np.sqrt(reduced_chi2(fitting, fitted) * np.maximum(np.diag(inverse), 0.0))
-        found.append(float(np.max(np.abs(wanted) - 3.0 * std)))
+        found.append(float(np.max(np.abs(wanted) - TONE_AGREEMENT_STDS * std)))
     return np.array(found)
 
 

@@ -21,7 +21,9 @@ each over its standard deviation; where nothing but noise is left, it is about t
 errors, mostly of **cross-validated** ones: each part of the data is predicted by values that were fitted to
 the other parts. A **mismatch** is what a model leaves above the noise, and a **share** a part of it, or of a
 variance, between 0 and 1. **Unseen** data are the last third of a recording, which no fit and no choice has
-used. A gain in the **logarithm of the likelihood** is half of one in squared error.
+used. The **slow residual** is what a model leaves, averaged over 16 samples at a time: white noise has a
+power of 1 there as well, and physics more. A gain in the **logarithm of the likelihood** is half of one in
+squared error.
 
 Chance, arithmetic and cost give some numbers their values. Most others lie between what recordings show with
 what is looked for and without it; the docstring tells either side where it is known. A docstring below

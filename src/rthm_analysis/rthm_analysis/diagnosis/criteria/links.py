@@ -96,7 +96,8 @@ ON_TICK_PERIOD_SHARE = 0.05
 """Part of a period within which a command belongs to a tick."""
 
 COMMANDS_PER_REFERENCE = 1.05
-"""Commands beside the ticks, over the references that may each have made one, that a period may leave."""
+"""Commands beside the ticks of a period, over the references that may each have made one, up to which
+references account for them."""
 
 FOUND_TICKS_COMMANDED = 0.95
 SPEC_TICKS_COMMANDED = 0.7
@@ -149,5 +150,5 @@ EQUAL_VALUES_RATIO = 1e-9
 
 SAMPLE_MISFIT_RATIO = 1e-2
 COMMAND_MISFIT_RATIO = 0.9
-"""Commands beside the ticks of a period, over the references that may each have made one, up to which
-references account for them."""
+"""Values that fit the right sample, and motors that follow the right command, leave less than this share of
+the misfit of the nearest stamps; motors have noise and lags."""

@@ -94,7 +94,7 @@ LATTICE_TOLERANCE = 1e-3
 NOISE_MEDIAN_TO_RMS = 0.3
 NOISE_RMS_TO_MEDIAN = 3.0
 """Noise by the median of the differences, over that by their rms, above which the median is right; where it
-is below, most readings repeat, and the noise is at most so many times the median."""
+is below, few samples hold most of the power, and the noise is at most so many times the median."""
 
 SLOW_SENSOR_MOST_SAMPLES = 50
 """Samples from one reading of a sensor to the next, at most."""
@@ -121,5 +121,4 @@ ROUNDED_BEND_STEPS = 4.0
 """Second difference in steps of the readings below which rounding makes the straight lines."""
 
 READINGS_FEWEST_SAMPLES = 200
-"""Noise by the median of the differences, over that by their rms, above which the median is right; where it
-is below, few samples hold most of the power, and the noise is at most so many times the median."""
+"""Samples from which readings can be told from what lies between them."""

@@ -44,7 +44,8 @@ STUCK_SHORT_S = 0.1
 """Seconds; a longer stretch is a stuck sensor."""
 
 STUCK_MOST_SHARE = 0.5
-"""Share of a recording in such stretches above which its values repeat by themselves, and nothing is said."""
+"""Share of a recording in stretches of one value above which it repeats values by itself, and nothing is
+said."""
 
 FEWEST_KNOWN_SHARE = 0.5
 """Share of the samples that must be known for stuck values, or ends of a range, to be looked for."""
@@ -161,5 +162,5 @@ RANGE_END_MOST_SHARE = 0.6
 """Share of a recording at the end of a range from which nothing of the signal is left to go on with."""
 
 RANGE_END_STDS = 4.0
-"""Share of a recording in stretches of one value above which it repeats values by itself, and nothing is
-said."""
+"""Standard deviations of the noise within which readings beside an end are left out, too: of these, only the
+lower ones were passed."""

@@ -54,7 +54,7 @@ WORTH_A_FIT_SHARE_OF_CHANCE = 0.6
 a fit finds more than a straight line promises."""
 
 KINDS_FROM_TWO_STARTS = 5
-"""Kinds and places, best first, that are refined from two starts."""
+"""Best candidates whose kinds are refined from a second start as well."""
 
 MOST_KINDS_REFINED = 10
 """Most kinds that are refined."""
@@ -193,10 +193,11 @@ TONE_HIGHEST = 400.0
 TONE_PARTS = 5
 """Parts of the training data that have to agree on a tone; each has some periods of all but the slowest."""
 
+TONE_AGREEMENT_STDS = 3.0
 TONE_AGREEMENT = 0.5
 TONE_AGREEMENT_AT_RIG = 0.25
-"""Relative change of size, or of phase in rad, by which a part may differ beside three standard deviations;
-for a tone at a frequency of its own, and for one at a frequency of the rig or beside another tone."""
+"""Standard deviations, and relative change of size, or of phase in rad, beside them, by which a part may
+differ; for a tone at a frequency of its own, and for one at a frequency of the rig or beside another tone."""
 
 TONE_RIVAL_SHARE = 0.5
 TONE_RIVAL_SHARE_AT_RIG = 0.25
@@ -216,6 +217,3 @@ PEAK_WIDTH = 2.0
 
 PEAK_STDS = 6.0
 """Standard deviations by which a peak must rise above the noise of a spectrum."""
-
-TONE_AGREEMENT_STDS = 3.0
-"""Best candidates whose kinds are refined from a second start as well."""

@@ -8,11 +8,11 @@ TRAINED_SHARE = 2.0 / 3.0
 NOISE_FLOOR_RATIO = 1.3
 """Rms error on unseen data, over the noise, up to which a model is at the noise (contract)."""
 
-MIN_SIGNAL_TO_NOISE = 3.0
+STILL_SIGNAL_TO_NOISE = 3.0
 """Standard deviation of a signal on unseen data, over its noise, below which it stands still there: the whole
 recording then says how large it is."""
 
-MAX_TRAINING_SLOW_POWER = 4.0
+TRAINING_SLOW_POWER = 4.0
 """Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
 
 LEFT_SHARE_OF_SLOW_POWER = 0.15
@@ -23,7 +23,7 @@ in units of the noise."""
 ARITHMETIC_SHARE_OF_SLOW_POWER = 1e-5
 """Share of the retuned model's slow residual that the arithmetic of a replay may leave."""
 
-MAX_PREDICTION_SPREAD = 1.0
+PREDICTION_SPREAD = 1.0
 """What the uncertainty of the values makes of a prediction of unseen data, over the noise, above which one
 free run tells nothing there: after so many contacts the right model, too, is somewhere else."""
 
@@ -89,10 +89,10 @@ which that jump must be above zero."""
 # Noise taken for motion, and motion taken for noise.
 
 WINDOWED_CHI2 = 10.0
-"""Reduced chi-squared in short runs from which longer ones would only drift further."""
+"""Reduced chi-squared from which longer runs would only drift further."""
 
 LONGEST_RUN_SHARE = 0.08
-"""Share of a recording above which a run is as long as one over everything tells no more of the noise."""
+"""Share of a recording above which runs are made no longer to tell the noise."""
 
 OTHER_BEGINNING_EXPLAINED_SHARE = 0.5
 """Share of what is left that another way of the loads must remove: far from the noise, the smaller of two
@@ -150,7 +150,7 @@ STEPS_WITHOUT_EFFECT = 6
 STEPS_WITHOUT_VALUE = 6
 STEPS_OF_ANOTHER_BEGINNING = 4
 """Steps of a fit without one of the effects, with a value returned to that of the spec, and of one that shows
-whether another way fits: each starts beside its answer."""
+whether another way fits."""
 
 DRIVE_MOST_EFFECTS = 2
 """Most effects that are added to the motors, one in each round."""
@@ -167,4 +167,4 @@ DRAFT_FEWEST_IN_WINDOW = 30
 """Samples of a draft in each window at least."""
 
 DRAFT_KINDS_COPIED = 5
-"""Share of a recording above which runs are made no longer to tell the noise."""
+"""Kinds of each round of a draft that are copied near the noise: the one that was chosen and others."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN
 from rthm_analysis.diagnosis.criteria.search import FINISHING_STEPS, NEAR_NOISE_CHI2
-from rthm_analysis.diagnosis.criteria.verdict import MAX_PREDICTION_SPREAD
+from rthm_analysis.diagnosis.criteria.verdict import PREDICTION_SPREAD
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, bounded
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -35,7 +35,7 @@ def foreseen(
     if not selection.rounds or begun.runs.length is not None or reduced_chi2(fitting, best) > NEAR_NOISE_CHI2:
         return begun, selection
     train = fitting.measured.shape[0]
-    if _spread(begun, best, whole, train) < MAX_PREDICTION_SPREAD:
+    if _spread(begun, best, whole, train) < PREDICTION_SPREAD:
         return begun, selection
     short = in_short_runs(begun, seen, settled, train)
     try:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import DIVERGED_ERROR
-from rthm_analysis.diagnosis.criteria.verdict import MIN_SIGNAL_TO_NOISE
+from rthm_analysis.diagnosis.criteria.verdict import STILL_SIGNAL_TO_NOISE
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, bounded
 from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
@@ -64,7 +64,7 @@ def spread(physical: Physical, channel: int) -> float:
     held = float(np.nanstd(measured[physical.train :]))
     return (
         held
-        if held > MIN_SIGNAL_TO_NOISE * physical.noise.level[channel]
+        if held > STILL_SIGNAL_TO_NOISE * physical.noise.level[channel]
         else max(float(np.nanstd(measured)), 1e-300)
     )
 

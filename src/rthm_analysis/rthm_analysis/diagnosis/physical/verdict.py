@@ -14,12 +14,12 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     IMITATOR_EXPLAINED_SHARE,
     LEFT_SHARE_OF_SLOW_POWER,
     MAJOR_EXPLAINED_SHARE,
-    MAX_TRAINING_SLOW_POWER,
     MISMATCH_SHARE_OF_ERROR,
     MOST_LEFT_SLOW_POWER,
     NO_BETTER_THAN_STILL,
     NOISE_FLOOR_RATIO,
     SMOOTH_LAW_EXPLAINED_SHARE,
+    TRAINING_SLOW_POWER,
     WORSE_ERROR_RATIO,
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
@@ -107,7 +107,7 @@ class Judgement:
         one = self.left["explained"][channel]
         low = bool(np.isfinite(one.rms)) and one.rms <= NOISE_FLOOR_RATIO * one.loudness
         if self.names or self.tuned:
-            quiet = one.train < MAX_TRAINING_SLOW_POWER or (self.names and self._mostly_gone(channel))
+            quiet = one.train < TRAINING_SLOW_POWER or (self.names and self._mostly_gone(channel))
         else:
             quiet = not (one.in_train or one.in_held_out or one.parts.size)
         return (low and quiet) or self._is_noise_of_sensor(channel)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.missing.binned import BINS, binned
+from rthm_analysis.diagnosis.criteria.missing import CURVE_BINS
+from rthm_analysis.diagnosis.missing.binned import binned
 
 
 def test_averages_bring_a_law_out_of_noise_that_hides_it() -> None:
     random = np.random.default_rng(1)
     v = random.uniform(-1.0, 1.0, 40_000)
     at, mean, std, _ = binned(v, np.tanh(v / 0.2) + random.normal(0.0, 2.0, v.size))
-    assert at.size == BINS and np.all(np.diff(at) > 0.0)
-    np.testing.assert_allclose(std, 2.0 / np.sqrt(v.size / BINS), rtol=0.1)
+    assert at.size == CURVE_BINS and np.all(np.diff(at) > 0.0)
+    np.testing.assert_allclose(std, 2.0 / np.sqrt(v.size / CURVE_BINS), rtol=0.1)
     assert np.abs((mean - np.tanh(at / 0.2)) / std).max() < 4.0
 
 

@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import DIVERGED
+from rthm_analysis.diagnosis.criteria.fitting import DIVERGED_ERROR
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, nrmse
 from rthm_analysis.diagnosis.physical.side import Physical
 
@@ -30,5 +30,5 @@ def test_what_is_not_simulated_to_the_end_counts_as_the_largest_error() -> None:
     diverging = np.nan_to_num(physical.evidence.measured)
     diverging[280:] = np.nan
     assert held_out_squares(physical, diverging) > 1e3 * held_out_squares(physical, wrong)
-    assert nrmse(physical, diverging, 0) == DIVERGED > nrmse(physical, wrong, 0)
+    assert nrmse(physical, diverging, 0) == DIVERGED_ERROR > nrmse(physical, wrong, 0)
     assert held_out_squares(physical, np.nan_to_num(physical.evidence.measured)) == 0.0

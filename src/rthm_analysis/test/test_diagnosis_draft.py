@@ -43,7 +43,7 @@ def begun_with(fitting: Fitting) -> Baseline:
 
 @pytest.fixture
 def short_drafts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drafting, "SAMPLES", EVIDENCE.stamps_ns.size // 5)
+    monkeypatch.setattr(drafting, "DRAFT_FEWEST_SAMPLES", EVIDENCE.stamps_ns.size // 5)
 
 
 @pytest.mark.parametrize(

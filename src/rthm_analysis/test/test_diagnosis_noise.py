@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from scipy.special import chdtri
 
+from rthm_analysis.diagnosis.criteria.noise import FEWEST_NORMAL_AVERAGES, SLOW_POWER_CHANCE, SLOW_POWER_STDS
 from rthm_analysis.diagnosis.fitting.colour import Colour, _parts, colour_of, white, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.noise import Noise, white_noise
 from rthm_analysis.diagnosis.physical import colours
-from rthm_analysis.diagnosis.physical.remainder import CHANCE, FEW, UNLIKELY, remainder_of, slow_power
+from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
@@ -178,6 +179,6 @@ def test_a_spectrum_that_no_colour_has_is_white_and_ends_no_program() -> None:
 
 
 def test_the_quantile_of_a_few_averages_decides_below_few_alone() -> None:
-    few = np.arange(1, 10 * FEW)
-    beyond = chdtri(few, UNLIKELY) / few - 1.0 > CHANCE * np.sqrt(2.0 / few)
-    assert np.array_equal(beyond, few < FEW)
+    few = np.arange(1, 10 * FEWEST_NORMAL_AVERAGES)
+    beyond = chdtri(few, SLOW_POWER_CHANCE) / few - 1.0 > SLOW_POWER_STDS * np.sqrt(2.0 / few)
+    assert np.array_equal(beyond, few < FEWEST_NORMAL_AVERAGES)

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
 from rthm_analysis.diagnosis.search.beside_wire import one_by_one, selected_from_wire
-from rthm_analysis.diagnosis.search.judging import CLOSE, looked_for, reduced_chi2
+from rthm_analysis.diagnosis.search.judging import looked_for, reduced_chi2
 from rthm_analysis.diagnosis.search.refining import fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate
 from rthm_analysis.diagnosis.search.starts import InitialGuess
@@ -69,7 +70,7 @@ def test_plain_kinds_that_go_with_what_the_force_of_a_wire_tells_are_found_toget
     led = selected_from_wire(fitting, base)
     assert led is not None
     assert {tried[0].label[1] for tried in led.rounds} == {"slack", "quadratic_drag", "cubic_stiffness"}
-    assert reduced_chi2(fitting, led.best) < CLOSE
+    assert reduced_chi2(fitting, led.best) < NEAR_NOISE_CHI2
 
 
 def test_they_are_found_one_after_the_other_as_well() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import diagnose_computed
+from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.faults import mend, with_motion
@@ -30,7 +31,6 @@ from rthm_core.spec import Spec
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-FEWEST_SAMPLES = 100
 
 STOPPED = "Nothing else was looked for."
 
@@ -88,10 +88,10 @@ def _check(recording: Recording, spec: Spec) -> None:
         )
     check_names(recording, spec)
     samples = len(recording.plant)
-    if samples < FEWEST_SAMPLES:
+    if samples < FEWEST_RECORDED_SAMPLES:
         raise InputError(
             f"{recording.path} has {samples} samples of plant/state, but a diagnosis needs at least "
-            f"{FEWEST_SAMPLES}; record longer, or sample faster."
+            f"{FEWEST_RECORDED_SAMPLES}; record longer, or sample faster."
         )
 
 

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
+from rthm_analysis.diagnosis.criteria.verdict import PATCHED_ERROR_RATIO, RUNAWAY_ERROR_RATIO
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_core.spec import Spec, apply, write_spec
-
-NO_WORSE = 1.05
-"""Error of a free run of the patched spec, over that of the nominal one, with which it is still written."""
-
-BOUNDED = 1e3
-"""Error of a free run, over the standard deviation of the signal, beyond which it has run away."""
 
 
 def joined(parts: list[Part], spec: Spec) -> Diagnosis:
@@ -65,7 +60,9 @@ def _verdict(parts: list[Part]) -> Verdict:
 def _runs(parts: list[Part]) -> bool:
     """Whether a free run of the patched spec stays bounded and is no worse than that of the nominal one."""
     runs = [run for part in parts for run in part.free_run.values()]
-    return all(run.explained < min(BOUNDED, NO_WORSE * run.nominal + 1e-9) for run in runs)
+    return all(
+        run.explained < min(RUNAWAY_ERROR_RATIO, PATCHED_ERROR_RATIO * run.nominal + 1e-9) for run in runs
+    )
 
 
 def as_run(parts: list[Part], spec: Spec) -> Spec:

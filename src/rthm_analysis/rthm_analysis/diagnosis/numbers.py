@@ -5,35 +5,21 @@ from __future__ import annotations
 import math
 import re
 
-EXACT = {1e-9: 9, 2e-6: 6}
-"""Standard deviation over value up to which a number is told without it, and the digits that it then has: the
-arithmetic of software, and what no rig does better."""
-
-UNSURE = 0.5
-"""Standard deviation over value from which a number is told as a bound."""
-
-LOST = 3.0
-"""Standard deviation over value from which not even a bound says anything."""
-
-SURE = 2.0
-"""Standard deviations that a bound lies beyond the value."""
+from rthm_analysis.diagnosis.criteria.words import (
+    BOUND_STD_RATIO,
+    BOUND_STDS,
+    EXACT_STD_DIGITS,
+    PERCENT_MOST_DECIMALS,
+    SECOND_DIGIT_BELOW,
+    SMALLER_UNIT_BELOW,
+    UNTOLD_STD_RATIO,
+    WITHOUT_POWER_OF_TEN,
+)
 
 NOT_DETERMINED = "an amount that this recording does not determine"
 
 SMALLER = {"m": ("mm", "um"), "s": ("ms", "us")}
 """Units of a thousandth and a millionth."""
-
-SMALL = 0.1
-"""Value below which the unit of a thousandth is used, and likewise the next."""
-
-LEADING = 3.0
-"""First digits of a standard deviation below which it has a second one."""
-
-MOST_DECIMALS = 3
-"""Of a percentage."""
-
-PLAIN = (1e-4, 1e6)
-"""Sizes between which a number needs no power of ten."""
 
 
 def number(value: float, std: float, unit: str, *, signed: bool = False, size: float = 0.0) -> str:
@@ -63,10 +49,10 @@ def number(value: float, std: float, unit: str, *, signed: bool = False, size: f
         return NOT_DETERMINED
     if math.isnan(std):
         return with_unit(value, unit)
-    for spread, digits in EXACT.items():
+    for spread, digits in EXACT_STD_DIGITS.items():
         if std <= spread * abs(value):
             return with_unit(value, unit, digits)
-    if std > UNSURE * abs(value):
+    if std > BOUND_STD_RATIO * abs(value):
         return _bound(value, std, unit, signed=signed or value < 0.0, size=size)
     factor, unit = _scale(value, unit)
     return f"{_with_spread(value * factor, std * factor)}{_suffix(unit)}"
@@ -81,7 +67,7 @@ def with_unit(value: float, unit: str, digits: int = 3) -> str:
 def bare(value: float, digits: int = 3) -> str:
     """A number without unit, trailing zeros or more digits than asked for: ``0.4``."""
     rounded = float(f"{value:.{digits}g}")
-    if rounded and not PLAIN[0] <= abs(rounded) < PLAIN[1]:
+    if rounded and not WITHOUT_POWER_OF_TEN[0] <= abs(rounded) < WITHOUT_POWER_OF_TEN[1]:
         return re.sub(r"e([-+])0*", r"e\1", f"{rounded:.{digits}g}").replace("e+", "e")
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded)))) if rounded else 0
     text = f"{rounded:.{decimals}f}"
@@ -96,7 +82,7 @@ def percent(part: float, digits: int = 2) -> str:
     rest = abs(100.0 - size)
     if not 0.0 < rest < 1.0:
         return f"{bare(size, digits)} %"
-    decimals = min(-math.floor(math.log10(rest)), MOST_DECIMALS)
+    decimals = min(-math.floor(math.log10(rest)), PERCENT_MOST_DECIMALS)
     return f"{bare(round(size, decimals), max(digits, decimals + 3))} %"
 
 
@@ -116,9 +102,9 @@ def instants(first: float, last: float) -> tuple[str, str]:
 
 def _bound(value: float, std: float, unit: str, *, signed: bool, size: float) -> str:
     """What is known of a value that the recording hardly determines."""
-    if not math.isfinite(std) or (std > LOST * abs(value) > 0.0 and std > abs(size)):
+    if not math.isfinite(std) or (std > UNTOLD_STD_RATIO * abs(value) > 0.0 and std > abs(size)):
         return NOT_DETERMINED
-    reach = SURE * std
+    reach = BOUND_STDS * std
     if not signed:
         return f"at most {with_unit(value + reach, unit, 2)}"
     factor, unit = _scale(max(abs(value - reach), abs(value + reach)), unit)
@@ -129,7 +115,7 @@ def _bound(value: float, std: float, unit: str, *, signed: bool, size: float) ->
 def _scale(value: float, unit: str) -> tuple[float, str]:
     """Factor and unit in which a size is easy to read."""
     for step, smaller in reversed(list(enumerate(SMALLER.get(unit, ()), 1))):
-        if PLAIN[0] * 1e-3**step < abs(value) < SMALL * 1e-3 ** (step - 1):
+        if WITHOUT_POWER_OF_TEN[0] * 1e-3**step < abs(value) < SMALLER_UNIT_BELOW * 1e-3 ** (step - 1):
             return 1e3**step, smaller
     return 1.0, unit
 
@@ -137,8 +123,8 @@ def _scale(value: float, unit: str) -> tuple[float, str]:
 def _with_spread(value: float, std: float) -> str:
     """Value and standard deviation to the same decimal place."""
     power = math.floor(math.log10(std))
-    places = 1 - power if std / 10.0**power < LEADING else -power
-    if PLAIN[0] <= abs(value) < PLAIN[1]:
+    places = 1 - power if std / 10.0**power < SECOND_DIGIT_BELOW else -power
+    if WITHOUT_POWER_OF_TEN[0] <= abs(value) < WITHOUT_POWER_OF_TEN[1]:
         return f"{value:.{max(places, 0)}f} +- {std:.{max(places, 0)}f}"
     shift = math.floor(math.log10(abs(value)))
     scale, shown = 10.0**-shift, max(places + shift, 0)

@@ -7,7 +7,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rthm_analysis.diagnosis.numbers import EXACT, UNSURE, bare, number, percent, with_unit
+from rthm_analysis.diagnosis.criteria.words import (
+    AT_BOUND_SHARE,
+    BOUND_STD_RATIO,
+    EXACT_STD_DIGITS,
+    FAR_STDS,
+    SLIGHT_CHANGE,
+)
+from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
@@ -25,7 +32,12 @@ __all__ = [
     "verdict_words",
 ]
 
-UNITS = {"plant.mass": "kg", "plant.damping": "N s/m", "plant.stiffness": "N/m", "actuator.stiffness": "N/m"}
+PROPERTY_UNITS = {
+    "plant.mass": "kg",
+    "plant.damping": "N s/m",
+    "plant.stiffness": "N/m",
+    "actuator.stiffness": "N/m",
+}
 
 BLOCK_WORDS = {
     "plant": "the physical substructure",
@@ -41,14 +53,6 @@ BLOCK_WORDS = {
 LATE_MOTOR = " Compare timing.tau4 in the spec with the delays that the drive and its node were set to."
 """What to look at where software rather than the motor may be the reason."""
 
-FAR = 3.0
-"""Stated standard deviations from which a new value is said to be far from what was expected."""
-
-SLIGHT = 1e-3
-"""Relative change that nobody has to look at."""
-
-AT_BOUND = 1e-3
-"""Distance from a bound, as a part of it, at which a value has run into it."""
 
 SPREAD = "+- is one standard deviation."
 ABOVE = "This explains a part of the difference; the rest is above the noise."
@@ -103,7 +107,7 @@ def _at_bound(declared: type[Effect], key: str, value: Value) -> str:
     if isinstance(entry, EffectText):
         return ""
     for bound, which in ((entry.lowest, "smallest"), (entry.highest, "largest")):
-        if bound and abs(value.value - bound) <= AT_BOUND * abs(bound):
+        if bound and abs(value.value - bound) <= AT_BOUND_SHARE * abs(bound):
             return f" The {_name(key)} is at the {which} value that is possible."
     return ""
 
@@ -127,12 +131,12 @@ def retuned_words(retuned: Mapping[str, Retuned], stated: Mapping[str, float] | 
 
 
 def _is_slight(one: Retuned) -> bool:
-    return abs(one.value - one.nominal) < SLIGHT * abs(one.nominal)
+    return abs(one.value - one.nominal) < SLIGHT_CHANGE * abs(one.nominal)
 
 
 def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str:
     key = name.partition("[")[0]
-    unit = UNITS.get(key, "")
+    unit = PROPERTY_UNITS.get(key, "")
     value = number(one.value, one.std, unit, size=one.nominal)
     specified = _specified(one, value, unit)
     if not specified:
@@ -140,7 +144,7 @@ def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str
     if _is_slight(one) and abs(one.value - one.nominal) <= one.std:
         return f"{name} {value}, as specified"
     text = f"{name} {value} instead of {specified}"
-    if not one.nominal or one.std > UNSURE * abs(one.value):
+    if not one.nominal or one.std > BOUND_STD_RATIO * abs(one.value):
         return text
     change = one.value / one.nominal - 1.0
     remarks = [_change(change), _remark(change, stated, key)]
@@ -151,14 +155,14 @@ def _specified(one: Retuned, value: str, unit: str) -> str:
     """The value of the spec with the digits that it takes to tell it from the new one, as that is written;
     empty where nothing does.
     """
-    texts = (with_unit(one.nominal, unit, digits) for digits in range(4, max(EXACT.values()) + 1))
+    texts = (with_unit(one.nominal, unit, digits) for digits in range(4, max(EXACT_STD_DIGITS.values()) + 1))
     return next((text for text in texts if text != value), "")
 
 
 def _change(change: float) -> str:
     """Relative change in words: ``-3.0 %``."""
-    if abs(change) < SLIGHT:
-        return f"less than {percent(SLIGHT)} off"
+    if abs(change) < SLIGHT_CHANGE:
+        return f"less than {percent(SLIGHT_CHANGE)} off"
     return f"{100.0 * change:+.{1 if abs(change) < 1.0 else 0}f} %"
 
 
@@ -167,9 +171,9 @@ def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
     if stated is None or key not in stated:
         return ""
     spread = stated[key]
-    if spread <= 0.0 and abs(change) >= SLIGHT:
+    if spread <= 0.0 and abs(change) >= SLIGHT_CHANGE:
         return "though the spec calls it exact"
-    if abs(change) > FAR * spread > 0.0:
+    if abs(change) > FAR_STDS * spread > 0.0:
         return f"{bare(abs(change) / spread, 2)} times the uncertainty that the spec states"
     return ""
 

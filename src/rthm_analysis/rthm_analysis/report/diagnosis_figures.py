@@ -18,7 +18,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from rthm_analysis.diagnosis.missing.describe import UNITS as VARIABLE_UNITS
+from rthm_analysis.diagnosis.missing.describe import VARIABLE_UNITS
 from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Curve, Described, Fit
 from rthm_analysis.report.colours import AXIS, COLOURS, INK, MUTED

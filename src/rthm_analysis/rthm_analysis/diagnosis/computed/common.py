@@ -5,12 +5,6 @@ from __future__ import annotations
 from rthm_analysis.diagnosis.result import Part, Physics, Value
 from rthm_core.effects.registry import changing
 
-FLOOR = 1e-3
-"""Noise floor of a block that computes, over the rms of its output (contract, section 7)."""
-
-FEWEST = 30
-"""Ticks or commands below which nothing is said."""
-
 
 def wrong_kind(block: str) -> str:
     """Kind of effect by which a block computes with another value than the spec's."""

@@ -9,14 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.diagnosis.computed.controller import (
-    MOST,
-    RIGHT,
     Commands,
     believed_stiffness,
     commands_of,
     fitted_compliance,
 )
 from rthm_analysis.diagnosis.computed.replayed import Predicted, Used
+from rthm_analysis.diagnosis.criteria.computed import (
+    COMPENSATOR_COMMANDS_TRIED,
+    COMPENSATOR_FEWEST_ROWS,
+    COMPENSATOR_LONGEST_HORIZON,
+    COMPENSATOR_OUTLIER_MEDIANS,
+    RIGHT_COMMAND_RMS_SHARE,
+    RIGHT_COMMANDS_SHARE,
+)
 from rthm_analysis.recording import Recording
 from rthm_core.compensators import COMPENSATORS, ENTRY, HORIZON, NAMES, ORDER, Compensator, declared
 from rthm_core.spec import apply
@@ -25,12 +31,6 @@ from rthm_core.topics import COMMAND
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-SOME = 600
-"""Commands on which compensators are tried before one is tried on all."""
-
-LONGEST = 0.2
-"""Longest time ahead, s, for which a prediction is looked for."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,8 @@ def _as_told(recording: Recording, spec: Spec, used: Used, said: Predicted) -> P
 
 def other_law(recording: Recording, spec: Spec, used: Used) -> Law | None:
     """Law with another compensator, order or horizon that reproduces the commands; None: there is none."""
-    middle = max(used.time.size // 2 - SOME // 2, 0)
-    part = used.part(middle, middle + SOME)
+    middle = max(used.time.size // 2 - COMPENSATOR_COMMANDS_TRIED // 2, 0)
+    part = used.part(middle, middle + COMPENSATOR_COMMANDS_TRIED)
     for other in _others(recording, spec, part):
         if _reproduced(recording, other, part, part.predicted(other), part.settled):
             law = law_with(recording, other, used)
@@ -127,12 +127,12 @@ def _with_fitted_horizon(recording: Recording, spec: Spec, part: Used) -> Iterat
     told = _efforts(recording, spec, part)
     rows = (part.recorded >= 0) & np.isfinite(told).all(axis=1)
     rows &= np.isfinite(np.array(values)).all(axis=(0, 2)) & (np.arange(part.time.size) >= part.settled)
-    if np.count_nonzero(rows) < 20:
+    if np.count_nonzero(rows) < COMPENSATOR_FEWEST_ROWS:
         return
     power = np.vander(nodes, count, increasing=True)
     curves = np.linalg.solve(power, np.array([one[rows].ravel() for one in values]))
     horizon = _best_root(curves, told[rows].ravel())
-    if 0.0 <= horizon <= LONGEST:
+    if 0.0 <= horizon <= COMPENSATOR_LONGEST_HORIZON:
         yield _with_horizon(spec, round(horizon, 9))
 
 
@@ -143,12 +143,12 @@ def _best_root(curves: Floats, told: Floats) -> float:
     def typical(h: float) -> float:
         return float(np.median(np.abs(h**order @ curves - told)))
 
-    row = np.linspace(0.0, LONGEST, 401)
+    row = np.linspace(0.0, COMPENSATOR_LONGEST_HORIZON, 401)
     best = min(row.tolist(), key=typical)
     for _ in range(30):
         slope = (order[1:] * best ** order[:-1]) @ curves[1:]
         off = told - best**order @ curves
-        near = np.abs(off) <= 3.0 * np.median(np.abs(off)) + 1e-300
+        near = np.abs(off) <= COMPENSATOR_OUTLIER_MEDIANS * np.median(np.abs(off)) + 1e-300
         step = float(slope[near] @ off[near]) / max(float(slope[near] @ slope[near]), 1e-300)
         best += step
         if abs(step) < 1e-13:
@@ -198,10 +198,10 @@ def _reproduced(recording: Recording, spec: Spec, used: Used, said: Predicted, f
 
 def is_law(commands: Commands, compliance: float) -> bool:
     """Whether most of the commands are ``x1 + F_d / k_tot``, with this ``1 / k_tot`` or another one."""
-    if commands.right(commands.error(compliance)) >= MOST:
+    if commands.right(commands.error(compliance)) >= RIGHT_COMMANDS_SHARE:
         return True
     fitted = fitted_compliance(commands)[0]
-    return fitted > 0.0 and commands.right(commands.error(fitted)) >= MOST
+    return fitted > 0.0 and commands.right(commands.error(fitted)) >= RIGHT_COMMANDS_SHARE
 
 
 def _same(told: Floats, predicted: Floats) -> bool:
@@ -209,4 +209,7 @@ def _same(told: Floats, predicted: Floats) -> bool:
     if not known.any():
         return False
     size = max(float(np.sqrt(np.mean(told[known] ** 2))), 1e-12)
-    return float(np.mean(np.abs(told - predicted)[known] <= RIGHT * size)) >= MOST
+    return (
+        float(np.mean(np.abs(told - predicted)[known] <= RIGHT_COMMAND_RMS_SHARE * size))
+        >= RIGHT_COMMANDS_SHARE
+    )

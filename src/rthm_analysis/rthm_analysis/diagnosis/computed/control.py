@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import words
-from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked, wrong_kind
+from rthm_analysis.diagnosis.computed.common import effect_of, unchecked, wrong_kind
 from rthm_analysis.diagnosis.computed.compensators import Law, changed, is_law, law_with, other_law
 from rthm_analysis.diagnosis.computed.controller import (
-    MOST,
-    RIGHT,
     Commands,
     affine,
     believed_stiffness,
@@ -24,6 +22,14 @@ from rthm_analysis.diagnosis.computed.controller import (
 from rthm_analysis.diagnosis.computed.latched import Latched, latched
 from rthm_analysis.diagnosis.computed.numerical import size_of
 from rthm_analysis.diagnosis.computed.replayed import samples_used
+from rthm_analysis.diagnosis.criteria.computed import (
+    COMPUTED_FEWEST_SAMPLES,
+    COMPUTED_FLOOR,
+    LIMITED_COMMANDS_SHARE,
+    OTHER_LAW_LEFT_SHARE,
+    RIGHT_COMMAND_RMS_SHARE,
+    RIGHT_COMMANDS_SHARE,
+)
 from rthm_analysis.diagnosis.result import Fault, Fit, Limit, Mismatch, Part, Physics, Value, wrong_entry
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
@@ -53,7 +59,7 @@ def diagnose_controller(recording: Recording, spec: Spec, schedule: Schedule) ->
     parts, names = [], spec.loop().actuator.names
     for actuator in range(len(names)):
         commands = commands_of(recording, spec, law.position, actuator)
-        if commands.time.size < FEWEST:
+        if commands.time.size < COMPUTED_FEWEST_SAMPLES:
             return unchecked("controller", "too few commands are recorded with what they were made from")
         parts.append(_one_actuator(recording, law.spec, commands, actuator))
     worst = max((part.blocks[0] for part in parts), key=lambda block: (block.significant, block.mismatch))
@@ -114,7 +120,7 @@ def _as_specified(recording: Recording, spec: Spec, held: Latched, found: Mismat
     off = []
     for i, k in enumerate(believed_stiffness(spec)):
         commands = commands_of(recording, spec, position, i)
-        off.append(size_of(commands.error(1.0 / k)) / (FLOOR * commands.size))
+        off.append(size_of(commands.error(1.0 / k)) / (COMPUTED_FLOOR * commands.size))
     return Mismatch("controller", max([found.mismatch, *off]), True)
 
 
@@ -125,10 +131,14 @@ def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator
     off = commands.error(compliance)
     label = "actuator.stiffness" if k_tot.size == 1 else f"actuator.stiffness[{actuator}]"
     weight = max(size_of(commands.force), 1e-12) * compliance / k_tot[actuator]
-    limits = {f"controller.{wrong_kind('controller')}.{label}": Limit(RIGHT * commands.size / weight, "N/m")}
-    mismatch = size_of(off) / (FLOOR * commands.size)
-    if commands.right(off) >= MOST:
-        limited = commands.right(off) < 1.0 - 1e-3
+    limits = {
+        f"controller.{wrong_kind('controller')}.{label}": Limit(
+            RIGHT_COMMAND_RMS_SHARE * commands.size / weight, "N/m"
+        )
+    }
+    mismatch = size_of(off) / (COMPUTED_FLOOR * commands.size)
+    if commands.right(off) >= RIGHT_COMMANDS_SHARE:
+        limited = commands.right(off) < 1.0 - LIMITED_COMMANDS_SHARE
         left = (words.unlike(name, 1.0 - commands.right(off), size_of(off)),) if limited else ()
         told, unexplained = (left, ()) if spec.limits is not None else ((), left)
         block = Mismatch("controller", mismatch, bool(unexplained))
@@ -137,7 +147,7 @@ def _one_actuator(recording: Recording, spec: Spec, commands: Commands, actuator
     train_end = to_ns(recording.duration) * 2 // 3
     train, unseen = commands.rows(commands.time < train_end), commands.rows(commands.time >= train_end)
     value, std = fitted_compliance(train)
-    if not np.isfinite(value) or value <= 0.0 or unseen.right(unseen.error(value)) < MOST:
+    if not np.isfinite(value) or value <= 0.0 or unseen.right(unseen.error(value)) < RIGHT_COMMANDS_SHARE:
         plain = spec.loop().actuator.compensator == "none"
         text = _other(train, unseen, name, compliance, off) if plain else words.no_compensator(spec)
         return Part(blocks=(block,), detection_limits=limits, unexplained=(text,))
@@ -161,16 +171,19 @@ def _other(train: Commands, unseen: Commands, name: str, compliance: float, off:
     """Another law of x1 and F_d, if there is one; else how far off the commands are."""
     gains, left = affine(train)
     basis = np.column_stack([unseen.x1, unseen.force, np.ones(unseen.u_d.size)])
-    if left < 0.1 * size_of(off) and size_of(unseen.u_d - basis @ gains) < 0.1 * size_of(off):
+    most = OTHER_LAW_LEFT_SHARE * size_of(off)
+    if left < most and size_of(unseen.u_d - basis @ gains) < most:
         return words.other_law(name, (float(gains[0]), float(gains[1]), float(gains[2])), compliance)
-    return words.unlike(name, float(np.mean(np.abs(off) > RIGHT * train.size)), size_of(off))
+    return words.unlike(
+        name, float(np.mean(np.abs(off) > RIGHT_COMMAND_RMS_SHARE * train.size)), size_of(off)
+    )
 
 
 def _command_fit(unseen: Commands, nominal: float, found: float, duration: float) -> Fit:
     scale = max(float(np.std(unseen.u_d)), 1e-12)
     by_spec, by_found = (unseen.u_d - unseen.error(one) for one in (nominal, found))
     off = [size_of(unseen.u_d - one) / scale for one in (by_spec, by_found)]
-    floor = FLOOR * size_of(unseen.u_d) / scale
+    floor = COMPUTED_FLOOR * size_of(unseen.u_d) / scale
     nrmse = {"nominal": off[0], "retuned": off[0], "explained": off[1], "noise_floor": floor}
     spans = (0.0, 2.0 * duration / 3.0), (2.0 * duration / 3.0, duration)
     pictures = (unseen.u_d, by_spec, by_spec, by_found)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed.latched import Latched, delayed
+from rthm_analysis.diagnosis.criteria.computed import RIGHT_COMMAND_RMS_SHARE, ROUGHLY_RIGHT_RATIO
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
 from rthm_core.substructure import as_built
@@ -16,12 +17,6 @@ from rthm_core.topics import COMMAND
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-RIGHT = 1e-6
-"""Share of the rms of u_d up to which a command is right: what rounding to single precision would leave."""
-
-MOST = 0.9
-"""Share of the commands that a law must get right; limits of a safety monitor may act in the others."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +46,7 @@ class Commands:
 
     def right(self, error: Floats) -> float:
         """Share of the commands without an error beyond rounding."""
-        return float(np.mean(np.abs(error) <= RIGHT * self.size)) if error.size else 1.0
+        return float(np.mean(np.abs(error) <= RIGHT_COMMAND_RMS_SHARE * self.size)) if error.size else 1.0
 
     @property
     def size(self) -> float:
@@ -99,7 +94,7 @@ def fitted_compliance(commands: Commands) -> tuple[float, float]:
         return float("nan"), float("inf")
     part = commands.rows(strong)
     rough = float(np.median((part.u_d - part.x1) / part.force))
-    close = np.abs(commands.error(rough)) <= 10.0 * RIGHT * commands.size
+    close = np.abs(commands.error(rough)) <= ROUGHLY_RIGHT_RATIO * RIGHT_COMMAND_RMS_SHARE * commands.size
     best = commands.rows(close) if close.any() else part
     power = float(best.force @ best.force)
     value = float(best.force @ (best.u_d - best.x1)) / power

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.computed.structure import ORDERS, Structure
+from rthm_analysis.diagnosis.computed.structure import LOAD_COEFFICIENTS, Structure
+from rthm_analysis.diagnosis.criteria.computed import (
+    MOVED_PARAMETER_SHARE,
+    MOVED_PARAMETER_STDS,
+    NUMERICAL_LEFT_SHARE,
+    NUMERICAL_MOST_PARAMETERS,
+)
 from rthm_core.clock import NS
 from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
@@ -22,11 +28,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-NEEDED = 0.3
-"""A parameter is named when it leaves at most this share of the error on ticks that it was not fitted to."""
-
-MOST = 3
-"""Parameters that are looked for at once."""
 
 Name = tuple[str, int]
 
@@ -45,7 +46,7 @@ class Ticks:
         F_d, N; NaN: not recorded.
     held : (n, 2 m) array
         [x1, v1] held from this tick on; NaN: not known.
-    load : (n, ORDERS, k) array
+    load : (n, LOAD_COEFFICIENTS, k) array
         w2 and its derivatives at this tick, N, N/s, ...
     period : int
         ns.
@@ -96,13 +97,13 @@ def ticks_of(recording: Recording, spec: Spec, held: Latched) -> Ticks:
 
 
 def _derivatives(time: Integers, load: Floats) -> Floats:
-    """Load and its derivatives (n, ORDERS, k) of the cubic spline through its samples."""
+    """Load and its derivatives (n, LOAD_COEFFICIENTS, k) of the cubic spline through its samples."""
     if time.size < 4 or not load.any():
-        return np.stack([load, *(np.zeros_like(load) for _ in range(ORDERS - 1))], axis=1)
+        return np.stack([load, *(np.zeros_like(load) for _ in range(LOAD_COEFFICIENTS - 1))], axis=1)
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(time / NS, load)
-    return np.stack([spline(time / NS, order) for order in range(ORDERS)], axis=1)
+    return np.stack([spline(time / NS, order) for order in range(LOAD_COEFFICIENTS)], axis=1)
 
 
 def load_uncertainty(ticks: Ticks) -> float:
@@ -237,8 +238,8 @@ def search(train: Ticks, judge: Ticks, nominal: Structure, sizes: Scales, enough
     best = min(tried.values(), key=lambda one: one.left)
     if best.left > enough:
         several = _explained_by(_moving(train, nominal, sizes), train, judge, nominal, sizes, first)
-        best = several if several.names and several.left < NEEDED * best.left else best
-    if best.left > NEEDED * first:
+        best = several if several.names and several.left < NUMERICAL_LEFT_SHARE * best.left else best
+    if best.left > NUMERICAL_LEFT_SHARE * first:
         return nothing
     return replace(best, tried={name: one.left for name, one in tried.items()})
 
@@ -251,15 +252,16 @@ def _explained_by(
 
 
 def _moving(train: Ticks, nominal: Structure, sizes: Scales) -> tuple[Name, ...]:
-    """Parameters that move when all are fitted at once; none when they are more than `MOST`."""
+    """Parameters that move when all are fitted at once; none when they are too many."""
     names = tuple(nominal.names)
     one, std = fitted(train, nominal, names, sizes)
     moved = [
         name
         for name, spread in zip(names, std, strict=True)
-        if abs(one.value(name) - nominal.value(name)) > max(5.0 * spread, 1e-4 * abs(nominal.value(name)))
+        if abs(one.value(name) - nominal.value(name))
+        > max(MOVED_PARAMETER_STDS * spread, MOVED_PARAMETER_SHARE * abs(nominal.value(name)))
     ]
-    return tuple(moved) if len(moved) <= MOST else ()
+    return tuple(moved) if len(moved) <= NUMERICAL_MOST_PARAMETERS else ()
 
 
 def replay(ticks: Ticks, one: Structure) -> Floats:

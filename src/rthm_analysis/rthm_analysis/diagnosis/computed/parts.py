@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.computed import words
-from rthm_analysis.diagnosis.computed.common import FEWEST, FLOOR, effect_of, unchecked, wrong_kind
+from rthm_analysis.diagnosis.computed.common import effect_of, unchecked, wrong_kind
 from rthm_analysis.diagnosis.computed.control import diagnose_controller
 from rthm_analysis.diagnosis.computed.latched import delayed, latched
 from rthm_analysis.diagnosis.computed.numerical import (
@@ -22,6 +22,13 @@ from rthm_analysis.diagnosis.computed.numerical import (
     ticks_of,
 )
 from rthm_analysis.diagnosis.computed.structure import Structure, structure
+from rthm_analysis.diagnosis.criteria.computed import (
+    COMPUTED_FEWEST_SAMPLES,
+    COMPUTED_FLOOR,
+    NUMERICAL_STILL_LEFT_SHARE,
+    SIGNIFICANT_TO_ROUNDING,
+    STATE_ROUNDING,
+)
 from rthm_analysis.diagnosis.result import Alternative, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
 from rthm_core.clock import NS, to_ns
@@ -30,9 +37,6 @@ from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-ROUNDING = 3e-6
-"""Error of one step, over the size of the step, that needs no explanation."""
 
 
 def diagnose_computed(recording: Recording, spec: Spec) -> Part:
@@ -76,7 +80,7 @@ def _numerical(recording: Recording, spec: Spec, schedule: Schedule) -> Part:
     ticks = ticks_of(recording, spec, held)
     end = to_ns(recording.duration) + 1
     train, judge, unseen = (ticks.part(end * i // 3, end * (i + 1) // 3) for i in range(3))
-    if min(train.steps.size, judge.steps.size, unseen.steps.size) < FEWEST:
+    if min(train.steps.size, judge.steps.size, unseen.steps.size) < COMPUTED_FEWEST_SAMPLES:
         return unchecked("numerical", "too few of its ticks are recorded with what it used")
     nominal, seen = structure(spec), ticks.part(0, end * 2 // 3)
     enough = _enough(seen, nominal)
@@ -100,7 +104,7 @@ def _enough(seen: Ticks, nominal: Structure) -> float:
     """Error of a step that the unknown load between two ticks makes, over the size of the step."""
     dt, n = seen.period / NS, nominal.mass.shape[0]
     kick = float(np.abs(np.linalg.inv(nominal.mass)).max()) * load_uncertainty(seen) * dt
-    return ROUNDING + 3.0 * kick / float(scales(seen).change[n:].min())
+    return STATE_ROUNDING + 3.0 * kick / float(scales(seen).change[n:].min())
 
 
 def _numerical_part(
@@ -117,12 +121,16 @@ def _numerical_part(
     known = np.isfinite(ticks.force) & np.isfinite(by_spec)
     off = np.where(known, ticks.force - by_spec, 0.0)
     size = max(float(np.sqrt(np.mean(ticks.force[known] ** 2))) if known.any() else 0.0, 1e-12)
-    mismatch = float(np.sqrt(np.mean(off[known] ** 2))) / (FLOOR * size) if known.any() else 0.0
+    mismatch = float(np.sqrt(np.mean(off[known] ** 2))) / (COMPUTED_FLOOR * size) if known.any() else 0.0
     limits = _numerical_limits(unseen, nominal, enough)
-    blocks = (Mismatch("numerical", mismatch, bool(found.names) or found.left > 10.0 * enough),)
+    blocks = (
+        Mismatch("numerical", mismatch, bool(found.names) or found.left > SIGNIFICANT_TO_ROUNDING * enough),
+    )
     if not found.names:
         left = (
-            (words.not_one("numerical", FLOOR * mismatch, FLOOR * mismatch),) if blocks[0].significant else ()
+            (words.not_one("numerical", COMPUTED_FLOOR * mismatch, COMPUTED_FLOOR * mismatch),)
+            if blocks[0].significant
+            else ()
         )
         return Part(blocks=blocks, detection_limits=limits, unexplained=left, notes=notes)
     fit = _numerical_fit(unseen, nominal, found, recording.duration)
@@ -135,8 +143,12 @@ def _numerical_part(
         Alternative("numerical", wrong_kind("numerical"), fit.nrmse["nominal"] * error / found.nominal, True)
         for name, error in sorted(found.tried.items(), key=lambda item: item[1])[1:3]
     )
-    still = found.left > max(10.0 * enough, 0.05 * found.nominal)
-    left = (words.not_one("numerical", FLOOR * mismatch, FLOOR * mismatch * found.left / found.nominal),)
+    still = found.left > max(SIGNIFICANT_TO_ROUNDING * enough, NUMERICAL_STILL_LEFT_SHARE * found.nominal)
+    left = (
+        words.not_one(
+            "numerical", COMPUTED_FLOOR * mismatch, COMPUTED_FLOOR * mismatch * found.left / found.nominal
+        ),
+    )
     return Part(
         blocks=blocks,
         physics=physics,
@@ -169,7 +181,7 @@ def _numerical_fit(unseen: Ticks, nominal: Structure, found: Search, duration: f
     known = (np.isfinite(unseen.force) & np.isfinite(by_spec)).all(axis=1)
     recorded = unseen.force[known, 0]
     scale = max(float(np.std(recorded)) if recorded.size else 0.0, 1e-12)
-    floor = FLOOR * float(np.sqrt(np.mean(recorded**2))) / scale if recorded.size else FLOOR
+    floor = COMPUTED_FLOOR * float(np.sqrt(np.mean(recorded**2))) / scale if recorded.size else COMPUTED_FLOOR
     off = [size_of(recorded - one[known, 0]) / scale for one in (by_spec, by_found)]
     nrmse = {"nominal": off[0], "retuned": off[0], "explained": off[1], "noise_floor": floor}
     spans = (0.0, 2.0 * duration / 3.0), (2.0 * duration / 3.0, duration)

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-ORDERS = 4
+LOAD_COEFFICIENTS = 4
 """Coefficients of the load between two ticks."""
 
-UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
+MATRIX_UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
 
 
 class Step(NamedTuple):
     """``z2(next) = state z2 + held z1 + sum over k of load[k] (k-th derivative of w2)``.
 
-    `state` is (2 n, 2 n), `held` (2 n, 2 m) and `load` (ORDERS, 2 n, n).
+    `state` is (2 n, 2 n), `held` (2 n, 2 m) and `load` (LOAD_COEFFICIENTS, 2 n, n).
     """
 
     state: Floats
@@ -89,7 +89,7 @@ class Structure:
 
     def unit(self, name: tuple[str, int]) -> str:
         """Unit of a parameter."""
-        return UNITS[name[0].removeprefix("interface_")]
+        return MATRIX_UNITS[name[0].removeprefix("interface_")]
 
     def force(self, held: Floats, z2: Floats) -> Floats:
         """F_d (k, m) of held motion (k, 2 m) and numerical state (k, 2 n), N."""
@@ -108,16 +108,16 @@ class Structure:
             self.interface_stiffness,
             self.interface_damping,
         )
-        whole = np.zeros((2 * n + 2 * m + ORDERS * n,) * 2)
+        whole = np.zeros((2 * n + 2 * m + LOAD_COEFFICIENTS * n,) * 2)
         whole[: 2 * n, : 2 * n] = a
         whole[n : 2 * n, 2 * n : 2 * n + m] = inverse[:, self.dof] * self.interface_stiffness
         whole[n : 2 * n, 2 * n + m : 2 * n + 2 * m] = inverse[:, self.dof] * self.interface_damping
         first = 2 * n + 2 * m
         whole[n : 2 * n, first : first + n] = inverse
-        chain = np.arange(first, first + (ORDERS - 1) * n)
+        chain = np.arange(first, first + (LOAD_COEFFICIENTS - 1) * n)
         whole[chain, chain + n] = 1.0
         rows = exponentials(whole, np.array([dt * NS]))[0, : 2 * n]
-        load = [rows[:, first + k * n : first + (k + 1) * n] for k in range(ORDERS)]
+        load = [rows[:, first + k * n : first + (k + 1) * n] for k in range(LOAD_COEFFICIENTS)]
         return Step(rows[:, : 2 * n], rows[:, 2 * n : first], np.array(load))
 
 

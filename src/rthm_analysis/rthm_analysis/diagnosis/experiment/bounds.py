@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import LIMIT_SHARE, UNLIMITED_RANGE_RATIO
 from rthm_analysis.diagnosis.experiment.predicting import Predicted
 from rthm_analysis.diagnosis.experiment.trials import Trial, force_at
 
@@ -13,11 +14,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-FURTHER = 2.0
-"""How far beyond the range of the present test a signal without a limit may go: twice, as by hand."""
-
-ROOM = 0.8
-"""Part of a limit of the spec that a prediction may reach; what is not known of the rig needs the rest."""
 
 LIMITED = {
     "command": "command",
@@ -51,11 +47,11 @@ def bounds_of(nominal: Spec, present: Trial, predicted: Predicted) -> Bounds:
     limited: dict[str, float] = {}
     for name, value in nominal.limits.items() if nominal.limits else ():
         if name in LIMITED and isinstance(value, float):
-            limited[LIMITED[name]] = min(ROOM * value, limited.get(LIMITED[name], np.inf))
-    signals = {family: FURTHER * predicted.largest(family) for family in TRIED} | limited
-    load = FURTHER * _largest_load(present, predicted)
+            limited[LIMITED[name]] = min(LIMIT_SHARE * value, limited.get(LIMITED[name], np.inf))
+    signals = {family: UNLIMITED_RANGE_RATIO * predicted.largest(family) for family in TRIED} | limited
+    load = UNLIMITED_RANGE_RATIO * _largest_load(present, predicted)
     if nominal.limits is not None and nominal.limits.force is not None and not nominal.is_loop:
-        load = ROOM * nominal.limits.force
+        load = LIMIT_SHARE * nominal.limits.force
     return Bounds({family: most for family, most in signals.items() if most > 0.0}, load or None)
 
 

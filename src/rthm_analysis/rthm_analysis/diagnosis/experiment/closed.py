@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import LIGHT_MASS_SHARE, STRAIGHT_DELAY_RADIANS
 from rthm_analysis.diagnosis.experiment.delays import Delays, delays_of
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, fastest, mechanics
 from rthm_core.physical.laws import DOF, NONLINEAR
@@ -27,14 +28,8 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-SHORT = 0.1
-"""Delay, in radians of the fastest motion, up to which a straight line through position and velocity is right
-to some thousandths; a filter would cost many short steps."""
 
-LIGHT = 0.01
-"""Part of the mass up to which the inertia that a late damper seems to have does not matter."""
-
-PER_ACTUATOR = 6
+FILTERS_PER_ACTUATOR = 6
 """Filters of each actuator: x1 and F_d at the motor, x1 and v1 in the reference, both in what it feels."""
 
 
@@ -93,7 +88,7 @@ def fastest_motion(spec: Spec) -> float:
 def _own_states(spec: Spec, closed: Mechanics) -> int:
     """States of plant and wires within a closed loop."""
     loop = spec.loop()
-    return closed.initial.size - 2 * loop.numerical.n - PER_ACTUATOR * len(loop.actuator.names)
+    return closed.initial.size - 2 * loop.numerical.n - FILTERS_PER_ACTUATOR * len(loop.actuator.names)
 
 
 class _Closing:
@@ -104,7 +99,7 @@ class _Closing:
         self.n, self.m = opened.inverse_mass.shape[0], self.sides.actuators
         self.two = substructure(as_built(spec, "numerical").loop().numerical)
         self.own = opened.initial.size
-        self.size = self.own + 2 * self.two.dofs + PER_ACTUATOR * self.m
+        self.size = self.own + 2 * self.two.dofs + FILTERS_PER_ACTUATOR * self.m
         self.a, self.initial = np.zeros((self.size, self.size)), np.zeros(self.size)
         self.next = self.own + 2 * self.two.dofs
         self.delays, self.fastest = delays_of(spec), fastest_motion(spec)
@@ -166,13 +161,13 @@ class _Closing:
 
     def _late(self, signal: Floats, rate: Floats, delay: float) -> Floats:
         """A signal, whose rate is known, as it was `delay` s ago."""
-        straight = delay * self.fastest < SHORT
+        straight = delay * self.fastest < STRAIGHT_DELAY_RADIANS
         return np.asarray(signal - delay * rate) if straight else self._filtered(signal, delay)
 
     def _late_rate(self, actuator: int, rate: Floats, delay: float) -> Floats:
         """Velocity of the plant, as the interface's damper felt it `delay` s ago."""
         inertia = self.sides.damping[actuator] * delay
-        light = inertia < LIGHT * min(
+        light = inertia < LIGHT_MASS_SHARE * min(
             np.diag(self.two.mass).min(), 1.0 / np.diag(self.opened.inverse_mass).max()
         )
         return rate if light else self._filtered(rate, delay)

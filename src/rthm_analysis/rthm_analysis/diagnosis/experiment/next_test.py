@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from rthm_analysis.diagnosis.criteria.experiment import NO_DIFFERENCE, PLAN_SIMULATIONS
 from rthm_analysis.diagnosis.experiment.advice import LONGER, REPEAT, SOFTWARE, advice, fault_advice
 from rthm_analysis.diagnosis.experiment.contrasts import (
     MOVED,
@@ -14,7 +15,7 @@ from rthm_analysis.diagnosis.experiment.contrasts import (
     smallest_seen,
     without_weakest,
 )
-from rthm_analysis.diagnosis.experiment.planning import BUDGET, Hypothesis, Planned, plan_experiment
+from rthm_analysis.diagnosis.experiment.planning import Hypothesis, Planned, plan_experiment
 from rthm_analysis.diagnosis.experiment.repeating import repeated
 from rthm_analysis.diagnosis.experiment.sentences import gain_words, listed, what_to_run
 from rthm_analysis.diagnosis.numbers import bare, percent, with_unit
@@ -25,10 +26,6 @@ from rthm_core.effects.blocks import family
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-
-LEAST = 1e-9
-"""Difference in the present test, over the noise, that counts as none."""
 
 
 @dataclass(frozen=True)
@@ -155,11 +152,13 @@ def _sharper(found: Found) -> Next:
 def _smaller(found: Found) -> Next:
     """To see smaller effects than this recording would have shown: the kind that gains most."""
     seen = smallest_seen(found.nominal, found.limits)
-    plans = [(_plan(found, contrast, BUDGET // len(seen)), contrast, limit) for contrast, limit in seen]
+    plans = [
+        (_plan(found, contrast, PLAN_SIMULATIONS // len(seen)), contrast, limit) for contrast, limit in seen
+    ]
     planned = [(plan, contrast, limit) for plan, contrast, limit in plans if plan]
     if not planned:
         return Next(LONGER)
-    plan, contrast, limit = max(planned, key=lambda one: one[0].gain / max(one[0].present, LEAST))
+    plan, contrast, limit = max(planned, key=lambda one: one[0].gain / max(one[0].present, NO_DIFFERENCE))
     less = limit.value * plan.present / plan.gain
     words = (
         f"To see smaller effects: {what_to_run(plan, found.nominal)}; {contrast.about} then shows from about "
@@ -168,7 +167,7 @@ def _smaller(found: Found) -> Next:
     return Next(words, plan.spec, plan.gain)
 
 
-def _plan(found: Found, contrast: Contrast | None, budget: int = BUDGET) -> Planned | None:
+def _plan(found: Found, contrast: Contrast | None, budget: int = PLAN_SIMULATIONS) -> Planned | None:
     if contrast is None:
         return None
     return plan_experiment(

@@ -6,6 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rthm_analysis.diagnosis.criteria.experiment import (
+    PLAN_GAIN_RATIO,
+    PLAN_MOST_HYPOTHESES,
+    PLAN_SIMULATIONS,
+)
 from rthm_analysis.diagnosis.experiment.response import Response
 from rthm_analysis.diagnosis.experiment.searching import Search
 from rthm_analysis.diagnosis.experiment.trials import SIDES, Trial
@@ -15,16 +20,6 @@ from rthm_core.spec import write_spec
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-BUDGET = 120
-"""Simulations of one plan, about 1 ms each for a loop with one dof a side; work and not time is counted, so
-that a busy host plans the same."""
-
-MOST = 3
-"""Hypotheses that are told apart at once: the likeliest come first."""
-
-WORTH = 1.3
-"""A planned test has to tell at least so many times as much as the present one."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ def plan_experiment(
     survivors: Sequence[Hypothesis],
     noise: Mapping[str, float],
     duration: float,
-    budget: int = BUDGET,
+    budget: int = PLAN_SIMULATIONS,
     known: tuple[Floats, Floats] | None = None,
 ) -> Planned | None:
     """Find the input whose predictions by the surviving hypotheses differ most.
@@ -101,7 +96,7 @@ def plan_experiment(
     >>> print(plan.gain)
     14.2
     """
-    specs = [one.spec for one in survivors[:MOST]]
+    specs = [one.spec for one in survivors[:PLAN_MOST_HYPOTHESES]]
     if len(specs) < 2 or any(Response(one).unstable for one in specs):
         return None
     try:
@@ -110,7 +105,7 @@ def plan_experiment(
         found = search.best(present)
     except InputError:  # a load that comes from a file which is not here
         return None
-    if found is None or not found[0].apart > WORTH * found[1]:
+    if found is None or not found[0].apart > PLAN_GAIN_RATIO * found[1]:
         return None
     told, before = found
     text = write_spec(told.trial.changed(nominal))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import PREDICTED_STEP_RADIANS, PREDICTED_STEP_TO_FILTER
 from rthm_analysis.diagnosis.experiment.closed import closed_loop, fastest_motion, linear_part, loaded
 from rthm_analysis.diagnosis.experiment.trials import Trial, force_at
 from rthm_analysis.diagnosis.replay.evidence import Channel
@@ -18,15 +19,6 @@ from rthm_core.compiled import Floats
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-LONGEST_PHASE = 0.2
-"""Longest step, in radians of the fastest motion of plant and wires."""
-
-LONGEST_STEP = 2.0
-"""Longest step over the time of the fastest filter; a Runge-Kutta step of 2.8 is unstable."""
-
-MOST_STEPS = 6000
-"""Steps of one prediction; a test that needs more is predicted over its first part."""
 
 
 @dataclass(frozen=True)
@@ -132,4 +124,4 @@ class Predictor:
 def step_of(spec: Spec) -> float:
     """Step, s, that a hypothesis needs: short for its motion, and no longer than its filters bear."""
     rates = np.abs(np.linalg.eigvals(linear_part(closed_loop(spec))))
-    return min(LONGEST_PHASE / fastest_motion(spec), LONGEST_STEP / float(rates.max()))
+    return min(PREDICTED_STEP_RADIANS / fastest_motion(spec), PREDICTED_STEP_TO_FILTER / float(rates.max()))

@@ -6,21 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import (
+    PREDICTED_MOST_STEPS,
+    REPEATED_AMPLITUDES,
+    REPEATED_BOUNDS_RATIO,
+)
 from rthm_analysis.diagnosis.experiment.bounds import bounds_of
 from rthm_analysis.diagnosis.experiment.planning import present_trial
-from rthm_analysis.diagnosis.experiment.predicting import MOST_STEPS, Predictor, step_of
+from rthm_analysis.diagnosis.experiment.predicting import Predictor, step_of
 from rthm_core.errors import InputError
 from rthm_core.spec import FileLoad, write_spec
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-FACTORS = (2.0, 0.5)
-"""Amplitudes over the present one; the larger says more where the limits allow it."""
-
-ROUNDED = 1.1
-"""Part of the bounds that twice the present motion may use: a bound is twice that motion, and sizes are
-rounded."""
 
 
 def repeated(nominal: Spec, duration: float) -> tuple[float, str] | None:
@@ -32,14 +30,14 @@ def repeated(nominal: Spec, duration: float) -> tuple[float, str] | None:
     if any(isinstance(one, FileLoad) for one in present.loads.values()) or not _moves(nominal):
         return None
     step = step_of(nominal)
-    predictor = Predictor(nominal, step, min(int(np.ceil(duration / step)), MOST_STEPS))
+    predictor = Predictor(nominal, step, min(int(np.ceil(duration / step)), PREDICTED_MOST_STEPS))
     try:
         bounds = bounds_of(nominal, present, predictor.predict(present))
     except InputError:
         return None
-    for factor in FACTORS:
+    for factor in REPEATED_AMPLITUDES:
         trial = present.scaled(factor)
-        if bounds.used(predictor.predict(trial)) <= ROUNDED:
+        if bounds.used(predictor.predict(trial)) <= REPEATED_BOUNDS_RATIO:
             return factor, write_spec(trial.changed(nominal))
     return None
 

@@ -6,21 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import (
+    HIGHEST_MODE_RATIO,
+    SWINGING_DAMPING_RATIO,
+    UNSTABLE_GROWTH,
+)
 from rthm_analysis.diagnosis.experiment.closed import closed_loop, linear_part, loaded, wire_forces
 from rthm_core.physical.laws import DOF
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-SWINGS = 0.7
-"""Largest damping ratio of a motion that has a frequency worth exciting."""
-
-WITHIN = 6.0
-"""Modes further above the slowest than by this factor are left out: a load at them moves little."""
-
-GROWS = 1e-6
-"""Growth over the fastest rate that is rounding and no instability."""
 
 
 class Response:
@@ -40,14 +36,16 @@ class Response:
     @property
     def modes(self) -> Floats:
         """Frequencies, rad/s, of the slowest modes that swing, ascending; empty where none does."""
-        swinging = (self._rates.imag > 0.0) & (-self._rates.real < SWINGS * np.abs(self._rates))
+        swinging = (self._rates.imag > 0.0) & (
+            -self._rates.real < SWINGING_DAMPING_RATIO * np.abs(self._rates)
+        )
         rates = np.sort(np.abs(self._rates[swinging]))
-        return np.asarray(rates[rates <= WITHIN * rates[0]] if rates.size else rates)
+        return np.asarray(rates[rates <= HIGHEST_MODE_RATIO * rates[0]] if rates.size else rates)
 
     @property
     def unstable(self) -> bool:
         """Whether the motion grows by itself."""
-        return bool(np.any(self._rates.real > GROWS * np.abs(self._rates).max()))
+        return bool(np.any(self._rates.real > UNSTABLE_GROWTH * np.abs(self._rates).max()))
 
     def sizes(self, side: str, dof: str, frequency: float) -> dict[str, float]:
         """Amplitude of a steady swing under a load of 1 N, by family of signals.

@@ -8,27 +8,22 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.experiment import (
+    BOUNDS_AGAIN_SHARE,
+    PREDICTED_MOST_STEPS,
+    PRESENT_STEPS_RATIO,
+    REFINED_AMPLITUDES,
+    REFINED_FREQUENCIES,
+)
 from rthm_analysis.diagnosis.experiment.bounds import Bounds, bounds_of
 from rthm_analysis.diagnosis.experiment.candidates import candidates
-from rthm_analysis.diagnosis.experiment.predicting import MOST_STEPS, Predicted, Predictor, step_of
+from rthm_analysis.diagnosis.experiment.predicting import Predicted, Predictor, step_of
 from rthm_analysis.diagnosis.experiment.trials import Trial, plain
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_core.spec import HarmonicLoad
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-NEAR = 0.9
-"""Part of the bounds at which a trial that went beyond them is tried again."""
-
-LONGEST = 20
-"""Predictions of the present test may have so many times the steps of others."""
-
-FINER = (1.12, 1.04)
-"""Factors of the frequency in each round of refinement."""
-
-SIZES = (0.5, 1.5)
-"""Factors of the amplitude there."""
 
 
 class Told(NamedTuple):
@@ -61,7 +56,7 @@ class Search:
     ) -> None:
         self.nominal, self.noise, self.left = nominal, noise, budget
         self.specs, self.whole, self.step = specs, duration, min(step_of(one) for one in specs)
-        self.steps = min(int(np.ceil(duration / self.step)), MOST_STEPS)
+        self.steps = min(int(np.ceil(duration / self.step)), PREDICTED_MOST_STEPS)
         self.duration = min(duration, self.steps * self.step)
         self.predictors = [Predictor(one, self.duration / self.steps, self.steps) for one in specs]
         self.cores = Cores()
@@ -76,13 +71,13 @@ class Search:
         if not told:
             return None
         best = max(told, key=_apart)
-        for factor in FINER:
+        for factor in REFINED_FREQUENCIES:
             best = max([best, *self._all(_around(best, factor), bounds)], key=_apart)
         return best, self._apart(runs)[0]
 
     def _present(self, trial: Trial) -> list[Predicted]:
         """Predictions of the present test to its end, which may be much longer than a planned one."""
-        steps = min(int(np.ceil(self.whole / self.step)), LONGEST * MOST_STEPS)
+        steps = min(int(np.ceil(self.whole / self.step)), PRESENT_STEPS_RATIO * PREDICTED_MOST_STEPS)
         self.left -= len(self.specs)
         return self.cores.each(lambda one: Predictor(one, self.step, steps).predict(trial), self.specs)
 
@@ -105,7 +100,7 @@ class Search:
                 return
             if not np.isfinite(used):
                 return
-            trial = trial.scaled(NEAR / used)
+            trial = trial.scaled(BOUNDS_AGAIN_SHARE / used)
 
     def _apart(self, runs: list[Predicted]) -> tuple[float, str]:
         """Smallest difference of two predictions in units of the noise, and where it shows most."""
@@ -131,7 +126,9 @@ def _around(best: Told, factor: float) -> Iterator[Trial]:
             for by in (factor, 1.0 / factor):
                 moved = section.model_copy(update={"frequency": plain(by * section.frequency, 3)})
                 yield Trial({side: moved}, best.trial.start)
-    yield from (best.trial.scaled(by) for by in (*SIZES, NEAR / max(best.used, 0.1)))
+    yield from (
+        best.trial.scaled(by) for by in (*REFINED_AMPLITUDES, BOUNDS_AGAIN_SHARE / max(best.used, 0.1))
+    )
 
 
 def _apart(told: Told) -> float:

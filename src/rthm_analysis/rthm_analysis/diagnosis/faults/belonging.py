@@ -6,6 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    OSCILLATION_FEWEST_PERIODS,
+    OSCILLATION_POWER_SHARE,
+    OTHER_FREQUENCY_FACTOR_DOWN,
+    OTHER_FREQUENCY_FACTOR_UP,
+    OTHER_LINEAR_CORRELATION,
+    OTHER_MASS_FACTOR,
+    OTHER_PERIOD_LOG,
+    OTHER_START_SHARE,
+    OTHER_WIRE_FACTOR,
+    OTHER_WIRE_LEAST_WEIGHT,
+    OTHER_WIRE_PARTS,
+)
 from rthm_analysis.diagnosis.faults.plant import plant_seen
 from rthm_analysis.diagnosis.faults.relations import Wire, related, wire_signals, wires_of
 from rthm_analysis.diagnosis.faults.smooth import Smooth, channel_at, smoothed
@@ -16,33 +29,6 @@ from rthm_analysis.diagnosis.result import Fault
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-PERIOD = 0.04
-"""Relative difference of the sampling period: clocks and lost samples make less."""
-
-AWAY = 0.35
-"""Distance of the first sample from the spec's start, over the range of the motion and the start itself."""
-
-WIRE = 3.0
-"""Factor of a wire's stiffness that hardening and slackness leave somewhere in its motion."""
-
-PLANT = 3.0
-"""Factor of a mass, which no effect of ours makes."""
-
-STIFFER = 6.0
-"""Factor of the natural frequency upwards: a stop of twenty times the stiffness makes less than five."""
-
-SOFTER = 3.0
-"""Factor of the natural frequency downwards."""
-
-FITS = 0.99
-"""Correlation from which the motion is that of a linear plant, though of another one."""
-
-PARTS = 12
-"""Parts of a recording in which the stiffness of a wire is looked at."""
-
-PURE = 0.9
-"""Part of a free motion's power near one frequency, from which it is an oscillation."""
 
 
 def find_wrong_spec(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
@@ -74,7 +60,7 @@ def _period(evidence: Evidence, spec: Spec) -> Reason:
     if evidence.driven_by != "command" or spec.timing is None:
         return None
     seen, known = float(np.median(np.diff(evidence.time))), spec.timing.td1
-    if abs(np.log(max(seen, 1e-12) / known)) < PERIOD:
+    if abs(np.log(max(seen, 1e-12) / known)) < OTHER_PERIOD_LOG:
         return None
     return (
         "timing.td1",
@@ -96,7 +82,7 @@ def _start(evidence: Evidence, spec: Spec) -> Reason:
         if not first.size or not np.nanmax(values) > np.nanmin(values):
             continue
         reach = max(float(np.nanmax(values) - np.nanmin(values)), abs(nominal))
-        if abs(float(first.mean()) - nominal) > AWAY * reach > 0.0:
+        if abs(float(first.mean()) - nominal) > OTHER_START_SHARE * reach > 0.0:
             text = f"{dof} begins at {first.mean():.3g} m, the spec says {nominal:.3g} m"
             return "plant.initial_position", text, float(first.mean())
     return None
@@ -110,13 +96,13 @@ def _wire(smooth: Smooth, wire: Wire) -> Reason:
     force, motor, position = (smooth.values[name] for name in names)
     longer = motor - position
     stiffness, weight = _local(longer, force)
-    if stiffness.size < PARTS // 2:
+    if stiffness.size < OTHER_WIRE_PARTS // 2:
         return None
-    allowed = WIRE * (1.0 + 2.0 * wire.uncertainty)
-    strong = stiffness[weight > 0.05 * weight.max()]
+    allowed = OTHER_WIRE_FACTOR * (1.0 + 2.0 * wire.uncertainty)
+    strong = stiffness[weight > OTHER_WIRE_LEAST_WEIGHT * weight.max()]
     if np.any((strong > wire.stiffness / allowed) & (strong < wire.stiffness * allowed)):
         return None
-    if related(longer, force)[1] < FITS:
+    if related(longer, force)[1] < OTHER_LINEAR_CORRELATION:
         return None
     value = float(np.median(strong))
     text = f"force and elongation show a wire of {value:.3g} N/m, the spec says {wire.stiffness:.3g} N/m"
@@ -126,7 +112,7 @@ def _wire(smooth: Smooth, wire: Wire) -> Reason:
 def _local(longer: Floats, force: Floats) -> tuple[Floats, Floats]:
     """Stiffness in each part, and how much the elongation changes there."""
     found, weight = [], []
-    for part in np.array_split(np.arange(longer.size), PARTS):
+    for part in np.array_split(np.arange(longer.size), OTHER_WIRE_PARTS):
         d, f = longer[part] - longer[part].mean(), force[part] - force[part].mean()
         size = float(d @ d)
         if size > 0.0:
@@ -138,16 +124,17 @@ def _local(longer: Floats, force: Floats) -> tuple[Floats, Floats]:
 def _plant(smooth: Smooth, spec: Spec) -> Reason:
     """Mass and natural frequency under known forces."""
     seen = plant_seen(smooth, spec)
-    if seen is None or seen.correlation < FITS or any(one <= 0.0 for one in seen.told):
+    if seen is None or seen.correlation < OTHER_LINEAR_CORRELATION or any(one <= 0.0 for one in seen.told):
         return None
     unsure = spec.uncertainty.plant
     if seen.frequency is not None:
         wide = 1.0 + unsure.mass + unsure.stiffness
-        if seen.frequency > STIFFER * wide or seen.frequency < 1.0 / (SOFTER * wide):
+        least, most = 1.0 / (OTHER_FREQUENCY_FACTOR_DOWN * wide), OTHER_FREQUENCY_FACTOR_UP * wide
+        if seen.frequency > most or seen.frequency < least:
             text = f"the plant's natural frequency is {seen.frequency:.3g} times that of the spec"
             return "plant.stiffness", text, seen.frequency
     if seen.mass is not None:
-        wide = PLANT * (1.0 + 2.0 * unsure.mass)
+        wide = OTHER_MASS_FACTOR * (1.0 + 2.0 * unsure.mass)
         if not 1.0 / wide < seen.mass < wide:
             mass = seen.mass * spec.plant.mass[0]
             return "plant.mass", f"the motion needs a mass of {mass:.3g} kg", mass
@@ -166,12 +153,12 @@ def _free(evidence: Evidence, spec: Spec) -> Reason:
     power[:2] = 0.0
     peak = int(np.argmax(power))
     near = power[max(peak - max(3, peak // 5), 0) : peak + max(3, peak // 5) + 1]
-    if peak < 5 or near.sum() < PURE * power.sum():
+    if peak < OSCILLATION_FEWEST_PERIODS or near.sum() < OSCILLATION_POWER_SHARE * power.sum():
         return None
     seen = 2.0 * np.pi * peak / duration
     nominal = float(np.sqrt(spec.plant.stiffness[0] / spec.plant.mass[0]))
     wide = 1.0 + spec.uncertainty.plant.mass + spec.uncertainty.plant.stiffness
-    if nominal / (SOFTER * wide) < seen < nominal * STIFFER * wide:
+    if nominal / (OTHER_FREQUENCY_FACTOR_DOWN * wide) < seen < nominal * OTHER_FREQUENCY_FACTOR_UP * wide:
         return None
     text = f"the plant swings freely at {seen:.3g} rad/s, the spec's would at {nominal:.3g} rad/s"
     return "plant.stiffness", text, seen

@@ -10,6 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import (
+    FEWEST_KNOWN_SHARE,
+    RANGE_END_FEWEST_READINGS,
+    RANGE_END_MOST_SHARE,
+    RANGE_END_STDS,
+)
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Flags,
@@ -21,7 +27,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
 )
 from rthm_analysis.diagnosis.faults.stuck import carries_noise
 from rthm_analysis.diagnosis.numbers import instants
-from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Evidence
 from rthm_analysis.diagnosis.replay.readings import lattice, noise_level
 from rthm_analysis.diagnosis.result import Fault
 
@@ -29,15 +35,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 SATURATED = "saturation"
-
-SEEN = 7
-"""Readings at the end of a range that chance does not make."""
-
-MOSTLY = 0.6
-"""Part of a recording at the end of a range from which nothing of the signal is left to go on with."""
-
-NEAR = 4.0
-"""Noise within which readings beside an end are left out, too: of these, only the lower ones were passed."""
 
 
 def find_clipped(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
@@ -54,7 +51,7 @@ def find_clipped(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
             continue
         at = np.isin(values, ends)
         noise = noise_level(np.where(at, np.nan, values), values)
-        near = np.min([np.abs(values - end) for end in ends], axis=0) < NEAR * noise
+        near = np.min([np.abs(values - end) for end in ends], axis=0) < RANGE_END_STDS * noise
         faults.append(_told(seen, column, at, ends))
         evidence = without(evidence, column, stretches(near))
     return evidence, faults
@@ -63,11 +60,11 @@ def find_clipped(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
 def _ends(values: Floats) -> list[float]:
     """Ends of the range at which a signal with noise was cut."""
     known = values[np.isfinite(values)]
-    if known.size < 0.5 * values.size or not np.ptp(known) > 0.0:
+    if known.size < FEWEST_KNOWN_SHARE * values.size or not np.ptp(known) > 0.0:
         return []
     ends = [end for end in (float(known.min()), float(known.max())) if _repeats(values, end)]
     free = known[~np.isin(known, ends)]
-    if not ends or free.size < (1.0 - MOSTLY) * known.size or lattice(free) is not None:
+    if not ends or free.size < (1.0 - RANGE_END_MOST_SHARE) * known.size or lattice(free) is not None:
         return []
     _, length = pieces(free)
     return ends if carries_noise(free, length, np.empty(0, dtype=int)) else []
@@ -77,7 +74,7 @@ def _repeats(values: Floats, end: float) -> bool:
     """Whether a signal was at some value often, comes to it, and leaves it again."""
     at: Flags = values == end
     inner = [(a, b) for a, b in stretches(at) if a > 0 and b < values.size]
-    return end != 0.0 and sum(b - a for a, b in inner) >= SEEN and len(inner) > 1
+    return end != 0.0 and sum(b - a for a, b in inner) >= RANGE_END_FEWEST_READINGS and len(inner) > 1
 
 
 def _told(evidence: Evidence, column: int, at: Flags, ends: list[float]) -> Fault:
@@ -88,7 +85,7 @@ def _told(evidence: Evidence, column: int, at: Flags, ends: list[float]) -> Faul
     longest = max(b - a for a, b in (interval(evidence, one) for one in found))
     values = " and ".join(f"{end:.4g}" for end in ends)
     words = (
-        f"{in_words(channel, first=True)} goes no further than {values} {UNITS[channel.family]}, where it "
+        f"{in_words(channel, first=True)} goes no further than {values} {UNIT_OF[channel.family]}, where it "
         f"stays bit by bit in {len(found)} stretches of up to {longest:.3g} s between {first} and "
         f"{last}: the range of the sensor or of its amplifier ends there. These stretches are left "
         "out; give it more range."

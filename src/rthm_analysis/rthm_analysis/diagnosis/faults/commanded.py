@@ -8,20 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import COMMAND_TRACE_S, LIVELY_COMMAND_RATIO, STILL_TRAVEL_RATIO
 from rthm_analysis.diagnosis.faults.stretches import Stretch, filled
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-PASSED_ON = 0.025
-"""Seconds by which a jump of a command may come before its traces in motor and force."""
-
-STILL = 0.2
-"""Travel of the position over a stretch, over that beside it, up to which a velocity of zero is true."""
-
-LIVELY = 3.0
-"""Change of a command over such a time, over the usual one, that may make the force jump."""
 
 
 def told_to(evidence: Evidence, column: int, one: Stretch) -> bool:
@@ -46,18 +38,18 @@ def is_real(evidence: Evidence, column: int, one: Stretch) -> bool:
     x, (begin, end) = filled(evidence.measured[:, evidence.channels.index(position)]), one
     beside = x[max(2 * begin - end, 0) : begin], x[end : 2 * end - begin]
     moved = max(float(np.ptp(side)) if side.size else 0.0 for side in beside)
-    return bool(np.ptp(x[begin:end]) <= STILL * moved)
+    return bool(np.ptp(x[begin:end]) <= STILL_TRAVEL_RATIO * moved)
 
 
 def _changed(evidence: Evidence, sample: int) -> bool:
     """Whether a command changed unusually much just before a sample."""
     stamps, due = evidence.stamps_ns, evidence.due_ns
     now = int(stamps[min(sample, stamps.size - 1)])
-    reach = int(PASSED_ON * 1e9)
+    reach = int(COMMAND_TRACE_S * 1e9)
     first, last = np.searchsorted(due, [now - reach, now + int(np.median(np.diff(stamps)))], side="right")
     many = max(int(last - first), 1)
     return any(
-        _range(column, int(first) - 1, int(last)) > LIVELY * _usual(column, many)
+        _range(column, int(first) - 1, int(last)) > LIVELY_COMMAND_RATIO * _usual(column, many)
         for column in evidence.commands.T
     )
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import DEAD_COMMAND_RATIO
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
-from rthm_analysis.diagnosis.replay.evidence import UNITS, Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.spec import Spec
-
-FOLLOWS = 0.1
-"""Travel of a command, over that of the liveliest position, from which its motor has to move."""
 
 
 def find_dead(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
@@ -38,7 +36,7 @@ def _denied(evidence: Evidence, spec: Spec, channel: Channel) -> bool:
         return False
     command = evidence.commands[:, spec.actuator.names.index(channel.place)]
     liveliest = max(_travel(evidence, c) for c in evidence.channels if c.family == "position")
-    return float(np.ptp(command)) > FOLLOWS * liveliest > 0.0
+    return float(np.ptp(command)) > DEAD_COMMAND_RATIO * liveliest > 0.0
 
 
 def _travel(evidence: Evidence, channel: Channel) -> float:
@@ -54,7 +52,7 @@ def _told(evidence: Evidence, column: int) -> Fault:
     value = float(np.nanmax(evidence.measured[:, column]))
     stood = "the motor stood still, or its sensor" if channel.family == "motor" else "the sensor or its link"
     words = (
-        f"{in_words(channel, first=True)} is {value:.4g} {UNITS[channel.family]} in every sample, while the "
-        f"rest of the rig moves: {stood} gave nothing. It is left out; check both."
+        f"{in_words(channel, first=True)} is {value:.4g} {UNIT_OF[channel.family]} in every sample, while "
+        f"the rest of the rig moves: {stood} gave nothing. It is left out; check both."
     )
     return fault_of(channel, "stuck" if value else "dropout", words)

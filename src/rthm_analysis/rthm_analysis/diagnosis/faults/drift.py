@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    CLOCK_DRIFT_CORRELATION,
+    CLOCK_DRIFT_LEAST_SAMPLES,
+    CLOCK_DRIFT_PARTS,
+)
 from rthm_analysis.diagnosis.faults.relations import related
 from rthm_analysis.diagnosis.faults.smooth import Smooth, smoothed
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -16,15 +21,6 @@ from rthm_core.topics import PLANT_STATE
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-BLOCKS = 24
-"""Parts of a recording, in each of which the delay of the motor is measured."""
-
-LEAST = 1.5
-"""Samples by which the clocks part over a recording; less is left to others."""
-
-STRAIGHT = 0.98
-"""Correlation between time and delay: a drift is steady, and no lag or limit of a motor grows with time."""
 
 
 def find_drift(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
@@ -57,19 +53,19 @@ def _drift(evidence: Evidence, smooth: Smooth, actuator: str) -> float | None:
         return None
     motor, command = (smooth.values[name] for name in names)
     at, delay = _delays(evidence.time[smooth.rows], motor - command, smooth.rates[names[1]])
-    if at.size < BLOCKS // 2:
+    if at.size < CLOCK_DRIFT_PARTS // 2:
         return None
     slope = np.polyfit(at, delay, 1)[0]
     steady = related(at, delay)[1]
-    grows = abs(float(slope)) * float(evidence.time[-1]) > LEAST * smooth.step
-    return float(slope) if grows and abs(steady) > STRAIGHT else None
+    grows = abs(float(slope)) * float(evidence.time[-1]) > CLOCK_DRIFT_LEAST_SAMPLES * smooth.step
+    return float(slope) if grows and abs(steady) > CLOCK_DRIFT_CORRELATION else None
 
 
 def _delays(time: Floats, behind: Floats, rate: Floats) -> tuple[Floats, Floats]:
     """Middle and delay of each part in which the command moves, s."""
     moves = 0.1 * float(np.mean(np.square(rate)))
     at, delay = [], []
-    for part in np.array_split(np.arange(time.size), BLOCKS):
+    for part in np.array_split(np.arange(time.size), CLOCK_DRIFT_PARTS):
         strength = float(np.mean(np.square(rate[part]))) if part.size else 0.0
         if part.size >= 4 and strength > moves > 0.0:
             away, along = behind[part] - behind[part].mean(), rate[part] - rate[part].mean()

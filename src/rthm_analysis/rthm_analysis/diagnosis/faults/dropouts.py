@@ -7,6 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import (
+    DROPOUT_DISTANCE_RMS,
+    DROPOUT_FEWEST_SAMPLES,
+    DROPOUT_JUMP_STEPS,
+    DROPOUT_JUMP_TO_USUAL,
+    DROPOUT_JUMPING_SHARE,
+    DROPOUT_TO_USUAL_LENGTH,
+    SLOW_CHANNEL_FEWEST_GAPS,
+    SLOW_CHANNEL_GAP_SHARE,
+)
 from rthm_analysis.diagnosis.faults.commanded import is_real
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
@@ -24,29 +34,6 @@ from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-SHORTEST = 4
-"""Samples; shorter gaps are lost samples (shorter zeros: spikes)."""
-
-REGULAR = 0.2
-"""Part of the samples; with more of them missing in short gaps, the channel is sampled less often, not
-cut."""
-
-LONGER = 2.0
-"""Length of a stretch, over that of all but two in a hundred others: coarse sensors repeat zeros, too."""
-
-MANY = 0.5
-"""Part of the stretches that begin and end with jumps, from which all are drop-outs: others fell on a
-zero."""
-
-STEPS = 4.0
-"""Size of a jump over the step of a coarse sensor."""
-
-JUMPS = 2.0
-"""Size of a jump over that of all but one in a hundred steps."""
-
-AWAY = 0.05
-"""A sample before and after a stretch of zeros must be so far from zero, over the signal's rms."""
 
 
 def find_dropouts(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
@@ -80,28 +67,32 @@ def _gaps(values: Floats) -> list[Stretch]:
     """Stretches of NaN, unless the channel is just sampled less often."""
     missing = ~np.isfinite(values)
     found = stretches(missing)
-    short = sum(b - a for a, b in found if b - a < SHORTEST)
-    if short > REGULAR * values.size:
+    short = sum(b - a for a, b in found if b - a < DROPOUT_FEWEST_SAMPLES)
+    if short > SLOW_CHANNEL_GAP_SHARE * values.size:
         return []
-    lengths = np.array([b - a for a, b in found if b - a >= SHORTEST])
-    if lengths.size > 20 and np.ptp(lengths) <= 1 and lengths.sum() > REGULAR * values.size:
+    lengths = np.array([b - a for a, b in found if b - a >= DROPOUT_FEWEST_SAMPLES])
+    if (
+        lengths.size > SLOW_CHANNEL_FEWEST_GAPS
+        and np.ptp(lengths) <= 1
+        and lengths.sum() > SLOW_CHANNEL_GAP_SHARE * values.size
+    ):
         return []
-    return [one for one in found if one[1] - one[0] >= SHORTEST]
+    return [one for one in found if one[1] - one[0] >= DROPOUT_FEWEST_SAMPLES]
 
 
 def _zeros(values: Floats) -> list[Stretch]:
     """Stretches of exact zeros into and out of which the signal jumps."""
     whole = filled(values)
     _, length = pieces(values)
-    least = max(SHORTEST, LONGER * float(np.quantile(length, 0.98)))
+    least = max(DROPOUT_FEWEST_SAMPLES, DROPOUT_TO_USUAL_LENGTH * float(np.quantile(length, 0.98)))
     found = [one for one in stretches(values == 0.0) if one[1] - one[0] >= least]
     if not found:
         return []
     size = float(np.sqrt(np.mean(np.square(whole))))
     usual = float(np.quantile(np.abs(np.diff(whole)), 0.99))
-    least = max(AWAY * size, JUMPS * usual, STEPS * grain(whole))
+    least = max(DROPOUT_DISTANCE_RMS * size, DROPOUT_JUMP_TO_USUAL * usual, DROPOUT_JUMP_STEPS * grain(whole))
     clear = [one for one in found if _jumps(whole, one, least)]
-    return found if len(clear) >= MANY * len(found) else clear
+    return found if len(clear) >= DROPOUT_JUMPING_SHARE * len(found) else clear
 
 
 def _jumps(values: Floats, one: Stretch, least: float) -> bool:

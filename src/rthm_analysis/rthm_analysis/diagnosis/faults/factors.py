@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    OPEN_VARIANCE_SHARE,
+    OWN_FACTOR_CORRELATION,
+    OWN_FACTOR_VARIANCE_SHARE,
+    RELATED_CORRELATION,
+    SWAP_LOG_GAIN,
+)
 from rthm_analysis.diagnosis.faults.relations import (
-    ASKED,
     Name,
     Relation,
     Wire,
@@ -30,18 +36,6 @@ from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-TELLING = 0.02
-"""Share of the force's variance that a wire's position must make for its own factor to be told."""
-
-LEAST_OPEN = 1e-6
-"""What a relation leaves open at the least, over the variance."""
-
-PLAINER = 1.0
-"""By so much a swap must leave less open, as a logarithm, than signs and units."""
-
-EXPLAINED = 0.95
-"""Multiple correlation from which the parts of motor and position in a force are told apart."""
 
 
 def find_factors(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
@@ -65,7 +59,7 @@ def find_factors(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]
     pair, as_swap = _swap(smooth, dofs, wires, before)
     if max(as_factors, as_swap) <= 0.0:
         return evidence, []
-    if pair is not None and as_swap > as_factors + PLAINER:
+    if pair is not None and as_swap > as_factors + SWAP_LOG_GAIN:
         return _swapped(evidence, pair)
     measured = {name: factor for name, factor in factors.items() if name[0] != "command"}
     return scaled(evidence, measured), [factor_fault(Channel(*one), by) for one, by in measured.items()]
@@ -87,10 +81,10 @@ def _quality(before: list[Relation], after: list[Relation]) -> float:
     """
     better = [b for a, b in zip(before, after, strict=True) if not a.holds and b.sound]
     worse = [b for a, b in zip(before, after, strict=True) if a.holds and not b.holds]
-    left = [b for b in after if not b.holds and abs(b.correlation) > ASKED]
+    left = [b for b in after if not b.holds and abs(b.correlation) > RELATED_CORRELATION]
     if not better or worse or left:
         return 0.0
-    return -sum(float(np.log(max(1.0 - one.correlation**2, LEAST_OPEN))) for one in after)
+    return -sum(float(np.log(max(1.0 - one.correlation**2, OPEN_VARIANCE_SHARE))) for one in after)
 
 
 def _factors(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> dict[Name, float]:
@@ -102,12 +96,12 @@ def _factors(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> 
     found: dict[Name, float] = {}
     for wire in wires:
         motor = followed(smooth, wire)
-        if motor is not None and abs(motor.correlation) > ASKED:
+        if motor is not None and abs(motor.correlation) > RELATED_CORRELATION:
             _note(found, ("motor", wire.actuator), motor.gain)
         _note_wire(found, smooth, wire)
     for dof in dofs:
         relation = kinematic(smooth, dof)
-        if relation is not None and abs(relation.correlation) > ASKED:
+        if relation is not None and abs(relation.correlation) > RELATED_CORRELATION:
             _note(found, ("velocity", dof), relation.gain * found.get(("position", dof), 1.0))
     return found
 
@@ -132,11 +126,11 @@ def _note_wire(found: dict[Name, float], smooth: Smooth, wire: Wire) -> None:
     if not (size > 0.0).all() or not np.any(wanted):
         return
     parts = np.linalg.lstsq(told / size, wanted, rcond=None)[0] / size
-    if _multiple(told @ parts, wanted) > EXPLAINED and _telling(parts, size, wanted):
+    if _multiple(told @ parts, wanted) > OWN_FACTOR_CORRELATION and _telling(parts, size, wanted):
         _note(found, position, float(-parts[0] / parts[1]))
     longer = told[:, 0] - told[:, 1] / found.get(position, 1.0)
     gain, correlation = related(wire.stiffness * longer, wanted)
-    if abs(correlation) > EXPLAINED:
+    if abs(correlation) > OWN_FACTOR_CORRELATION:
         _note(found, force, gain, 2.0 * wire.uncertainty)
 
 
@@ -146,7 +140,7 @@ def _multiple(fitted: np.ndarray, wanted: np.ndarray) -> float:
 
 def _telling(parts: np.ndarray, size: np.ndarray, wanted: np.ndarray) -> bool:
     """Whether motor and position each make a good part of the force."""
-    return bool(np.all(np.square(parts * size) > TELLING * np.mean(np.square(wanted))))
+    return bool(np.all(np.square(parts * size) > OWN_FACTOR_VARIANCE_SHARE * np.mean(np.square(wanted))))
 
 
 def _swap(

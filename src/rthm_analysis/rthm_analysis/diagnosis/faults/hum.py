@@ -7,10 +7,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    HUM_AMPLITUDE_RATIO,
+    HUM_FEWEST_NEIGHBOURS,
+    HUM_FEWEST_PERIODS,
+    HUM_MEANS_TAKEN_OFF,
+    HUM_NEIGHBOUR_HZ,
+    HUM_OWN_READINGS_SHARE,
+    HUM_PERIODS_PER_SAMPLE,
+    HUM_POWER_TO_MEDIAN,
+    HUM_POWER_TO_NEXT,
+    HUM_SHOWN_POWER_SHARE,
+    HUM_SHOWN_SHARE,
+    HUM_TO_NATURAL_FREQUENCY,
+    MAINS_HZ,
+    MAINS_WANDER_HZ,
+)
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.smooth import channel_at
 from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
-from rthm_analysis.diagnosis.replay.evidence import UNITS, Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.substructure import natural_frequencies
@@ -18,44 +34,6 @@ from rthm_core.substructure import natural_frequencies
 if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Floats
     from rthm_core.spec import Spec
-
-MAINS = (50.0, 60.0)
-"""Hz."""
-
-WANDERS = 0.3
-"""Hz by which mains and clocks are off."""
-
-AROUND = 4.0
-"""Hz on either side, from which the level beside the line is taken."""
-
-STANDS_OUT = 40.0
-"""Power of the line over the median beside it: by chance once in 1e11 lines."""
-
-SINGLE = 4.0
-"""Power of the line over that of the next beside it: the steps of commands and their aliases make many."""
-
-LESS = 3
-"""How often a running mean is taken off: each time a motion ten times slower than the line loses 98 %."""
-
-SHARE = 0.3
-"""Part of a line's amplitude that another channel would have to show, were it a motion."""
-
-ABOVE = 3.0
-"""Mains over the plant's highest natural frequency, from which the plant itself hardly moves so fast."""
-
-SLOWEST = 0.9
-"""Periods of the mains from sample to sample; with more, any slow line may be its alias."""
-
-SHORTEST = 20.0
-"""Periods of the mains in a recording."""
-
-STEADY = 3.0
-"""Largest over smallest amplitude in the thirds of a recording."""
-
-OWN = 0.7
-"""Part of the samples that are readings of their own, below which only these are looked at: what repeats or
-interpolates them shows every slow motion again beside each multiple of their rate.
-"""
 
 
 @dataclass(frozen=True)
@@ -77,9 +55,13 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         rows = _rows(values)
         time = seen.time[rows]
         step = float(np.median(np.diff(time)))
-        for mains in MAINS:
+        for mains in MAINS_HZ:
             aliased = _aliased(mains, 1.0 / step)
-            if step * mains > SLOWEST or aliased < ABOVE * natural or time[-1] * aliased < SHORTEST:
+            if (
+                step * mains > HUM_PERIODS_PER_SAMPLE
+                or aliased < HUM_TO_NATURAL_FREQUENCY * natural
+                or time[-1] * aliased < HUM_FEWEST_PERIODS
+            ):
                 continue
             line = _line(time, filled(values)[rows], aliased, mains)
             if line is None or _is_motion(seen, column, line):
@@ -94,7 +76,7 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
 def _rows(values: Floats) -> Flags:
     """Samples (s,) to look at: all but where most are no readings of their own."""
     known = np.isfinite(values)
-    return known if known.mean() < OWN else np.ones_like(known)
+    return known if known.mean() < HUM_OWN_READINGS_SHARE else np.ones_like(known)
 
 
 def _natural(spec: Spec) -> float:
@@ -115,17 +97,22 @@ def _aliased(frequency: float, rate: float) -> float:
 def _line(time: Floats, values: Floats, near: float, mains: float) -> Line | None:
     """Steady line of a signal near a frequency; None where nothing stands out."""
     frequencies, power = _power(values, time)
-    inside = np.abs(frequencies - near) <= WANDERS + 1.0 / time[-1]
-    beside = (np.abs(frequencies - near) <= AROUND) & (np.abs(frequencies - near) > 2.0 * WANDERS)
-    if not inside.any() or np.count_nonzero(beside) < 20:
+    inside = np.abs(frequencies - near) <= MAINS_WANDER_HZ + 1.0 / time[-1]
+    away = np.abs(frequencies - near)
+    beside = (away <= HUM_NEIGHBOUR_HZ) & (away > 2.0 * MAINS_WANDER_HZ)
+    if not inside.any() or np.count_nonzero(beside) < HUM_FEWEST_NEIGHBOURS:
         return None
     peak = int(np.flatnonzero(inside)[np.argmax(power[inside])])
-    least = max(STANDS_OUT * float(np.median(power[beside])), SINGLE * float(power[beside].max()), 1e-300)
+    least = max(
+        HUM_POWER_TO_MEDIAN * float(np.median(power[beside])),
+        HUM_POWER_TO_NEXT * float(power[beside].max()),
+        1e-300,
+    )
     if power[peak] < least:
         return None
     frequency = _between(frequencies, power, peak)
     thirds = [_amplitude(t, v, frequency) for t, v in _thirds(time, values)]
-    if not max(thirds) < STEADY * min(thirds):
+    if not max(thirds) < HUM_AMPLITUDE_RATIO * min(thirds):
         return None
     return Line(frequency, mains, _amplitude(time, values, frequency))
 
@@ -164,13 +151,14 @@ def _wave(time: Floats, values: Floats, frequency: float) -> Floats:
     width = max(round(1.0 / frequency / max(float(time[1] - time[0]), 1e-12)), 1)
     waves = _basis(time) * turn.conj()[:, None]
     columns = np.hstack([waves.real, waves.imag])
-    fast = np.column_stack([_fast(one, width) for one in (*columns.T, values)])[LESS * width : -LESS * width]
+    inner = slice(HUM_MEANS_TAKEN_OFF * width, -HUM_MEANS_TAKEN_OFF * width)
+    fast = np.column_stack([_fast(one, width) for one in (*columns.T, values)])[inner]
     return np.asarray(columns @ np.linalg.lstsq(fast[:, :-1], fast[:, -1], rcond=None)[0])
 
 
 def _fast(values: Floats, width: int) -> Floats:
     """What of a signal is no slower than a wave: a motion may be larger than it by thousands."""
-    for _ in range(LESS):
+    for _ in range(HUM_MEANS_TAKEN_OFF):
         values = values - _mean(values, width)
     return values
 
@@ -215,12 +203,13 @@ def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
     if not np.any(signal):
         return False
     if ratio:
-        return _amplitude(time, signal, line.frequency) > SHARE * ratio * line.amplitude
+        return _amplitude(time, signal, line.frequency) > HUM_SHOWN_SHARE * ratio * line.amplitude
     frequencies, power = _power(signal, time)
-    inside = np.abs(frequencies - line.frequency) <= WANDERS
-    beside = (np.abs(frequencies - line.frequency) <= AROUND) & ~inside
+    inside = np.abs(frequencies - line.frequency) <= MAINS_WANDER_HZ
+    beside = (np.abs(frequencies - line.frequency) <= HUM_NEIGHBOUR_HZ) & ~inside
     return bool(
-        power[inside].max(initial=0.0) > 0.5 * STANDS_OUT * max(float(np.median(power[beside])), 1e-300)
+        power[inside].max(initial=0.0)
+        > HUM_SHOWN_POWER_SHARE * HUM_POWER_TO_MEDIAN * max(float(np.median(power[beside])), 1e-300)
     )
 
 
@@ -229,7 +218,7 @@ def _fault(channel: Channel, line: Line) -> Fault:
         "" if abs(line.frequency - line.mains) < 1.0 else f" ({line.mains:.0f} Hz, as these samples show it)"
     )
     words = (
-        f"{in_words(channel, first=True)} carries a hum of {line.amplitude:.3g} {UNITS[channel.family]} at "
+        f"{in_words(channel, first=True)} carries a hum of {line.amplitude:.3g} {UNIT_OF[channel.family]} at "
         f"{line.frequency:.2f} Hz{aliased} that no other channel shows. It was taken out for this diagnosis; "
         "check shielding and earth of this sensor."
     )

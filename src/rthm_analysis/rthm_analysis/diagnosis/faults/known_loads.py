@@ -7,29 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    FARTHEST_MOTION,
+    LOAD_CORRELATION,
+    LOAD_MOST_UNSURE,
+    UNIT_AT_START_SHARE,
+    UNITLESS_GAIN,
+)
 from rthm_analysis.diagnosis.faults.factors import scaled
 from rthm_analysis.diagnosis.faults.plant import plant_seen
 from rthm_analysis.diagnosis.faults.scaling import factor_fault
 from rthm_analysis.diagnosis.faults.smooth import smoothed
-from rthm_analysis.diagnosis.faults.unit_ratios import PLAIN, known_factor
+from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-
-FITS = 0.97
-"""Correlation between a known force and what the motion makes of it, from which its sign and unit are
-judged."""
-
-MOST_UNSURE = 0.3
-"""Uncertainty, as a logarithm, up to which a unit's ratio is searched around a gain."""
-
-FAR = 20.0
-"""Metres beyond which a plant's motion is in another unit, where the start does not tell."""
-
-STARTED = 0.05
-"""Relative distance from the spec's start, over a unit's factor, up to which the start tells the unit."""
 
 
 def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
@@ -50,7 +44,7 @@ def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     if gain is None or gain == 1.0:
         return evidence, []
     reach = float(np.nanmax(np.abs(evidence.measured[:, evidence.channels.index(channel)])))
-    if start is None and reach > FAR and abs(gain) < 1.0:
+    if start is None and reach > FARTHEST_MOTION and abs(gain) < 1.0:
         return _position(evidence, channel, 1.0 / gain, "what the known force asks for")
     told = factor_fault(Channel("load", channel.place), gain)
     if start is None and told.kind == "unit":
@@ -64,21 +58,21 @@ def _force_ratios(evidence: Evidence, spec: Spec) -> dict[str, float]:
     assert spec.plant is not None
     smooth = smoothed(evidence, spec.plant.dofs, ())
     seen = plant_seen(smooth, spec) if smooth is not None else None
-    if seen is None or seen.correlation < FITS:
+    if seen is None or seen.correlation < LOAD_CORRELATION:
         return {}
     return {k: v for k, v in (("mass", seen.mass), ("stiffness", seen.stiffness)) if v is not None}
 
 
 def _agree(ratios: dict[str, float], start: float) -> bool:
     """Whether a motion over this factor would need the known force, as far as that is told."""
-    return all(PLAIN[0] <= ratio * start <= PLAIN[1] for ratio in ratios.values())
+    return all(UNITLESS_GAIN[0] <= ratio * start <= UNITLESS_GAIN[1] for ratio in ratios.values())
 
 
 def _common(ratios: dict[str, float], spec: Spec) -> float | None:
     """Recorded over needed force where all ratios are the same sign and unit; None: nothing can be said."""
     unsure = spec.uncertainty.plant
     factors = {
-        known_factor(ratio, "load", min(2.0 * float(getattr(unsure, name)), MOST_UNSURE))
+        known_factor(ratio, "load", min(2.0 * float(getattr(unsure, name)), LOAD_MOST_UNSURE))
         for name, ratio in ratios.items()
     }
     return factors.pop() if len(factors) == 1 else None
@@ -95,8 +89,8 @@ def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | N
     if nominal == 0.0 or not np.isfinite(first):
         return None
     ratio = first / nominal
-    factor = known_factor(ratio, "position", 0.0 if evidence.load.any() else MOST_UNSURE)
-    return factor if factor is not None and abs(ratio / factor - 1.0) < STARTED else None
+    factor = known_factor(ratio, "position", 0.0 if evidence.load.any() else LOAD_MOST_UNSURE)
+    return factor if factor is not None and abs(ratio / factor - 1.0) < UNIT_AT_START_SHARE else None
 
 
 def _position(

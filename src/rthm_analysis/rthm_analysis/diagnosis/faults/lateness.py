@@ -7,37 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    DELAY_CHI2,
+    DELAY_GAIN_OVER_LAG,
+    DELAY_LEFT_SHARE,
+    LATENESS_COHERENCE,
+    LATENESS_FEWEST_FREQUENCIES,
+    LATENESS_LEAST_SAMPLES,
+    LATENESS_STEPS,
+    LONGEST_LATENESS,
+    SAMPLED_GAIN_STD,
+)
 from rthm_analysis.diagnosis.faults.spectra import spectra
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-COHERENT = 0.9
-"""Squared coherence of the frequencies that count."""
-
-FEWEST = 8
-"""Frequencies from which a delay is told."""
-
-RELATIVE = 7e-4
-"""Relative error of a gain at one frequency that sampling leaves: more is not asked of any model."""
-
-LONGEST = 0.2
-"""Largest delay, s."""
-
-CLEARER = 30.0
-"""By so much the weighted squares of a delay must be below those of a lag: one in a million by chance."""
-
-REMAINS = 0.25
-"""Part of the weighted squares that a delay may leave."""
-
-GOOD = 3.0
-"""Weighted squares for each frequency that a delay may leave: with much more, it is something else."""
-
-STEPS = 3
-"""Steps towards the best delay, and the best lag."""
-
-LEAST_SAMPLES = 1.5
-"""A shorter delay is left to others."""
 
 
 @dataclass(frozen=True)
@@ -97,21 +81,21 @@ def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) 
     first = _response(known, signal, step, rate)
     if first is None:
         return None
-    delays = np.arange(-LONGEST, LONGEST, 0.5 * step)
+    delays = np.arange(-LONGEST_LATENESS, LONGEST_LATENESS, 0.5 * step)
     costs = first.left(np.exp(-1j * np.outer(delays, first.omega)))
     best = int(np.argmin(costs))
     about = float(delays[best])
     none = float(first.left(np.ones((1, first.omega.size)))[0])
-    if not 0 < best < delays.size - 1 or abs(about) < step or none < CLEARER + costs[best]:
+    if not 0 < best < delays.size - 1 or abs(about) < step or none < DELAY_GAIN_OVER_LAG + costs[best]:
         return None
     moved = _aligned(known, signal, about, step, rate)
     if moved is None:
         return None
     delay, left, response = moved
     std = float(1.0 / np.sqrt(response.weight @ np.square(response.omega * np.abs(response.value))))
-    fits = left < min(REMAINS * none, GOOD * response.omega.size)
-    clear = fits and left + CLEARER < _left_by_lag(first, known, signal, step, rate)
-    return Late(delay, std) if clear and abs(delay) > LEAST_SAMPLES * step else None
+    fits = left < min(DELAY_LEFT_SHARE * none, DELAY_CHI2 * response.omega.size)
+    clear = fits and left + DELAY_GAIN_OVER_LAG < _left_by_lag(first, known, signal, step, rate)
+    return Late(delay, std) if clear and abs(delay) > LATENESS_LEAST_SAMPLES * step else None
 
 
 def _aligned(
@@ -120,7 +104,7 @@ def _aligned(
     """Delay, what it leaves, and the response that is left, after a few steps towards the best delay."""
     at = np.arange(signal.size) * step
     found = None
-    for _ in range(STEPS):
+    for _ in range(LATENESS_STEPS):
         response = _response(known, np.interp(at + about, at, signal), step, rate)
         if response is None:
             break
@@ -135,15 +119,15 @@ def _aligned(
 def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
     """How a signal follows another; None where they have too few frequencies in common."""
     seen = spectra(np.column_stack([reference, signal]), step)
-    kept = seen.coherence(0, 1) > COHERENT
-    if np.count_nonzero(kept) < FEWEST:
+    kept = seen.coherence(0, 1) > LATENESS_COHERENCE
+    if np.count_nonzero(kept) < LATENESS_FEWEST_FREQUENCIES:
         return None
     omega, coherence = seen.omega[kept], seen.coherence(0, 1)[kept]
     value = seen.cross[kept, 0, 1] / seen.cross[kept, 0, 0].real
     if rate:  # what differences of samples lose
         value = value * np.sin(omega * step) / (omega * step)
     sampling = (
-        RELATIVE + np.square(omega * step) / 8.0
+        SAMPLED_GAIN_STD + np.square(omega * step) / 8.0
     )  # the latter is what straight lines between samples lose
     share = 0.5 * (1.0 - coherence) / (coherence * seen.parts) + (1.0 - coherence) ** 2 + np.square(sampling)
     return Response(omega, value, 1.0 / (share * np.abs(value) ** 2))
@@ -151,12 +135,12 @@ def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Res
 
 def _left_by_lag(first: Response, known: Floats, signal: Floats, step: float, rate: bool) -> float:
     """What is left where the signal lags behind the reference, or this behind the signal."""
-    lags = np.geomspace(0.2 * step, 2.0 * LONGEST, 120)
+    lags = np.geomspace(0.2 * step, 2.0 * LONGEST_LATENESS, 120)
     shapes = 1.0 / (1.0 + 1j * np.outer(lags, first.omega))
     behind, before = first.left(shapes), first.left(1.0 / shapes)
     late_one = bool(behind.min() < before.min())
     constant, best = float(lags[np.argmin(behind if late_one else before)]), np.inf
-    for _ in range(STEPS):
+    for _ in range(LATENESS_STEPS):
         one = _lagging(known, constant, step) if late_one else known
         other = signal if late_one else _lagging(signal, constant, step)
         response = _response(one, other, step, rate)

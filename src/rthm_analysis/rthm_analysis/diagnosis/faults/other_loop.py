@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from rthm_analysis.diagnosis.criteria.signals import OTHER_LOOP_ENTRIES
 from rthm_analysis.diagnosis.result import Fault, Part
 from rthm_core.effects import effect
-
-MANY = 5
-"""Delays, periods and computing blocks unlike the spec's from which it is of another test: a slow network
-changes the four delays, a wrong entry one or two.
-"""
 
 COMPUTED = {"controller": "the controller", "numerical": "the numerical substructure"}
 
@@ -24,7 +20,7 @@ def find_other_loop(parts: Iterable[Part]) -> list[Fault]:
         What was found of links and computing blocks.
     """
     unlike = dict.fromkeys(one for part in parts for one in _unlike(part))
-    if len(unlike) < MANY or not unlike.keys() & set(COMPUTED.values()):
+    if len(unlike) < OTHER_LOOP_ENTRIES or not unlike.keys() & set(COMPUTED.values()):
         return []
     *names, last = unlike
     words = (

@@ -7,19 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import FREE_MOTION_FORCE_RATIO, TELLING_FORCE_RATIO
 from rthm_analysis.diagnosis.faults.relations import related, wires_of
 from rthm_analysis.diagnosis.faults.smooth import Smooth
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-MATTERS = 0.3
-"""Rms of inertia or elastic force, over that of the known force, from which its parameter is told by
-the motion."""
-
-DRIVEN = 1e-5
-"""Rms of the known force, over what the motion needs, below which it is a free motion."""
 
 
 @dataclass(frozen=True)
@@ -84,10 +78,10 @@ def plant_seen(smooth: Smooth, spec: Spec) -> PlantSeen | None:
     size = np.sqrt(np.mean(np.square(columns), axis=0))
     needed = mass * size[0] + stiffness * size[2]
     strength = float(np.sqrt(np.mean(np.square(wanted))))
-    if not (size > 0.0).all() or not strength > DRIVEN * needed:
+    if not (size > 0.0).all() or not strength > FREE_MOTION_FORCE_RATIO * needed:
         return None
     found = np.linalg.lstsq(columns / size, wanted, rcond=None)[0] / size
-    telling = np.abs(found) * size > MATTERS * strength
+    telling = np.abs(found) * size > TELLING_FORCE_RATIO * strength
     ratios = [
         float(value / nominal) if told and nominal > 0.0 else None
         for value, nominal, told in zip(found[[0, 2]], (mass, stiffness), telling[[0, 2]], strict=True)

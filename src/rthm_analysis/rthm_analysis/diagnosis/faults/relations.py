@@ -7,6 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    ELASTIC_GAIN,
+    KINEMATIC_GAIN,
+    MOTOR_GAIN,
+    RELATED_CORRELATION,
+    SOUND_CORRELATION,
+)
 from rthm_analysis.diagnosis.faults.smooth import Smooth
 
 if TYPE_CHECKING:
@@ -15,21 +22,6 @@ if TYPE_CHECKING:
 
 Name = tuple[str, str]
 """Family and place of a signal."""
-
-ASKED = 0.9
-"""Correlation, of either sign, from which a relation says anything."""
-
-SOUND = 0.97
-"""Correlation of a relation that holds beyond doubt."""
-
-KINEMATIC = (0.8, 1.25)
-"""Gain between a velocity and the rate of its position, sensors of another scale included."""
-
-FOLLOWS = (0.5, 2.0)
-"""Gain between a motor's position and its commands, limits of the motor included."""
-
-ELASTIC = (1.0 / 3.0, 3.0)
-"""Gain between the force in a wire and what its stiffness makes of its elongation."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +48,12 @@ class Relation:
     @property
     def holds(self) -> bool:
         """Whether it holds, as good as rigs are."""
-        return self.correlation > ASKED and self.allowed[0] <= self.gain <= self.allowed[1]
+        return self.correlation > RELATED_CORRELATION and self.allowed[0] <= self.gain <= self.allowed[1]
 
     @property
     def sound(self) -> bool:
         """Whether it holds beyond doubt."""
-        return self.holds and self.correlation > SOUND
+        return self.holds and self.correlation > SOUND_CORRELATION
 
 
 @dataclass(frozen=True)
@@ -104,7 +96,7 @@ def kinematic(smooth: Smooth, dof: str) -> Relation | None:
     x, v = ("position", dof), ("velocity", dof)
     if x not in smooth.values or v not in smooth.values:
         return None
-    return Relation((x, v), *related(smooth.rates[x], smooth.values[v]), KINEMATIC)
+    return Relation((x, v), *related(smooth.rates[x], smooth.values[v]), KINEMATIC_GAIN)
 
 
 def followed(smooth: Smooth, wire: Wire) -> Relation | None:
@@ -112,7 +104,7 @@ def followed(smooth: Smooth, wire: Wire) -> Relation | None:
     u, c = ("motor", wire.actuator), ("command", wire.actuator)
     if u not in smooth.values or c not in smooth.values:
         return None
-    return Relation((u,), *related(smooth.values[c], smooth.values[u]), FOLLOWS)
+    return Relation((u,), *related(smooth.values[c], smooth.values[u]), MOTOR_GAIN)
 
 
 def elastic(smooth: Smooth, wire: Wire) -> Relation | None:
@@ -125,7 +117,9 @@ def elastic(smooth: Smooth, wire: Wire) -> Relation | None:
     gain, correlation = related(longer, smooth.values[force])
     measured = tuple(one for one in names if one[0] != "command")
     slack = 2.0 * wire.uncertainty
-    return Relation(measured, gain, correlation, (ELASTIC[0] / (1.0 + slack), ELASTIC[1] * (1.0 + slack)))
+    return Relation(
+        measured, gain, correlation, (ELASTIC_GAIN[0] / (1.0 + slack), ELASTIC_GAIN[1] * (1.0 + slack))
+    )
 
 
 def wire_signals(smooth: Smooth, wire: Wire) -> tuple[Name, Name, Name] | None:

@@ -12,32 +12,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import (
+    SMOOTH_FEWEST_POINTS,
+    SMOOTH_LARGEST_SHARE,
+    SMOOTH_LEAST_GAP,
+    SMOOTH_LEAST_WIDTH,
+    SMOOTH_POINTS_PER_WIDTH,
+    SMOOTH_POWER_SHARE,
+    SMOOTH_REACH_STDS,
+)
 from rthm_analysis.diagnosis.faults.stretches import filled, flagged, held_commands, stretches
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
-
-COVERS = 0.98
-"""Part of a position's power below the frequency that still passes."""
-
-LEAST_WIDTH = 2.5
-"""Samples; narrower bells are no bells."""
-
-LEAST_GAP = 3
-"""Samples; a straight line over a gap of these, or of a third of the bell's width, is good enough."""
-
-SHARE = 0.02
-"""Part of the recording that the width of the bell does not exceed."""
-
-REACH = 4.0
-"""Half length of the bell over its width."""
-
-PER_WIDTH = 2.0
-"""Points taken from the smoothed signals for each width of the bell."""
-
-FEWEST = 40
-"""Points from which anything is concluded."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +69,15 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
     first = positions or [column for (family, _), column in signals.items() if family == "velocity"]
     if not first or step <= 0.0:
         return None
-    width = min(min(_width(filled(one), step) for one in first), SHARE * evidence.stamps_ns.size * step)
-    width = max(width, LEAST_WIDTH * step)
+    width = min(
+        min(_width(filled(one), step) for one in first), SMOOTH_LARGEST_SHARE * evidence.stamps_ns.size * step
+    )
+    width = max(width, SMOOTH_LEAST_WIDTH * step)
     rows = _rows(evidence, width, step)
-    if rows.size < FEWEST:
+    if rows.size < SMOOTH_FEWEST_POINTS:
         return None
     size = evidence.stamps_ns.size
-    padded = _good_length(size + int(2 * REACH * width / step))
+    padded = _good_length(size + int(2 * SMOOTH_REACH_STDS * width / step))
     omega = 2.0 * np.pi * np.fft.rfftfreq(padded, step)
     bell = np.exp(-0.5 * np.square(omega * width))
     values, rates, seconds = {}, {}, {}
@@ -133,16 +123,16 @@ def _width(values: Floats, step: float) -> float:
     total = np.cumsum(power)
     if not total[-1] > 0.0:
         return 10.0 * step
-    edge = int(np.searchsorted(total, COVERS * total[-1]))
+    edge = int(np.searchsorted(total, SMOOTH_POWER_SHARE * total[-1]))
     return values.size * step / (2.0 * np.pi * max(edge, 1)) / 1.5
 
 
 def _rows(evidence: Evidence, width: float, step: float) -> Integers:
     """Samples whose bell does not reach over an end or a longer gap."""
-    size, reach = evidence.stamps_ns.size, int(np.ceil(REACH * width / step))
-    every = max(int(width / step / PER_WIDTH), 1)
+    size, reach = evidence.stamps_ns.size, int(np.ceil(SMOOTH_REACH_STDS * width / step))
+    every = max(int(width / step / SMOOTH_POINTS_PER_WIDTH), 1)
     rows = np.arange(reach, size - reach, every)
-    longest = max(int(0.3 * width / step), LEAST_GAP)
+    longest = max(int(0.3 * width / step), SMOOTH_LEAST_GAP)
     unknown = np.zeros(size, dtype=bool)
     for column in evidence.measured.T:
         unknown |= flagged(

@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import SPECTRA_HIGHEST_RADIANS, SPECTRA_PARTS
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-PARTS = 12
-"""Parts of a recording that are averaged, half of them between the others."""
-
-HIGHEST = 0.5
-"""Largest angular frequency times step: beyond it, differences of samples are no rates."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +39,12 @@ class Spectra:
 
 def spectra(signals: Floats, step: float) -> Spectra:
     """Cross spectra of signals (s, k) that are sampled every `step` s."""
-    length = 2 * signals.shape[0] // (PARTS + 1)
-    starts = np.arange(PARTS) * (length // 2)
+    length = 2 * signals.shape[0] // (SPECTRA_PARTS + 1)
+    starts = np.arange(SPECTRA_PARTS) * (length // 2)
     parts = np.stack([signals[a : a + length] for a in starts])
     parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(length)[:, None]
     values = np.fft.rfft(parts, axis=1)
     omega = 2.0 * np.pi * np.fft.rfftfreq(length, step)
-    kept = slice(1, max(int(np.searchsorted(omega, HIGHEST / step)), 2))
-    cross = np.einsum("pfi,pfj->fij", values[:, kept].conj(), values[:, kept]) / PARTS
-    return Spectra(np.asarray(omega[kept], dtype=float), cross, (PARTS + 1) // 2)
+    kept = slice(1, max(int(np.searchsorted(omega, SPECTRA_HIGHEST_RADIANS / step)), 2))
+    cross = np.einsum("pfi,pfj->fij", values[:, kept].conj(), values[:, kept]) / SPECTRA_PARTS
+    return Spectra(np.asarray(omega[kept], dtype=float), cross, (SPECTRA_PARTS + 1) // 2)

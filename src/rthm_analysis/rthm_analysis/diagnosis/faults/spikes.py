@@ -6,6 +6,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import (
+    COMMAND_TRACE_S,
+    FEW_SPIKES_SIZE_RATIO,
+    SEVERAL_SPIKES,
+    SEVERAL_SPIKES_MEDIAN_RATIO,
+    SPIKE_BETWEEN_SHARE,
+    SPIKE_BLOCK,
+    SPIKE_CALM_SAMPLES,
+    SPIKE_CALM_SHARE,
+    SPIKE_EXPLAINED_SHARE,
+    SPIKE_LARGEST_LOG_HEIGHT,
+    SPIKE_LEAST_STD_RATIO,
+    SPIKE_MOST_SAMPLES,
+    SPIKE_NEIGHBOURS,
+    SPIKE_RETURN_SHARE,
+    SPIKE_TAIL_EXPECTED,
+    SPIKE_TAIL_SHARE,
+    SPIKE_TO_COARSE_STEP,
+    SPIKE_TO_LARGE_STEPS,
+    SPIKE_TO_USUAL_BEND,
+    SPIKE_TO_USUAL_DISTANCE,
+    SPIKES_MOST_SHARE,
+)
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
@@ -18,63 +41,11 @@ from rthm_analysis.diagnosis.faults.stretches import (
     without,
 )
 from rthm_analysis.diagnosis.numbers import instants
-from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-LONGEST = 3
-"""Samples; longer excursions can be motion."""
-
-REACHES = (4, 6)
-"""Distances in samples of the neighbours that a sample is compared with: a spike never hides two of the
-four."""
-
-BLOCK = 256
-"""Samples over which what is usual is judged: a quiet time does not make a lively one suspect."""
-
-CLEAR = 8.0
-"""Size of a spike, over the distance from their neighbours that nine in ten samples nearby do not exceed."""
-
-LOUD = 5.0
-"""Size of a spike, over the second difference that three in four samples nearby do not exceed: 14 standard
-deviations of white noise."""
-
-LARGE = 0.01
-"""Size of a spike, over the spread of the signal; smaller ones spoil nothing that robust noise does not
-cover."""
-
-MOST = 0.05
-"""Part of the samples; a signal with more is of another kind, and nothing is said."""
-
-BETWEEN = 0.6
-"""Part of the size of a spike from which samples stand between noise and spikes: where they are half as many
-as spikes, it is noise of heavy tails.
-"""
-
-SEVERAL, ALONE = 3, 2.0
-"""Spikes that show what they are by their number; how much larger fewer have to be."""
-
-TAIL, RARE = 0.01, 0.02
-"""Largest part of all excursions that tells how heavy the tail of noise is; number of excursions as large as
-few spikes that such a tail may be expected to have.
-"""
-
-LARGEST = 100.0
-"""Logarithm of a height that nothing reaches."""
-
-FAR = 4.0
-"""How much larger than need be several spikes are in the middle that no noise with heavy tails makes."""
-
-HALF = 0.3
-"""Part of a spike from which what came before it explains it."""
-
-STAIRS = 2.0
-"""Size of a spike of motor or force, over that of the large steps that commands make them take."""
-
-PASSED_ON = 0.025
-"""Seconds by which a jump of a command may come before its traces in motor and force."""
 
 
 def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
@@ -95,7 +66,9 @@ def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
     for column, channel in enumerate(seen.channels):
         found = _spikes(seen.measured[:, column])
         if found and channel.family in ("force", "motor"):
-            real = np.maximum(_passed_on(seen, column), STAIRS * _busy(filled(seen.measured[:, column])))
+            real = np.maximum(
+                _passed_on(seen, column), SPIKE_TO_LARGE_STEPS * _busy(filled(seen.measured[:, column]))
+            )
             found = [one for one in found if _size(seen, column, one) > real[one[0] : one[1]].max()]
         if found:
             faults.append(_fault(seen, column, found))
@@ -116,7 +89,7 @@ def _passed_on(evidence: Evidence, column: int) -> Floats:
     for cause in causes:
         gain = _busy(values) / max(_busy(cause), 1e-300) if channel.family == "force" else 1.0
         size = np.maximum(size, gain * _lasting(_excursions(cause), evidence))
-    return size / HALF
+    return size / SPIKE_EXPLAINED_SHARE
 
 
 def _busy(values: Floats) -> float:
@@ -125,9 +98,9 @@ def _busy(values: Floats) -> float:
 
 
 def _lasting(size: Floats, evidence: Evidence) -> Floats:
-    """Largest value a little after and up to `PASSED_ON` before each sample."""
+    """Largest value a little after and up to `COMMAND_TRACE_S` before each sample."""
     step = max(float(np.median(np.diff(evidence.time))), 1e-9)
-    largest = np.pad(size, (int(np.ceil(PASSED_ON / step)), LONGEST))
+    largest = np.pad(size, (int(np.ceil(COMMAND_TRACE_S / step)), SPIKE_MOST_SAMPLES))
     reach, done = largest.size - size.size + 1, 1
     while done < reach:
         by = min(done, reach - done)
@@ -138,15 +111,18 @@ def _lasting(size: Floats, evidence: Evidence) -> Floats:
 
 def _excursions(values: Floats) -> Floats:
     """How far each sample is from the median of itself and four neighbours."""
-    reach = max(REACHES)
+    reach = max(SPIKE_NEIGHBOURS)
     around = np.pad(values, reach, mode="edge")
-    moved = [around[reach + by : reach + by + values.size] for by in (0, *REACHES, *(-r for r in REACHES))]
-    return np.asarray(np.abs(values - np.sort(np.stack(moved), axis=0)[len(REACHES)]))
+    moved = [
+        around[reach + by : reach + by + values.size]
+        for by in (0, *SPIKE_NEIGHBOURS, *(-r for r in SPIKE_NEIGHBOURS))
+    ]
+    return np.asarray(np.abs(values - np.sort(np.stack(moved), axis=0)[len(SPIKE_NEIGHBOURS)]))
 
 
 def _usual(size: Floats, part: float) -> Floats:
     """What so many of the samples in the block of each and in the blocks beside it do not exceed."""
-    count = max(size.size // BLOCK, 1)
+    count = max(size.size // SPIKE_BLOCK, 1)
     shorter, longer = divmod(size.size, count)
     parts = np.split(size, [longer * (shorter + 1)])
     alike = (parts[0].reshape(longer, shorter + 1), parts[1].reshape(count - longer, shorter))
@@ -159,44 +135,52 @@ def _usual(size: Floats, part: float) -> Floats:
 def _spikes(values: Floats) -> list[Stretch]:
     """Spikes of one signal."""
     known = np.isfinite(values)
-    if np.count_nonzero(known) < BLOCK:
+    if np.count_nonzero(known) < SPIKE_BLOCK:
         return []
     whole = filled(values)
     size, spread = _excursions(whole), float(np.std(whole))
     steps = grain(whole)
     second = np.abs(np.diff(whole, 2, prepend=whole[0], append=whole[-1]))
-    least = np.maximum(CLEAR * _usual(size, 0.9), LOUD * _usual(second, 0.75))
-    least = np.maximum(least, max(4.0 * steps, LARGE * spread, 1e-300))
+    least = np.maximum(
+        SPIKE_TO_USUAL_DISTANCE * _usual(size, 0.9), SPIKE_TO_USUAL_BEND * _usual(second, 0.75)
+    )
+    least = np.maximum(least, max(SPIKE_TO_COARSE_STEP * steps, SPIKE_LEAST_STD_RATIO * spread, 1e-300))
     found = [
         one
         for one in stretches((size > least) & known)
-        if one[1] - one[0] <= LONGEST and _returns(whole, one, float(size[one[0] : one[1]].max()))
+        if one[1] - one[0] <= SPIKE_MOST_SAMPLES and _returns(whole, one, float(size[one[0] : one[1]].max()))
     ]
-    middling = np.count_nonzero((size > BETWEEN * least) & (size <= least) & known)
+    middling = np.count_nonzero((size > SPIKE_BETWEEN_SHARE * least) & (size <= least) & known)
     heights = [float((size / least)[a:b].max()) for a, b in found]
-    if len(found) < SEVERAL:
-        rare = max(ALONE, _reach_of_tail(np.delete(size / least, np.flatnonzero(flagged(found, size.size)))))
+    if len(found) < SEVERAL_SPIKES:
+        rare = max(
+            FEW_SPIKES_SIZE_RATIO,
+            _reach_of_tail(np.delete(size / least, np.flatnonzero(flagged(found, size.size)))),
+        )
         found = [one for one, height in zip(found, heights, strict=True) if height > rare]
-    elif np.median(heights) > FAR:
+    elif np.median(heights) > SEVERAL_SPIKES_MEDIAN_RATIO:
         middling = 0
-    return found if 2 * middling <= len(found) <= MOST * values.size else []
+    return found if 2 * middling <= len(found) <= SPIKES_MOST_SHARE * values.size else []
 
 
 def _reach_of_tail(heights: Floats) -> float:
-    """Height beyond which excursions are expected `RARE` times: a power law through the largest of them."""
-    tail = np.log(np.maximum(np.sort(heights)[-max(int(TAIL * heights.size), SEVERAL) :], 1e-300))
-    reach = float(tail[0] + np.mean(tail - tail[0]) * np.log(tail.size / RARE))
-    return float(np.exp(min(reach, LARGEST)))
+    """Height beyond which excursions are hardly expected: a power law through the largest of them."""
+    tail = np.log(
+        np.maximum(np.sort(heights)[-max(int(SPIKE_TAIL_SHARE * heights.size), SEVERAL_SPIKES) :], 1e-300)
+    )
+    reach = float(tail[0] + np.mean(tail - tail[0]) * np.log(tail.size / SPIKE_TAIL_EXPECTED))
+    return float(np.exp(min(reach, SPIKE_LARGEST_LOG_HEIGHT)))
 
 
 def _returns(values: Floats, one: Stretch, size: float) -> bool:
     """Whether the signal is back after it where it was before, and was calm there."""
-    before = values[max(one[0] - 4, 0) : one[0]]
-    after = values[one[1] : one[1] + 4]
+    before = values[max(one[0] - SPIKE_CALM_SAMPLES, 0) : one[0]]
+    after = values[one[1] : one[1] + SPIKE_CALM_SAMPLES]
     if not before.size or not after.size:
         return False
     calm = max(float(np.ptp(before)), float(np.ptp(after)))
-    return abs(float(np.median(before) - np.median(after))) < 0.4 * size and calm < 0.6 * size
+    apart = abs(float(np.median(before) - np.median(after)))
+    return apart < SPIKE_RETURN_SHARE * size and calm < SPIKE_CALM_SHARE * size
 
 
 def _size(evidence: Evidence, column: int, one: Stretch) -> float:
@@ -214,7 +198,7 @@ def _fault(evidence: Evidence, column: int, found: list[Stretch]) -> Fault:
     when = f"at {first}" if len(found) == 1 else f"between {first} and {last}"
     many = "one spike" if len(found) == 1 else f"{len(found)} spikes"
     words = (
-        f"{in_words(channel, first=True)} has {many} of up to {size:.3g} {UNITS[channel.family]}, {when}: "
+        f"{in_words(channel, first=True)} has {many} of up to {size:.3g} {UNIT_OF[channel.family]}, {when}: "
         "single samples that leave their neighbours and return. They are left out; check cable, shielding "
         "and connectors of this sensor."
     )

@@ -11,6 +11,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.samples import (
+    ALIVE_CHANGE_RATIO,
+    FEWEST_KNOWN_SHARE,
+    HELD_FEWEST_STRETCHES,
+    NOISY_ALTERNATING_SHARE,
+    PADDED_SAMPLES,
+    STUCK_FEWEST_SAMPLES,
+    STUCK_LEAP_RATIO,
+    STUCK_LEAP_RATIO_WITHOUT_NOISE,
+    STUCK_MOST_SHARE,
+    STUCK_NEIGHBOURS,
+    STUCK_RATE_SAMPLES,
+    STUCK_SHORT_S,
+    STUCK_SINGLE_SHARE,
+    STUCK_TO_USUAL_LENGTH,
+    STUCK_TRAVEL_SHARE,
+)
 from rthm_analysis.diagnosis.faults.commanded import is_real, told_to
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
@@ -22,52 +39,11 @@ from rthm_analysis.diagnosis.faults.stretches import (
     without,
 )
 from rthm_analysis.diagnosis.numbers import instants
-from rthm_analysis.diagnosis.replay.evidence import UNITS, Evidence
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
-
-SHORTEST = 7
-"""Samples of one value that chance does not make in a signal with noise."""
-
-LONGER = 4.0
-"""Length of a stretch in a signal that repeats values, over that of all but one in a hundred others."""
-
-SINGLE = 0.98
-"""Part of the values that are unlike their neighbours, in a signal that a sensor tells finely."""
-
-ALTERNATES = 0.5
-"""Part of the third differences that change sign, from which a signal carries noise; 0.1 where it is
-smooth."""
-
-LEAP = 2.0
-"""Jump at the end of a stretch in a signal with noise, over the largest steps around it."""
-
-LONE_LEAP = 6.0
-"""The same in a position without noise: it has no other way to jump."""
-
-TRAVEL = 0.3
-"""Change of another channel meanwhile, over the range of that channel, that a sensor at work would show."""
-
-ALIVE = 0.5
-"""Median change from sample to sample beside a stretch, over the usual one, of a signal that is alive."""
-
-AT_END = 100
-"""Samples; a shorter stretch at the end of a recording is how some tools pad it."""
-
-NEIGHBOURS = 12
-"""Samples on either side whose steps are compared."""
-
-REACH = 10
-"""Samples on either side over which a rate is taken; so near to its ends a stretch is not compared."""
-
-FEW = 3
-"""So many short stretches are drop-outs of a link that holds its last value, rather than a sensor that
-sticks."""
-
-SHORT = 0.1
-"""Seconds; a longer stretch is a stuck sensor."""
 
 
 def find_stuck(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
@@ -86,13 +62,18 @@ def find_stuck(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
 
 def _stuck(evidence: Evidence, column: int) -> list[Stretch]:
     values = evidence.measured[:, column]
-    if np.count_nonzero(np.isfinite(values)) < 0.5 * values.size or not np.nanstd(values) > 0.0:
+    if (
+        np.count_nonzero(np.isfinite(values)) < FEWEST_KNOWN_SHARE * values.size
+        or not np.nanstd(values) > 0.0
+    ):
         return []
     begin, length = pieces(values)
-    long = np.flatnonzero(length >= SHORTEST)
+    long = np.flatnonzero(length >= STUCK_FEWEST_SAMPLES)
     if not _hardly_repeats(length, long):
-        long = np.flatnonzero(length >= max(SHORTEST, LONGER * float(np.quantile(length, 0.99))))
-    if not long.size or length[long].sum() > 0.5 * values.size:
+        long = np.flatnonzero(
+            length >= max(STUCK_FEWEST_SAMPLES, STUCK_TO_USUAL_LENGTH * float(np.quantile(length, 0.99)))
+        )
+    if not long.size or length[long].sum() > STUCK_MOST_SHARE * values.size:
         return []
     noisy = carries_noise(values, length, long)
     others = _others(evidence, column)
@@ -105,13 +86,15 @@ def carries_noise(values: Floats, length: np.ndarray, long: np.ndarray) -> bool:
     third = np.diff(values, 3)
     third = third[np.isfinite(third) & (third != 0.0)]
     return bool(
-        _hardly_repeats(length, long) and third.size and np.mean(third[1:] * third[:-1] < 0.0) > ALTERNATES
+        _hardly_repeats(length, long)
+        and third.size
+        and np.mean(third[1:] * third[:-1] < 0.0) > NOISY_ALTERNATING_SHARE
     )
 
 
 def _hardly_repeats(length: np.ndarray, long: np.ndarray) -> bool:
     """Whether nearly all values but those of long stretches are unlike their neighbours."""
-    return bool(np.count_nonzero(length == 1) >= SINGLE * (length.size - long.size))
+    return bool(np.count_nonzero(length == 1) >= STUCK_SINGLE_SHARE * (length.size - long.size))
 
 
 def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others: list[Floats]) -> bool:
@@ -124,11 +107,11 @@ def _is_stuck(evidence: Evidence, column: int, one: Stretch, noisy: bool, others
     if noisy:
         if extreme or (held == 0.0 and (family == "force" or is_real(evidence, column, one))):
             return False
-        leaps = _leaps(values, one, LEAP) and not told_to(evidence, column, one)
+        leaps = _leaps(values, one, STUCK_LEAP_RATIO) and not told_to(evidence, column, one)
         return moving or leaps or _alive_around(values, one)
     if extreme or family not in ("position", "velocity"):
         return False
-    return moving or (family == "position" and _leaps(values, one, LONE_LEAP))
+    return moving or (family == "position" and _leaps(values, one, STUCK_LEAP_RATIO_WITHOUT_NOISE))
 
 
 def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
@@ -137,7 +120,9 @@ def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
     if b >= values.size:
         return False
     changes = np.abs(np.diff(values))
-    around = np.concatenate([changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]])
+    around = np.concatenate(
+        [changes[max(a - STUCK_NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + STUCK_NEIGHBOURS]]
+    )
     around = around[np.isfinite(around)]
     usual = float(np.nanquantile(changes, 0.99))
     largest = max(float(around.max(initial=0.0)), usual)
@@ -147,11 +132,11 @@ def _leaps(values: Floats, one: Stretch, clear: float) -> bool:
 def _alive_around(values: Floats, one: Stretch) -> bool:
     """Whether samples change as usual right before a stretch and right after it: no rig comes to rest so."""
     a, b = one
-    if b >= values.size and b - a < AT_END:
+    if b >= values.size and b - a < PADDED_SAMPLES:
         return False
     changes = np.abs(np.diff(values))
-    usual = ALIVE * float(np.nanmedian(changes))
-    before, after = changes[max(a - NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + NEIGHBOURS]
+    usual = ALIVE_CHANGE_RATIO * float(np.nanmedian(changes))
+    before, after = changes[max(a - STUCK_NEIGHBOURS, 0) : max(a - 1, 0)], changes[b : b + STUCK_NEIGHBOURS]
     known = [side[np.isfinite(side)] for side in (before, after) if side.size]
     return bool(known) and all(side.size and float(np.median(side)) > usual for side in known)
 
@@ -172,7 +157,7 @@ def _others(evidence: Evidence, column: int) -> list[Floats]:
 def _rate(evidence: Evidence, column: int) -> Floats:
     """Rate of a position, over enough samples for its noise not to matter."""
     values = filled(evidence.measured[:, column])
-    reach = REACH
+    reach = STUCK_RATE_SAMPLES
     rate = np.zeros_like(values)
     span = evidence.time[2 * reach :] - evidence.time[: -2 * reach]
     rate[reach:-reach] = (values[2 * reach :] - values[: -2 * reach]) / np.maximum(span, 1e-12)
@@ -181,18 +166,18 @@ def _rate(evidence: Evidence, column: int) -> Floats:
 
 def _travels(other: Floats, one: Stretch) -> bool:
     """Whether another signal changes by a good part of its range over a stretch."""
-    part = other[one[0] + REACH : one[1] - REACH]
+    part = other[one[0] + STUCK_RATE_SAMPLES : one[1] - STUCK_RATE_SAMPLES]
     if part.size < 2:
         return False
     low, high = np.quantile(other, [0.05, 0.95])
     span = max(float(high - low), 2.0 * float(np.std(other)))  # a rig that mostly rests has no range
-    return bool(np.ptp(part) > TRAVEL * span > 0.0)
+    return bool(np.ptp(part) > STUCK_TRAVEL_SHARE * span > 0.0)
 
 
 def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, str]:
     """Kind of a fault and its words."""
     channel = evidence.channels[column]
-    name, unit = in_words(channel), UNITS[channel.family]
+    name, unit = in_words(channel), UNIT_OF[channel.family]
     first, last = instants(*whole_interval(evidence, found))
     if not evidence.measured[[a for a, _ in found], column].any():
         return "dropout", (
@@ -208,7 +193,7 @@ def _said(evidence: Evidence, column: int, found: list[Stretch]) -> tuple[str, s
         )
     longest = max(b - a for a, b in (interval(evidence, one) for one in found))
     where = f"in {len(found)} stretches of up to {longest:.3g} s between {first} and {last}"
-    if len(found) >= FEW and longest < SHORT:
+    if len(found) >= HELD_FEWEST_STRETCHES and longest < STUCK_SHORT_S:
         return "dropout", (
             f"{in_words(channel, first=True)} holds its last value {where}: samples are missing. They are "
             "left out; record what is missing as NaN."

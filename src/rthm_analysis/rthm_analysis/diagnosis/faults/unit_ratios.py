@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import EXACT_UNIT_LOG, LARGE_UNIT_LOG, UNITLESS_GAIN
+
 _LENGTHS = {
     "mm": 1e3,
     "cm": 1e2,
@@ -27,15 +29,6 @@ RATIOS: dict[str, dict[str, float]] = {
 }
 """By family: numbers of a unit that make one SI unit."""
 
-EXACT = 0.03
-"""Relative distance from a ratio up to which a gain is that ratio."""
-
-DECADE = 0.1
-"""The same for ratios of a hundred and more, which nothing else makes."""
-
-PLAIN = (0.4, 2.5)
-"""Gains that are no matter of units: parameters and sensors may be as far off."""
-
 
 def known_factor(gain: float, family: str, more: float = 0.0) -> float | None:
     """Recorded over true value: +-1, or the ratio of a unit either way, + or -; None where it is none.
@@ -57,14 +50,14 @@ def known_factor(gain: float, family: str, more: float = 0.0) -> float | None:
     size, sign = abs(gain), float(np.sign(gain))
     if not np.isfinite(gain) or size == 0.0:
         return None
-    if PLAIN[0] <= size <= PLAIN[1]:
+    if UNITLESS_GAIN[0] <= size <= UNITLESS_GAIN[1]:
         return sign
     ratios = RATIOS["force" if family == "load" else family].values()
     for ratio in (*ratios, *(1.0 / one for one in ratios)):
         large = ratio >= 99.0 or ratio <= 0.0101
-        if not large and more > EXACT:
+        if not large and more > EXACT_UNIT_LOG:
             continue
-        if abs(np.log(size / ratio)) < (DECADE + more if large else EXACT):
+        if abs(np.log(size / ratio)) < (LARGE_UNIT_LOG + more if large else EXACT_UNIT_LOG):
             return sign * ratio
     return None
 

@@ -13,46 +13,25 @@ from itertools import pairwise
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.noise import (
+    BAND_POWER_STD,
+    COLOUR_LEAST_SHARE_OF_WHITE,
+    COLOUR_LIKELIHOOD_GAIN,
+    COLOUR_LIKELIHOOD_LOSS,
+    COLOUR_MISFIT_PER_BAND,
+    COLOUR_RATIO_TO_WHITE,
+    COLOUR_SHARE_OF_SIGNAL,
+    MOTION_POWER_RATIO,
+    SPECTRUM_BANDS,
+    SPECTRUM_FEWEST_SAMPLES,
+    SPECTRUM_LEAST_POWER,
+    SPECTRUM_STEPS,
+)
 from rthm_analysis.diagnosis.replay.compiled import compiled
 from rthm_core.compiled import Flags, Floats, Integers
 
-FEWEST = 400
-"""Samples from which a spectrum says anything."""
-
-BANDS = 40
-"""Bands of the spectrum, evenly spaced in the logarithm of the frequency."""
-
-STEPS = 150
-"""Steps in which the likeliest sizes of the parts of a spectrum are found."""
-
-FAINTEST = 1e-6
-"""Part of a band's power below which no fitted spectrum is taken: its logarithm stays a number."""
-
-MOVES = 4.0
-"""Power of the recording over that of the residual from which a band shows the rig's motion."""
-
-LOUDEST, LOUDER = 0.05, 1.5
-"""Standard deviation of the coloured part, over those of the recording and of the white part, above both of
-which it is not noise.
-"""
-
 CORNERS = np.geomspace(3e-4, 1.0, 28)
 """Corner frequencies of the coloured part that are tried, in radians per sample."""
-
-UNSURE = 0.03
-"""Relative error of a band's power that is not chance, as from a slightly wrong shape."""
-
-CLEARER = 20.0
-"""Gain of twice the log-likelihood by a coloured part that is beyond chance for two parameters."""
-
-FITS = 2.5
-"""Misfit per band, twice the log-likelihood, that noise of two parts may have: a line has more."""
-
-AS_GOOD = 6.0
-"""Loss of it with which a longer memory is taken: what may be noise is no physics."""
-
-LEAST = 0.05
-"""Part of the white noise that the coloured part must add in some band, to matter."""
 
 
 @dataclass(frozen=True)
@@ -113,19 +92,21 @@ def colour_of(residual: Floats, measured: Floats, level: float, *, moves: bool =
     >>> colour_of(np.random.default_rng(0).normal(size=5000), np.sin(np.arange(5000) / 50), 1.0).is_white
     True
     """
-    if residual.size < FEWEST:
+    if residual.size < SPECTRUM_FEWEST_SAMPLES:
         return white(level)
     at, power, lines = _banded(*spectrum(residual))
     if not power.all():
         return white(level)
-    moving = moves & (_banded(*spectrum(measured))[1] > MOVES * power)
+    moving = moves & (_banded(*spectrum(measured))[1] > MOTION_POWER_RATIO * power)
     found = _parts(at, power, lines, moving)
     if found is None:
         return white(level)
     colour = _innovations(*found)
     colour = replace(colour, level=min(colour.level, float(np.nanstd(residual))))
     coloured = np.sqrt(max(colour.level**2 - found[0], 0.0))
-    allowed = max(LOUDEST * float(np.nanstd(measured)), LOUDER * np.sqrt(found[0]))
+    allowed = max(
+        COLOUR_SHARE_OF_SIGNAL * float(np.nanstd(measured)), COLOUR_RATIO_TO_WHITE * np.sqrt(found[0])
+    )
     return colour if coloured <= allowed else white(level)
 
 
@@ -144,12 +125,12 @@ def spectrum(signal: Floats) -> tuple[Floats, Floats]:
 
 def _banded(omega: Floats, power: Floats) -> tuple[Floats, Floats, Floats]:
     """Middle, mean power and number of lines of each band."""
-    edges = np.geomspace(omega[0] * 0.99, omega[-1] * 1.001, BANDS + 1)
+    edges = np.geomspace(omega[0] * 0.99, omega[-1] * 1.001, SPECTRUM_BANDS + 1)
     number = np.searchsorted(edges, omega, side="right") - 1
-    count = np.bincount(number, minlength=BANDS).astype(float)
+    count = np.bincount(number, minlength=SPECTRUM_BANDS).astype(float)
     used = count > 0
-    mean = np.bincount(number, power, BANDS)[used] / count[used]
-    return np.bincount(number, omega, BANDS)[used] / count[used], mean, 0.5 * count[used]
+    mean = np.bincount(number, power, SPECTRUM_BANDS)[used] / count[used]
+    return np.bincount(number, omega, SPECTRUM_BANDS)[used] / count[used], mean, 0.5 * count[used]
 
 
 def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[float, float, float] | None:
@@ -166,12 +147,13 @@ def _parts(at: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[flo
     unlikely, sizes = _likeliest(np.concatenate([beside, shapes[:, None]], axis=1), power, lines, moving)
     perfect = float(2.0 * np.sum(_worth(lines) * (np.log(power) + 1.0)))
     best = float(unlikely.min())
-    if not plain[0] - best > CLEARER or best - perfect > FITS * np.count_nonzero(~moving):
+    clear = plain[0] - best > COLOUR_LIKELIHOOD_GAIN
+    if not clear or best - perfect > COLOUR_MISFIT_PER_BAND * np.count_nonzero(~moving):
         return None
-    i = int(np.argmax(unlikely <= best + AS_GOOD))
+    i = int(np.argmax(unlikely <= best + COLOUR_LIKELIHOOD_LOSS))
     first, drive = float(sizes[i, 0]), float(sizes[i, -1])
     seen = float((drive * shapes[i][~moving]).max(initial=0.0))
-    return (first, drive, float(CORNERS[i])) if seen > LEAST * first else None
+    return (first, drive, float(CORNERS[i])) if seen > COLOUR_LEAST_SHARE_OF_WHITE * first else None
 
 
 def _likeliest(parts: Floats, power: Floats, lines: Floats, moving: Flags) -> tuple[Floats, Floats]:
@@ -182,9 +164,9 @@ def _likeliest(parts: Floats, power: Floats, lines: Floats, moving: Flags) -> tu
     of which is for the worse (Févotte and Idier 2011).
     """
     worth = _worth(lines)
-    floor = np.where(moving, power, FAINTEST * power)
+    floor = np.where(moving, power, SPECTRUM_LEAST_POWER * power)
     sizes = np.median(power) / parts.max(axis=2) / parts.shape[1]
-    for _ in range(STEPS):
+    for _ in range(SPECTRUM_STEPS):
         fitted = np.maximum(np.einsum("kp,kpb->kb", sizes, parts), floor)
         up = np.einsum("kpb,kb->kp", parts, worth * power / fitted**2)
         sizes = sizes * np.sqrt(up / np.einsum("kpb,kb->kp", parts, worth / fitted))
@@ -194,7 +176,7 @@ def _likeliest(parts: Floats, power: Floats, lines: Floats, moving: Flags) -> tu
 
 def _worth(lines: Floats) -> Floats:
     """Lines (b,) that each band is worth, given that shapes are never quite right."""
-    return np.asarray(lines / (1.0 + UNSURE**2 * lines))
+    return np.asarray(lines / (1.0 + BAND_POWER_STD**2 * lines))
 
 
 def _innovations(white_power: float, drive: float, corner: float) -> Colour:

@@ -8,17 +8,17 @@ from concurrent.futures import ThreadPoolExecutor
 from contextvars import copy_context
 from typing import TypeVar
 
+from rthm_analysis.diagnosis.criteria.fitting import MOST_THREADS
+
 A = TypeVar("A")
 B = TypeVar("B")
-
-MOST = 8
 
 
 class Cores:
     """Two layers of threads, so that work which waits for other work does not keep it from being done."""
 
     def __init__(self) -> None:
-        count = max(1, min(os.cpu_count() or 1, MOST))
+        count = max(1, min(os.cpu_count() or 1, MOST_THREADS))
         self._threads = ThreadPoolExecutor(count)
         self._waiting = ThreadPoolExecutor(count)
 

@@ -14,6 +14,17 @@ from itertools import pairwise
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.fitting import (
+    CROSS_VALIDATION_PARTS,
+    DIFFERENCE_STEP,
+    DIVERGED_ERROR,
+    FINE_DIFFERENCE_RATIO,
+    FINE_FIT_GAIN,
+    FIT_GAIN,
+    FIT_STEPS,
+    POOR_FIT_CHI2,
+    SETTLED_GAIN,
+)
 from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
 from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.steps import moved, trial_step
@@ -24,21 +35,6 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
-
-BLOCKS = 20
-"""Parts of the data that take turns at being left out."""
-
-STEP = 1e-3
-"""Step of finite differences, in the scale of a parameter."""
-
-FINE, FINER = 1e-4, 0.02
-"""Part of the squared error up to which a fit is one that finishes; factor of its last finite differences."""
-
-DIVERGED = 1e6
-"""Error, over the noise or the standard deviation of a signal, of a model that diverges, and at most."""
-
-WRONG = 3.0
-"""Reduced chi-squared above which sensitivities are computed anew at every step of a fit."""
 
 Bases = list[tuple[slice, Floats]]
 """Orthonormal bases of what initial states can explain, in the training part of each free run."""
@@ -73,8 +69,8 @@ class Fitted:
 
 
 def bounded(errors: Floats) -> Floats:
-    """Errors with `DIVERGED` in the place of what is larger or not finite."""
-    return np.clip(np.nan_to_num(errors, nan=DIVERGED), -DIVERGED, DIVERGED)
+    """Errors with `DIVERGED_ERROR` in the place of what is larger or not finite."""
+    return np.clip(np.nan_to_num(errors, nan=DIVERGED_ERROR), -DIVERGED_ERROR, DIVERGED_ERROR)
 
 
 @dataclass
@@ -126,7 +122,7 @@ class Fitting:
         self.weight = np.where(np.isfinite(measured), 1.0 / self.sigma, 0.0)
         self.expected = float(np.count_nonzero(self.weight))
         self.measured = np.nan_to_num(measured)
-        edges = np.linspace(0, measured.shape[0], BLOCKS + 1).astype(int)
+        edges = np.linspace(0, measured.shape[0], CROSS_VALIDATION_PARTS + 1).astype(int)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self.rebase(self.base)
 
@@ -234,7 +230,9 @@ class Fitting:
             windows = windows.moved(column, float(by))
         return windows
 
-    def columns(self, model: Model, residual: Floats, which: Iterable[int], small: float = STEP) -> Floats:
+    def columns(
+        self, model: Model, residual: Floats, which: Iterable[int], small: float = DIFFERENCE_STEP
+    ) -> Floats:
         """Change of the prediction with some parameters (p, s k), over the noise."""
 
         def one(i: int) -> Floats:
@@ -274,8 +272,8 @@ class Fitting:
         self,
         model: Model,
         known: Floats | None = None,
-        most: int = 8,
-        least: float = 3e-4,
+        most: int = FIT_STEPS,
+        least: float = FIT_GAIN,
         *,
         started: bool = False,
         affordable: bool = False,
@@ -296,12 +294,12 @@ class Fitting:
         affordable : bool
             Whether to end with the step that spends the budget; only where nothing is done side by side.
         """
-        anew = known is None or self.reduced_chi2 > WRONG
+        anew = known is None or self.reduced_chi2 > POOR_FIT_CHI2
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
         bases = self._bases_of(model, residual, started=started)
         best, damping = self._cost(model, residual, bases), 1e-4
-        columns, small, settled = np.empty((0, residual.size)), STEP, np.inf
+        columns, small, settled = np.empty((0, residual.size)), DIFFERENCE_STEP, np.inf
         for _ in range(most):
             free = range(kept, len(model.parameters))
             columns = self.projected(self.columns(model, residual, free, small), bases)
@@ -320,12 +318,13 @@ class Fitting:
                 damping = max(damping * 10.0, 1e-3)
             if affordable and self.budget.spent:
                 break
-            if before - best < max(0.1, least * best):
-                if small < STEP or least > FINE:
+            if before - best < max(SETTLED_GAIN, least * best):
+                if small < DIFFERENCE_STEP or least > FINE_FIT_GAIN:
                     settled = least
                     break
-                small = STEP * FINER  # where motions part quickly, a longer step tells little
-            if self.reduced_chi2 > WRONG:
+                # Where motions part quickly, a longer step tells little.
+                small = DIFFERENCE_STEP * FINE_DIFFERENCE_RATIO
+            if self.reduced_chi2 > POOR_FIT_CHI2:
                 bases = self._bases_of(model, residual, started=started)
                 best = self._cost(model, residual, bases)
         sums = self.sums(model, self.projected(residual, bases), columns)
@@ -338,7 +337,7 @@ class Fitting:
         """
         if started:
             return []
-        return self.bases(self.states(model, residual)) if self.reduced_chi2 > WRONG else self._bases
+        return self.bases(self.states(model, residual)) if self.reduced_chi2 > POOR_FIT_CHI2 else self._bases
 
     def _cost(self, model: Model, residual: Floats, bases: Bases) -> float:
         priors = [(p.value - p.prior[0]) / p.prior[1] for p in model.parameters if p.prior]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from rthm_analysis.diagnosis.criteria.fitting import COINCIDENT_NS, DETECTION_HALVINGS
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_delay
 from rthm_analysis.diagnosis.replay.readings import lattice
@@ -25,11 +26,6 @@ if TYPE_CHECKING:
 Limits = dict[tuple[str, str, str], dict[str, float]]
 """By block, kind and place: sizes of parameters."""
 
-HALVINGS = 8
-
-COINCIDENT_NS = 10_000
-"""A sample this near to a command's step sees it or not by chance."""
-
 
 def just_seen(power: Callable[[float], float], harmless: float, gross: float, enough: float) -> float | None:
     """Value between two at which an effect has `enough` power, by halving their ratio; None if it never has.
@@ -41,7 +37,7 @@ def just_seen(power: Callable[[float], float], harmless: float, gross: float, en
     """
     if not power(gross) > enough:
         return None
-    for _ in range(HALVINGS):
+    for _ in range(DETECTION_HALVINGS):
         middle = float(np.sqrt(harmless * gross))
         harmless, gross = (harmless, middle) if power(middle) > enough else (middle, gross)
     return gross

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.fitting import LARGEST_LOG_STEP
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.replay.model import Model, Parameter
 from rthm_core.compiled import Floats
-
-LARGEST_STEP = 1.2
-"""Largest step of a positive parameter, as the logarithm of a factor."""
 
 
 def moved(model: Model, sums: Sums, damping: float) -> Floats:
@@ -32,7 +30,7 @@ def moved(model: Model, sums: Sums, damping: float) -> Floats:
     if not (np.isfinite(whole).all() and np.isfinite(gradient).all()):
         raise np.linalg.LinAlgError("a diverging model has no next step")
     step = np.linalg.lstsq(whole, np.where(stuck, 0.0, gradient), rcond=1e-14)[0]
-    factor = np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+    factor = np.exp(np.clip(step, -LARGEST_LOG_STEP, LARGEST_LOG_STEP))
     stepped = np.where(positive, values * factor, values + step * np.diag(directions))
     for i, p in enumerate(model.parameters):
         if p.along is not None:

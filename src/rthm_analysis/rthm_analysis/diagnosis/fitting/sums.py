@@ -7,13 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rthm_analysis.diagnosis.criteria.fitting import SINGULAR_EIGENVALUE, UNDETERMINED_SHARE
 from rthm_core.compiled import Floats
-
-SINGULAR = 1e-12
-"""Eigenvalue of the correlations of the parameters below which rounding decides: nothing is known of it."""
-
-PART = 1e-6
-"""Part of a parameter in an undetermined combination from which it is undetermined too; less is rounding."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +68,10 @@ def _inverse(matrix: Floats) -> tuple[Floats, npt.NDArray[np.bool_]]:
     size = np.sqrt(np.diag(matrix))
     scale = np.where(size > 0.0, size, 1.0)
     values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    known = values > SINGULAR
+    known = values > SINGULAR_EIGENVALUE
     inverse = (vectors[:, known] / values[known]) @ vectors[:, known].T / np.outer(scale, scale)
     part = np.square(vectors[:, ~known]).sum(axis=1)
-    return inverse, part > PART
+    return inverse, part > UNDETERMINED_SHARE
 
 
 def _larger(inverse: Floats, seen: Floats) -> Floats:

@@ -10,6 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.fitting import (
+    WIRE_BLOCK_LENGTHS,
+    WIRE_CLAIM_STDS,
+    WIRE_EFFECT_SHARE,
+    WIRE_EFFECT_STDS,
+    WIRE_FEWEST_BLOCKS,
+)
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
 
@@ -21,15 +28,6 @@ if TYPE_CHECKING:
 
 PARABOLA = np.array([-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0]) / 21.0
 """Weights of seven samples in the middle of the parabola through them."""
-
-SEEN, PART = 3.0, 0.3
-"""Standard deviations, or part of what is claimed, that must be seen of a wire's effect in its own force."""
-
-SURE = 4.0
-"""Standard deviations by which what is claimed must exceed all that is left of the force."""
-
-BLOCKS, FEWEST = (1, 2, 4, 8, 16, 32, 64, 128), 50
-"""Lengths of blocks to average over, and the fewest of them."""
 
 
 class WiresAlone:
@@ -72,8 +70,8 @@ class WiresAlone:
         claimed, left = averaged(claimed[known], ((measured - here) * self.weight)[known])
         size, count = float(np.linalg.norm(claimed)), claimed.size
         seen = float(np.sum(left * claimed)) / max(size, 1e-300)
-        room = max(float(np.sum(np.square(left))) - count, 0.0) + SURE * np.sqrt(2.0 * count)
-        return bool(size**2 > room and seen < min(SEEN, PART * size))
+        room = max(float(np.sum(np.square(left))) - count, 0.0) + WIRE_CLAIM_STDS * np.sqrt(2.0 * count)
+        return bool(size**2 > room and seen < min(WIRE_EFFECT_STDS, WIRE_EFFECT_SHARE * size))
 
     @property
     def size(self) -> int:
@@ -95,9 +93,9 @@ def averaged(claimed: Floats, left: Floats) -> tuple[Floats, Floats]:
     most: what a wire does is slow against its samples, and in long averages little noise stands beside it.
     """
     best, clearest = (claimed, left), 0.0
-    for length in BLOCKS:
+    for length in WIRE_BLOCK_LENGTHS:
         count = claimed.shape[0] // length
-        if count < FEWEST:
+        if count < WIRE_FEWEST_BLOCKS:
             break
         blocks = (values[: count * length].reshape(count, length, -1) for values in (claimed, left))
         averages = [values.sum(axis=1) / np.sqrt(length) for values in blocks]

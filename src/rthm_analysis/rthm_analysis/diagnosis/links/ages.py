@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import DEEPEST_HELD_SAMPLES, LOOKS_PER_PERIOD
 from rthm_analysis.timing.host_stalls import stalled_between
 from rthm_core.clock import NS
 
@@ -15,13 +16,8 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis.links.models import Model
     from rthm_core.compiled import Floats, Integers
 
-LOOKS = 8
-"""How often per period of the samples the age is looked at where the receiver has no clock."""
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-
-DEEPEST = 60
-"""Samples, from the newest on, that a receiver may hold."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +43,7 @@ def ages(evidence: LinkEvidence, begin_ns: int, end_ns: int) -> Ages:
         at = evidence.use_ns[(evidence.use_ns >= begin_ns) & (evidence.use_ns < end_ns)]
     else:
         last = min(end_ns, int(evidence.use_ns[-1]) + 1)
-        at = _scattered(max(begin_ns, first), last, max(evidence.period_ns // LOOKS, 1))
+        at = _scattered(max(begin_ns, first), last, max(evidence.period_ns // LOOKS_PER_PERIOD, 1))
     newest = np.maximum(np.searchsorted(evidence.due, at, side="right") - 1, 0)
     at = at[~stalled_between(evidence.host_stalls, evidence.stamp[newest] - evidence.offset_ns, at)]
     use = np.searchsorted(evidence.use_ns, at, side="right") - 1
@@ -60,10 +56,10 @@ def expected(evidence: LinkEvidence, model: Model, at: Integers) -> tuple[Floats
     newest = np.searchsorted(evidence.due + early, at, side="right") - 1
     missing = np.ones(at.size)
     mean, square = np.zeros(at.size), np.zeros(at.size)
-    for back in range(DEEPEST):
+    for back in range(DEEPEST_HELD_SAMPLES):
         row = np.maximum(newest - back, 0)
         arrived = (1.0 - model.lost) * model.arrived((at - evidence.due[row]) / NS)
-        if back == DEEPEST - 1:
+        if back == DEEPEST_HELD_SAMPLES - 1:
             arrived = np.ones(at.size)
         age = (at - evidence.stamp[row]) / NS
         mean += missing * arrived * age

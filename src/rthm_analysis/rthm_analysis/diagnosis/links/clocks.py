@@ -10,6 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    COMMANDS_PER_REFERENCE,
+    FOUND_TICKS_COMMANDED,
+    ON_TICK_PERIOD_SHARE,
+    OTHER_PERIOD_SHARE,
+    PERIOD_FEWEST_STAMPS,
+    SPEC_TICKS_COMMANDED,
+    WHOLE_PERIOD_TOLERANCE,
+    WHOLE_PERIODS_SHARE,
+)
 from rthm_analysis.recording import Recording
 from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
@@ -17,23 +27,9 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Integers
     from rthm_core.spec import Spec
 
-OTHER = 1e-3
-"""Share by which a period must be off to be another one; clocks that drift differ by far less."""
-
-FEWEST = 50
-"""Stamps below which a period is not measured."""
-
-REGULAR, NEAR = 0.9, 0.25
-"""Share of the steps that must be whole periods, and to which part of a period."""
-
-ON_TICK = 0.05
-"""Part of a period within which a command belongs to a tick."""
 
 USED = {"td1": (PLANT_STATE, ("tau1", "tau2")), "td2": (FORCE_REFERENCE, ("tau3",))}
 """Samples of a clock, and the links that tell which of them were used."""
-
-MOST_COMMANDED, ANY_COMMANDED = 0.95, 0.7
-"""Share of the ticks with a command that a period needs to be found, and to be kept as the spec's."""
 
 
 def other_periods(recording: Recording, spec: Spec) -> dict[str, int]:
@@ -53,17 +49,17 @@ def other_periods(recording: Recording, spec: Spec) -> dict[str, int]:
 
 
 def _is_other(period: float, nominal: int) -> bool:
-    return abs(period - nominal) > OTHER * nominal
+    return abs(period - nominal) > OTHER_PERIOD_SHARE * nominal
 
 
 def _period(stamps: Integers) -> int | None:
     """Mean period of stamps, some of which may be missing, ns; None: they have none."""
     steps = np.diff(stamps)
-    if steps.size < FEWEST or np.median(steps) <= 0:
+    if steps.size < PERIOD_FEWEST_STAMPS or np.median(steps) <= 0:
         return None
     numbers = steps / np.median(steps)
-    whole = np.abs(numbers - np.rint(numbers)) < NEAR
-    if whole.mean() < REGULAR:
+    whole = np.abs(numbers - np.rint(numbers)) < WHOLE_PERIOD_TOLERANCE
+    if whole.mean() < WHOLE_PERIODS_SHARE:
         return None
     return round(float(steps[whole].sum()) / float(np.rint(numbers[whole]).sum()))
 
@@ -79,18 +75,18 @@ def _thinned(name: str, recording: Recording, period: int | None, nominal: int) 
     table = recording.tables.get(topic)
     used = [recording.links[link].sample_ns for link in links if link in recording.links]
     share = period / nominal
-    if table is None or not used or abs(share - round(share)) > OTHER or round(share) < 2:
+    if table is None or not used or abs(share - round(share)) > OTHER_PERIOD_SHARE or round(share) < 2:
         return period
-    return period if np.isin(np.concatenate(used), table.stamp_ns).mean() > REGULAR else None
+    return period if np.isin(np.concatenate(used), table.stamp_ns).mean() > WHOLE_PERIODS_SHARE else None
 
 
 def _controller_period(recording: Recording, spec: Spec) -> int | None:
     """Period of the controller where the commands do not keep to the spec's."""
     table, nominal = recording.tables.get(COMMAND), spec.loop().timing.ns("td3")
-    if table is None or len(table) < FEWEST:
+    if table is None or len(table) < PERIOD_FEWEST_STAMPS:
         return None
     stamps = table.stamp_ns - recording.start_ns
-    if _explains(stamps, nominal, ANY_COMMANDED, _taken_over(recording)):
+    if _explains(stamps, nominal, SPEC_TICKS_COMMANDED, _taken_over(recording)):
         return None
     known = recording.spec.timing.ns("td3") if recording.spec and recording.spec.timing else nominal
     steps = np.concatenate([np.diff(stamps), stamps[2:] - stamps[:-2], stamps[3:] - stamps[:-3]])
@@ -98,7 +94,11 @@ def _controller_period(recording: Recording, spec: Spec) -> int | None:
     common = values[np.argsort(counts, kind="stable")[::-1][:12]]
     tried = sorted({known, *common[common > 0].tolist()})
     return next(
-        (one for one in tried if _is_other(one, nominal) and _explains(stamps, one, MOST_COMMANDED, None)),
+        (
+            one
+            for one in tried
+            if _is_other(one, nominal) and _explains(stamps, one, FOUND_TICKS_COMMANDED, None)
+        ),
         None,
     )
 
@@ -112,10 +112,13 @@ def _taken_over(recording: Recording) -> int | None:
 def _explains(stamps: Integers, period: int, share: float, references: int | None) -> bool:
     """Whether a share of the ticks of a period has commands, and references account for all others."""
     ticks = np.arange(stamps[0] // period + 1, stamps[-1] // period, dtype=np.int64) * period
-    on_tick = _near(stamps, ticks, ON_TICK * period)
-    if ticks.size < FEWEST or np.count_nonzero(on_tick) < share * ticks.size:
+    on_tick = _near(stamps, ticks, ON_TICK_PERIOD_SHARE * period)
+    if ticks.size < PERIOD_FEWEST_STAMPS or np.count_nonzero(on_tick) < share * ticks.size:
         return False
-    return references is None or np.count_nonzero(~on_tick) <= 1.05 * references + FEWEST
+    return (
+        references is None
+        or np.count_nonzero(~on_tick) <= COMMANDS_PER_REFERENCE * references + PERIOD_FEWEST_STAMPS
+    )
 
 
 def _near(stamps: Integers, ticks: Integers, reach: float) -> Flags:

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rthm_analysis.diagnosis.criteria.links import LINK_KIND_GAIN
 from rthm_analysis.diagnosis.links.evidence import LinkEvidence, link_evidence
 from rthm_analysis.diagnosis.links.fitting import counted, fitted, grain
-from rthm_analysis.diagnosis.links.selection import NEEDED
 from rthm_analysis.recording import LINKS, Recording
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
@@ -53,7 +53,7 @@ def _kept(recording: Recording, spec: Spec, name: str, tau: int, spans: Integers
     if isinstance(nominal, str) or isinstance(told, str):
         return True
     width = grain(nominal)
-    return _likelihood(told, width) > _likelihood(nominal, width) + NEEDED
+    return _likelihood(told, width) > _likelihood(nominal, width) + LINK_KIND_GAIN
 
 
 def _likelihood(evidence: LinkEvidence, width: int) -> float:

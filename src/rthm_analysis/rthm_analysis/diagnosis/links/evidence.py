@@ -20,6 +20,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    AS_COMMANDED_SHARE,
+    AS_DRAWN_SHARE,
+    LINK_FEWEST_USES,
+    USE_GRAIN,
+    USE_TOLD_NS,
+)
 from rthm_analysis.diagnosis.links.host_stalls import without_stalls
 from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
@@ -34,12 +41,6 @@ from rthm_core.topics import COMMAND, FORCE_REFERENCE
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-GRAIN = 1e-6
-"""Instants of use are taken as exact to this, s."""
-
-TOLD_NS = 1_000_000
-"""A receiver tells a use, ns, at most so much after the command that it made of it, unless it stalls."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class LinkEvidence:
     clocked: bool
     host_stalls: Integers
     outages: Integers
-    offset_std: float = GRAIN
+    offset_std: float = USE_GRAIN
 
     def between(self, begin_ns: int, end_ns: int) -> LinkEvidence:
         """Return the evidence of the samples stamped, and of the uses made, in a span of time."""
@@ -104,7 +105,7 @@ def link_evidence(
     source = recording.tables.get(SOURCES[name])
     if name not in recording.links:
         return f"links/{name} is not recorded: the link cannot be checked."
-    if source is None or len(source) < 2 or len(recording.links[name]) < 20:
+    if source is None or len(source) < 2 or len(recording.links[name]) < LINK_FEWEST_USES:
         return f"{SOURCES[name]} or links/{name} has too few samples: the link {name} cannot be checked."
     offset = stamp_offset(recording, spec, name, source)
     if offset is None:
@@ -120,7 +121,7 @@ def link_evidence(
     at, row = _uses(uses, start, stamp, receiver)
     if name == "tau3" and not receiver:
         at, row = _as_commanded(recording, stamp - offset, at, row, link.delay_ns)
-    if at.size < 20:
+    if at.size < LINK_FEWEST_USES:
         return f"links/{name} has too few uses: the link cannot be checked."
     hidden, unsure = _between_hosts(recording, name)
     known = link.offset_ns if offset or hidden else 0
@@ -152,14 +153,16 @@ def _between_hosts(recording: Recording, name: str) -> tuple[int, float]:
     """
     uses = recording.links[name]
     lead = recording.clocks.missing_age_ns(name, uses.use_ns, uses.sample_ns)
-    middle, unsure = int(np.median(lead)), max(GRAIN, recording.clocks.uncertainty(name))
-    return (middle, unsure) if abs(middle) * 1e-9 > unsure else (0, GRAIN)
+    middle, unsure = int(np.median(lead)), max(USE_GRAIN, recording.clocks.uncertainty(name))
+    return (middle, unsure) if abs(middle) * 1e-9 > unsure else (0, USE_GRAIN)
 
 
 def _as_drawn(due: Integers, low: Floats, high: Floats) -> bool:
     """Whether nearly all samples came when the random numbers of the spec say."""
     told = np.isfinite(high)
-    return bool(np.mean((low[told] < GRAIN) & (high[told] >= 0.0)) > 0.98) if told.any() else False
+    return (
+        bool(np.mean((low[told] < USE_GRAIN) & (high[told] >= 0.0)) > AS_DRAWN_SHARE) if told.any() else False
+    )
 
 
 def _uses(uses: LinkTable, start: int, stamp: Integers, receiver: int) -> tuple[Integers, Integers]:
@@ -191,8 +194,8 @@ def _as_commanded(
     told = forces.effort[which]
     newest = np.maximum(np.searchsorted(sent, at, side="right") - 1, 0)
     same = (effort[newest] == told[row]).all(axis=1) & (sent[newest] <= at)
-    if same.mean() < 0.5:
-        soon = (sent[newest] <= at) & (at - sent[newest] < TOLD_NS)
+    if same.mean() < AS_COMMANDED_SHARE:
+        soon = (sent[newest] <= at) & (at - sent[newest] < USE_TOLD_NS)
         return np.where(soon, sent[newest], at), row
     at = np.where(same, sent[newest], at)
     missing = np.setdiff1d(np.arange(stamp.size), row)
@@ -214,8 +217,8 @@ def _intervals(due: Integers, at: Integers, row: Integers, exact: bool) -> tuple
     known, used = first < at.size, (first < at.size) & (row[here] == number)
     waited = (at[here] - due) / NS
     if exact:
-        low = np.where(used, waited - 0.5 * GRAIN, waited)
-        high = np.where(used, waited + 0.5 * GRAIN, np.inf)
+        low = np.where(used, waited - 0.5 * USE_GRAIN, waited)
+        high = np.where(used, waited + 0.5 * USE_GRAIN, np.inf)
     else:
         low = np.where(first > 0, (at[before] - due) / NS, -np.inf)
         high = np.where(used, waited, np.inf)

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import BUSY_RATIO, LINK_FLOOR, LINK_TELLING_GAIN, USE_GRAIN
 from rthm_analysis.diagnosis.links.ages import ages, expected
 from rthm_analysis.diagnosis.links.energy import extra_energy
-from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence
+from rthm_analysis.diagnosis.links.evidence import LinkEvidence
 from rthm_analysis.diagnosis.links.fitting import counted, deviation, fitted
 from rthm_analysis.diagnosis.links.limits import smallest
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.outages import faults_of
-from rthm_analysis.diagnosis.links.selection import DISTINCT, KINDS, Selection
+from rthm_analysis.diagnosis.links.selection import KINDS, Selection
 from rthm_analysis.diagnosis.links.words import lateness, sentence
 from rthm_analysis.diagnosis.result import Alternative, Fault, Fit, Limit, Mismatch, Part, Physics, Value
 from rthm_analysis.recording import Recording
@@ -25,12 +26,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
-
-FLOOR = 1e-5
-"""Error in the age of a sample that clocks and rounding leave, s."""
-
-BUSY = 3.0
-"""A delay or jitter must be so many times what the machine does to the other links."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +76,7 @@ def link_part(recording: Recording, spec: Spec, finding: Finding) -> Part:
     blocks = (Mismatch(finding.block, mismatch(finding), finding.found or bool(faults)),)
     machine = finding.selection.nothing.late
     if not finding.found:
-        notes = (lateness(finding.evidence.name, machine),) if machine > GRAIN else ()
+        notes = (lateness(finding.evidence.name, machine),) if machine > USE_GRAIN else ()
         return Part(blocks=blocks, detection_limits=limits, notes=notes, faults=faults)
     fit = _fit(finding)
     share = 1.0 - (fit.nrmse["explained"] / max(fit.nrmse["nominal"], 1e-12)) ** 2
@@ -147,7 +142,7 @@ def mismatch(finding: Finding) -> float:
         return 1.0
     left = seen.age - expected(evidence, finding.nominal, seen.at)[0]
     spread = expected(evidence, Model(share=0.999, mean=finding.busy), seen.at)[1] if finding.busy else 0.0
-    floor = float(np.sqrt(FLOOR**2 + np.mean(np.square(spread))))
+    floor = float(np.sqrt(LINK_FLOOR**2 + np.mean(np.square(spread))))
     return max(1.0, float(np.sqrt(np.mean(left**2))) / floor)
 
 
@@ -158,8 +153,8 @@ def _fit(finding: Finding) -> Fit:
     nominal = expected(evidence, finding.nominal, seen.at)[0]
     explained = expected(evidence, finding.selection.model, seen.at)[0]
     spread = expected(evidence, _as_held_out(finding), seen.at)[1]
-    scale = max(float(np.std(seen.age)), GRAIN)
-    floor = np.sqrt(np.mean(spread**2) + GRAIN**2) / scale
+    scale = max(float(np.std(seen.age)), USE_GRAIN)
+    floor = np.sqrt(np.mean(spread**2) + USE_GRAIN**2) / scale
     nrmse = {
         "nominal": _rms(seen.age - nominal) / scale,
         "retuned": _rms(seen.age - nominal) / scale,
@@ -191,20 +186,20 @@ def _alternatives(finding: Finding, fit: Fit) -> tuple[Alternative, ...]:
             others.append(Alternative("motor", changing("motor", "delay").kind, reached, False))
     for kinds, gain in finding.selection.gains.items():
         if len(kinds) == 1 and kinds[0] not in finding.selection.kinds:
-            worse = fit.nrmse["nominal"] if gain < -DISTINCT else reached
+            worse = fit.nrmse["nominal"] if gain < -LINK_TELLING_GAIN else reached
             kind = changing("link", kinds[0]).kind
-            others.append(Alternative(finding.block, kind, worse, gain < -DISTINCT))
+            others.append(Alternative(finding.block, kind, worse, gain < -LINK_TELLING_GAIN))
     return tuple(others)
 
 
 def _limits(finding: Finding) -> dict[str, Limit]:
     """Smallest effects that would have been seen."""
-    allowance = BUSY * finding.busy + GRAIN
+    allowance = BUSY_RATIO * finding.busy + USE_GRAIN
     nothing, limits = finding.selection.nothing, {}
     for changes in KINDS:
         value = smallest(finding.evidence, nothing, changes, allowance)
         limits[_key(finding, changes)] = Limit(value, _unit(changes))
-    return limits | {_key(finding, "stamps"): Limit(GRAIN, "s")}
+    return limits | {_key(finding, "stamps"): Limit(USE_GRAIN, "s")}
 
 
 def _key(finding: Finding, changes: Change) -> str:

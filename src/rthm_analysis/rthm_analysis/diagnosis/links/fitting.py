@@ -12,24 +12,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    EARLY_TELLS_NS,
+    FINE_GRAIN_NS,
+    LINK_BLOCKS,
+    LINK_BOUNDS,
+    MOST_DIFFERENT_INTERVALS,
+)
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.links.evidence import LinkEvidence
     from rthm_core.compiled import Floats, Integers
-
-BLOCKS = 10
-"""Blocks of time; odd ones judge what even ones fitted, and the other way round."""
-
-BOUNDS = {
-    "delay": (-60.0, 60.0),
-    "spread": (1e-6, 1.0),
-    "mean": (2e-6, 7e-4),
-    "lost": (1e-5, 0.999),
-    "share": (1e-5, 1.0 - 1e-9),
-}
-"""Within which parameters are searched; longer lateness is a stray."""
 
 
 def _odds(p: float) -> float:
@@ -55,17 +50,8 @@ _DECODE: dict[str, Callable[[float], float]] = {
     "share": _share,
 }
 
-FAR = 100_000_000
+INFINITE_GRAINS = 100_000_000
 """Multiples of the grain that stand for infinity."""
-
-FINE_NS = 1_000
-"""Intervals are counted as finely where few are different, as where clocks tick exactly."""
-
-MOST_DIFFERENT = 3000
-"""With more different intervals than this, steps are ten times as long: a search asks each of them."""
-
-NEAR_NS = 20_000_000
-"""A sample that is never used and passed over only longer before its time than this tells nothing."""
 
 
 @dataclass(frozen=True)
@@ -96,10 +82,14 @@ class Counted:
 def grain(evidence: LinkEvidence) -> int:
     """Width in ns to which intervals are widened, so that equal ones can be counted."""
     if evidence.clocked:
-        return FINE_NS if _different(evidence, FINE_NS) <= MOST_DIFFERENT else 10 * FINE_NS
+        return (
+            FINE_GRAIN_NS
+            if _different(evidence, FINE_GRAIN_NS) <= MOST_DIFFERENT_INTERVALS
+            else 10 * FINE_GRAIN_NS
+        )
     used = evidence.high[np.isfinite(evidence.high)]
     low, high = np.quantile(used, [0.1, 0.9]) if used.size else (0.0, 0.0)
-    return max(FINE_NS, int((high - low) * 1e9 / 60))
+    return max(FINE_GRAIN_NS, int((high - low) * 1e9 / 60))
 
 
 def _different(evidence: LinkEvidence, width: int) -> int:
@@ -112,27 +102,29 @@ def _different(evidence: LinkEvidence, width: int) -> int:
 def counted(evidence: LinkEvidence, samples: Integers | None = None, width: int | None = None) -> Counted:
     """Count intervals of some samples, by default of all that tell anything, with the `grain` as width."""
     width = width or grain(evidence)
-    tells = np.isfinite(evidence.high) | (evidence.low * 1e9 > -NEAR_NS)
+    tells = np.isfinite(evidence.high) | (evidence.low * 1e9 > -EARLY_TELLS_NS)
     which = np.flatnonzero(tells) if samples is None else samples[tells[samples]]
     low, high = evidence.low[which] * 1e9, evidence.high[which] * 1e9
     middle = np.rint(0.5 * (low + high) / width) if not evidence.clocked else 0.0
-    below = np.where(np.isfinite(low), np.floor(low / width), -FAR)
-    above = np.where(np.isfinite(high), np.ceil(high / width), FAR)
+    below = np.where(np.isfinite(low), np.floor(low / width), -INFINITE_GRAINS)
+    above = np.where(np.isfinite(high), np.ceil(high / width), INFINITE_GRAINS)
     if not evidence.clocked:
         below = np.where(np.isfinite(high), middle - 0.5, below)
         above = np.where(np.isfinite(high), middle + 0.5, above)
     ends = np.stack([below, above])
-    halves = (2.0 * ends).astype(np.int64) + 4 * FAR
-    _, first, count = np.unique(halves[0] * (8 * FAR) + halves[1], return_index=True, return_counts=True)
+    halves = (2.0 * ends).astype(np.int64) + 4 * INFINITE_GRAINS
+    _, first, count = np.unique(
+        halves[0] * (8 * INFINITE_GRAINS) + halves[1], return_index=True, return_counts=True
+    )
     ends = ends[:, first]
-    ends = np.where(np.abs(ends) >= FAR, np.copysign(np.inf, ends), ends * width / NS)
+    ends = np.where(np.abs(ends) >= INFINITE_GRAINS, np.copysign(np.inf, ends), ends * width / NS)
     return Counted(ends[0], ends[1], count.astype(float))
 
 
 def folds(evidence: LinkEvidence) -> tuple[Counted, Counted]:
     """Even and odd blocks of time."""
     known = np.flatnonzero(np.isfinite(evidence.low))
-    odd, width = np.arange(known.size) * BLOCKS // max(known.size, 1) % 2 == 1, grain(evidence)
+    odd, width = np.arange(known.size) * LINK_BLOCKS // max(known.size, 1) % 2 == 1, grain(evidence)
     return counted(evidence, known[~odd], width), counted(evidence, known[odd], width)
 
 
@@ -214,13 +206,15 @@ def _searched(data: Counted, names: tuple[str, ...], start: Model, reach: float)
 
 
 def _encoded(model: Model, names: tuple[str, ...]) -> Floats:
-    return np.array([_ENCODE[name](float(np.clip(getattr(model, name), *BOUNDS[name]))) for name in names])
+    return np.array(
+        [_ENCODE[name](float(np.clip(getattr(model, name), *LINK_BOUNDS[name]))) for name in names]
+    )
 
 
 def _decoded(z: Floats, names: tuple[str, ...]) -> Model:
     values = {}
     for name, value in zip(names, z.tolist(), strict=True):
-        low, high = BOUNDS[name]
+        low, high = LINK_BOUNDS[name]
         values[name] = min(max(_DECODE[name](min(max(value, -50.0), 50.0)), low), high)
     return Model(**values)
 

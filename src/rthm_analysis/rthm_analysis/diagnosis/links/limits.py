@@ -6,18 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.evidence import GRAIN
+from rthm_analysis.diagnosis.criteria.links import LINK_DETECTION_GAIN, LINK_DETECTION_RANGES, USE_GRAIN
 from rthm_analysis.diagnosis.links.models import Model
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.links.evidence import LinkEvidence
     from rthm_core.compiled import Floats
 
-RANGES = {"delay": (1e-6, 1.0), "spread": (1e-6, 1.0), "lost": (1e-5, 1.0)}
-ENOUGH = 15.0
-"""Expected gain in the logarithm of the likelihood at which an effect is as good as always found."""
 
-EDGES = np.concatenate([[-np.inf], np.geomspace(GRAIN / 2, 1.0, 90), [np.inf]])
+EDGES = np.concatenate([[-np.inf], np.geomspace(USE_GRAIN / 2, 1.0, 90), [np.inf]])
 
 
 def smallest(evidence: LinkEvidence, nothing: Model, kind: str, allowance: float) -> float:
@@ -29,11 +26,11 @@ def smallest(evidence: LinkEvidence, nothing: Model, kind: str, allowance: float
         Delay or spread below which the lateness of the machine is the better explanation.
     """
     slack, count = _slack(evidence)
-    low, high = RANGES[kind]
+    low, high = LINK_DETECTION_RANGES[kind]
     for _ in range(20):
         middle = float(np.sqrt(low * high))
         other = nothing.but(**{kind: middle})
-        if _information(evidence, slack, count, other, nothing) > ENOUGH:
+        if _information(evidence, slack, count, other, nothing) > LINK_DETECTION_GAIN:
             high = middle
         else:
             low = middle

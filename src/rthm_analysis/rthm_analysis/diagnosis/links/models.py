@@ -14,14 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import STRAY_EARLY, STRAY_LATE, STRAY_SHARE
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-STRAY = 3e-3
-"""Share of samples that may be late by any time."""
-
-STRAY_LATE, STRAY_EARLY = 20e-3, 1e-3
-"""Means of the times by which strays come late and early, s."""
 
 QUANTILES = (np.arange(6) + 0.5) / 6
 """Where the distribution of lateness is sampled when a spread comes on top."""
@@ -74,7 +71,7 @@ class Model:
     def _with_strays(self, x: Floats) -> Floats:
         early = 0.1 * np.exp(np.minimum(x, 0.0) / STRAY_EARLY)
         late = 0.9 * -np.expm1(-np.maximum(x, 0.0) / STRAY_LATE)
-        return np.asarray((1.0 - STRAY) * self.arrived(x) + STRAY * (early + late))
+        return np.asarray((1.0 - STRAY_SHARE) * self.arrived(x) + STRAY_SHARE * (early + late))
 
     def but(self, **values: float) -> Model:
         """Return the model with other values."""

@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.stalls import LATE
+from rthm_analysis.diagnosis.criteria.links import (
+    OUTAGE_LOOKED_SHARE,
+    OUTAGE_PERIODS,
+    OUTAGE_TO_USUAL,
+    STALL_LATE,
+)
 from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.timing.links import SOURCES
@@ -19,15 +24,6 @@ from rthm_core.topics import link_topic
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
-
-LONG = 10
-"""Periods of sender and receiver, whichever is longer, for which nothing comes in an outage."""
-
-USUAL = 4.0
-"""Samples that an outage takes, over those that all but one use in a hundred pass over: jitter does that."""
-
-LOOKED = 0.5
-"""Part of its ticks at which the receiver must have looked meanwhile: else it stalled itself."""
 
 
 def outages(due: Integers, at: Integers, row: Integers, tick: int) -> Integers:
@@ -60,12 +56,14 @@ def outages(due: Integers, at: Integers, row: Integers, tick: int) -> Integers:
     late = until - due[first]
     looked = np.searchsorted(at, until) - np.searchsorted(at, due[first])
     period = max(int(np.median(np.diff(due))), tick)
-    usual = USUAL * float(np.quantile(np.diff(row)[new], 0.99)) if new.size else 1.0
-    out = (after - before > usual) & (late > LONG * period)
+    usual = OUTAGE_TO_USUAL * float(np.quantile(np.diff(row)[new], 0.99)) if new.size else 1.0
+    out = (after - before > usual) & (late > OUTAGE_PERIODS * period)
     if tick:
-        out &= looked * tick > LOOKED * late
+        out &= looked * tick > OUTAGE_LOOKED_SHARE * late
     else:
-        out &= (after - before > LONG) & (until - due[np.minimum(after, due.size - 1)] < LATE * NS)
+        out &= (after - before > OUTAGE_PERIODS) & (
+            until - due[np.minimum(after, due.size - 1)] < STALL_LATE * NS
+        )
     return np.stack([first, after], axis=1)[out]
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.links.evidence import GRAIN, LinkEvidence, link_evidence
-from rthm_analysis.diagnosis.links.finding import BUSY, Finding, link_part, mismatch
+from rthm_analysis.diagnosis.criteria.links import BUSY_RATIO, PUNCTUAL_LATE_SHARE, USE_GRAIN
+from rthm_analysis.diagnosis.links.evidence import LinkEvidence, link_evidence
+from rthm_analysis.diagnosis.links.finding import Finding, link_part, mismatch
 from rthm_analysis.diagnosis.links.models import Model
 from rthm_analysis.diagnosis.links.selection import Selection, choose, is_exact
 from rthm_analysis.diagnosis.links.times import wrong_times
@@ -23,9 +24,6 @@ from rthm_core.spec import apply
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
     from rthm_core.spec import Spec
-
-RARE = 0.01
-"""Share of the ticks up to which a punctual machine may be late."""
 
 
 def diagnose_links(recording: Recording, spec: Spec) -> Part:
@@ -114,12 +112,12 @@ def _told_late(recording: Recording, evidence: LinkEvidence) -> bool:
     """Whether it is more than strays that came late, or whether a receiver says that samples did."""
     passed_over = np.count_nonzero(evidence.low >= 0.0) / max(evidence.use_ns.size, 1)
     counts = [values.get(f"{evidence.name} late", "0") for values in recording.diagnostics.values()]
-    return bool(passed_over < RARE or any(count != "0" for count in counts))
+    return bool(passed_over < PUNCTUAL_LATE_SHARE or any(count != "0" for count in counts))
 
 
 def _beyond_machine(selection: Selection, busy: float) -> Selection:
     """Take kinds out that are no more than what the machine does to the other links."""
-    least = {"delay": BUSY * busy + GRAIN, "spread": BUSY * busy + GRAIN, "lost": 0.0}
+    least = {"delay": BUSY_RATIO * busy + USE_GRAIN, "spread": BUSY_RATIO * busy + USE_GRAIN, "lost": 0.0}
     kept = tuple(kind for kind in selection.kinds if abs(getattr(selection.model, kind)) > least[kind])
     if kept == selection.kinds:
         return selection

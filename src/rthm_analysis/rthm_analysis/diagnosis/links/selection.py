@@ -6,6 +6,12 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from rthm_analysis.diagnosis.criteria.links import (
+    LATENESS_GAIN,
+    LINK_KIND_GAIN,
+    LINK_TELLING_GAIN,
+    STRAY_COST_PER_SAMPLE,
+)
 from rthm_analysis.diagnosis.links.fitting import Counted, counted, fitted, folds, gain
 from rthm_analysis.diagnosis.links.models import Model
 
@@ -18,18 +24,6 @@ KINDS: tuple[Change, ...] = ("delay", "spread", "lost")
 
 PLAIN = ("lost", "delay", "spread")
 """Which kind is named where the recording does not tell them from each other."""
-
-DISTINCT = 3.0
-"""Gain in the logarithm of the likelihood with which two explanations are told from each other."""
-
-NEEDED = 8.0
-"""Gain in the logarithm of the likelihood, on uses not fitted to, that a kind must bring."""
-
-LATENESS = 4.0
-"""Gain with which lateness beside a kind is taken for real."""
-
-STRAY_COST = 3.1e-3
-"""What allowing for strays costs per sample in the logarithm of the likelihood."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +51,7 @@ class Selection:
 def is_exact(evidence: LinkEvidence) -> bool:
     """Whether nearly all samples come when the spec says, but for a few strays."""
     data = counted(evidence)
-    return data.total(Model()) > -NEEDED - STRAY_COST * data.samples
+    return data.total(Model()) > -LINK_KIND_GAIN - STRAY_COST_PER_SAMPLE * data.samples
 
 
 def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
@@ -76,12 +70,12 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
     single = {kinds: fitted(data, kinds, late=False) for kinds in alone}
     best = _plainest(data, single)
     late = fitted(data, best, late=True)
-    if data.total(late) > data.total(single[best]) + LATENESS:
+    if data.total(late) > data.total(single[best]) + LATENESS_GAIN:
         single = {kinds: fitted(data, kinds, late=True) for kinds in alone}
         best = _plainest(data, single)
     halves = folds(evidence)
-    enough = data.total(single[best]) > data.total(nothing) + NEEDED
-    if not enough or gain(halves, (single[best], best), (nothing, ())) < NEEDED:
+    enough = data.total(single[best]) > data.total(nothing) + LINK_KIND_GAIN
+    if not enough or gain(halves, (single[best], best), (nothing, ())) < LINK_KIND_GAIN:
         return Selection((), nothing, nothing, {})
     return _with_more(data, halves, best, single, nothing)
 
@@ -89,7 +83,7 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
 def _plainest(data: Counted, models: dict[tuple[str, ...], Model]) -> tuple[str, ...]:
     """The most likely kind, or one that is as likely and needs no distribution of times."""
     best = max(data.total(model) for model in models.values())
-    likely = [kinds for kinds, model in models.items() if data.total(model) > best - DISTINCT]
+    likely = [kinds for kinds, model in models.items() if data.total(model) > best - LINK_TELLING_GAIN]
     return min(likely, key=lambda kinds: PLAIN.index(kinds[0]))
 
 
@@ -105,8 +99,8 @@ def _with_more(
     pairs = [pair for pair in combinations(KINDS, 2) if set(best) < set(pair)]
     models = models | {pair: fitted(data, pair, late) for pair in pairs}
     pair = max(pairs, key=lambda pair: data.total(models[pair]))
-    enough = data.total(models[pair]) > data.total(models[best]) + NEEDED
-    if enough and gain(halves, (models[pair], pair), (models[best], best)) > NEEDED:
+    enough = data.total(models[pair]) > data.total(models[best]) + LINK_KIND_GAIN
+    if enough and gain(halves, (models[pair], pair), (models[best], best)) > LINK_KIND_GAIN:
         best = pair
     gains = {kinds: data.total(model) - data.total(models[best]) for kinds, model in models.items()}
     return Selection(

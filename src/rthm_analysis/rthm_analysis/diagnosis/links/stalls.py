@@ -10,20 +10,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    STALL_LATE,
+    STALL_MISSING_SAMPLES,
+    STALL_MOST_SHARE,
+    STALL_RATIO_TO_CHANCE,
+)
+
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
-
-IN_A_ROW = 3
-"""Samples that are missing at one tick in a stall."""
-
-UNLIKELY = 3.0
-"""So many times more ticks without as many samples as chance has them are stalls."""
-
-RARE = 0.06
-"""Largest share of the uses that may be stalls; what is more frequent is how the link is."""
-
-LATE = 1e-3
-"""A sample that overtook others and was itself this late, s, came after a stall."""
 
 
 def stalled_at_ticks(due: Integers, at: Integers, row: Integers) -> Integers:
@@ -38,13 +33,13 @@ def stalled_at_ticks(due: Integers, at: Integers, row: Integers) -> Integers:
     """
     newest = np.searchsorted(due, at, side="right") - 1
     missing = np.maximum(newest - row, 0)
-    several, any_at_all = np.mean(missing >= IN_A_ROW), np.mean(missing >= 1)
-    if several <= UNLIKELY * any_at_all**IN_A_ROW or several > RARE:
+    several, any_at_all = np.mean(missing >= STALL_MISSING_SAMPLES), np.mean(missing >= 1)
+    if several <= STALL_RATIO_TO_CHANCE * any_at_all**STALL_MISSING_SAMPLES or several > STALL_MOST_SHARE:
         return np.empty(0, dtype=np.int64)
     episode = np.cumsum(np.diff(missing > 0, prepend=False) != 0)
     deepest = np.zeros(int(episode[-1]) + 1, dtype=np.int64)
     np.maximum.at(deepest, episode, missing)
-    stalled = np.flatnonzero((deepest[episode] >= IN_A_ROW) & (missing > 0))
+    stalled = np.flatnonzero((deepest[episode] >= STALL_MISSING_SAMPLES) & (missing > 0))
     passed = [np.arange(row[k] + 1, newest[k] + 1) for k in stalled]
     return np.unique(np.concatenate(passed)) if passed else np.empty(0, dtype=np.int64)
 
@@ -62,5 +57,5 @@ def overtaken_after_stalls(high: Floats, row: Integers) -> Integers:
     unused = np.flatnonzero(np.isinf(high))
     newer = np.searchsorted(row, unused)
     unused, newer = unused[newer < row.size], newer[newer < row.size]
-    overtaken = unused[high[row[newer]] > LATE]
-    return overtaken if overtaken.size <= RARE * high.size else np.empty(0, dtype=np.int64)
+    overtaken = unused[high[row[newer]] > STALL_LATE]
+    return overtaken if overtaken.size <= STALL_MOST_SHARE * high.size else np.empty(0, dtype=np.int64)

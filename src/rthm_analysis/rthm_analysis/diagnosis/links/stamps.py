@@ -10,30 +10,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.links import (
+    COMMAND_MISFIT_RATIO,
+    EQUAL_VALUES_RATIO,
+    FORESEEN_SHARE,
+    SAMPLE_MISFIT_RATIO,
+    SHIFT_FEWEST_VALUES,
+    SHIFT_REACHES_NS,
+    SHIFT_USES,
+    SHIFT_VOTES_SHARE,
+    SHIFT_VOTES_TO_BEST,
+)
 from rthm_analysis.recording import LinkTable, Recording, Table, hold
-from rthm_core.clock import NS
 from rthm_core.substructure import interface
 from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-LOOKED_AT = 300
-"""Uses from which a shift is found."""
-
-REACHES = (NS // 10, 5 * NS)
-"""Largest shifts that are tried, ns, one after the other."""
-
-FORESEEN = 0.1
-"""Share of uses before their sample was taken that bad stamps explain."""
-
-EQUAL = 1e-9
-"""Values that fit this well, relative to the signal's rms, are those of the right samples."""
-
-EXACT, FOLLOWED = 1e-2, 0.9
-"""Values that fit the right sample, and motors that follow the right command, leave less than this share of
-the misfit of the nearest stamps; motors have noise and lags."""
 
 
 def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> int | None:
@@ -47,8 +41,8 @@ def stamp_offset(recording: Recording, spec: Spec, name: str, source: Table) -> 
     uses = recording.links[name]
     if not (len(uses) and len(source)):
         return None
-    some = np.unique(np.linspace(0, len(uses) - 1, LOOKED_AT).astype(np.int64))
-    for reach in REACHES:
+    some = np.unique(np.linspace(0, len(uses) - 1, SHIFT_USES).astype(np.int64))
+    for reach in SHIFT_REACHES_NS:
         shifts = _shifts(source.stamp_ns, uses.sample_ns[some], reach)
         if not shifts.size:
             continue
@@ -73,8 +67,8 @@ def _shifts(source: Integers, used: Integers, reach: int) -> Integers:
     rows = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))
     shifts, votes = np.unique(np.repeat(used, counts) - source[rows], return_counts=True)
     inside = (used - reach >= source[0]) & (used + reach <= source[-1])
-    enough = 0.5 * max(int(np.count_nonzero(inside)), used.size // 2)
-    return shifts[votes >= max(enough, 0.9 * votes.max(initial=0))]
+    enough = SHIFT_VOTES_SHARE * max(int(np.count_nonzero(inside)), used.size // 2)
+    return shifts[votes >= max(enough, SHIFT_VOTES_TO_BEST * votes.max(initial=0))]
 
 
 def _told_by_values(
@@ -88,13 +82,13 @@ def _told_by_values(
     table, columns, others, target = parts
     misfits = {nearest: _misfit(table, columns, others, target, uses.sample_ns - nearest)}
     known = target[np.isfinite(target)]
-    if not known.size or misfits[nearest] < EQUAL * float(np.sqrt(np.mean(known**2))):
+    if not known.size or misfits[nearest] < EQUAL_VALUES_RATIO * float(np.sqrt(np.mean(known**2))):
         return nearest
     for shift in shifts[np.argsort(np.abs(shifts), kind="stable")]:
-        if (uses.sample_ns - shift > uses.use_ns).mean() > FORESEEN:
+        if (uses.sample_ns - shift > uses.use_ns).mean() > FORESEEN_SHARE:
             continue  # Nobody uses samples of the future; a compensator only looks as if it did.
         misfits[int(shift)] = _misfit(table, columns, others, target, uses.sample_ns - shift)
-    return _clearly_best(misfits, nearest, EXACT)
+    return _clearly_best(misfits, nearest, SAMPLE_MISFIT_RATIO)
 
 
 def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Integers, nearest: int) -> int:
@@ -112,7 +106,7 @@ def _told_by_motors(recording: Recording, spec: Spec, source: Table, shifts: Int
         return sum(_not_followed(u, u_d) for u, u_d in zip(motors.T, followed.T, strict=True))
 
     misfits = {shift: misfit(shift) for shift in shifts.tolist()}
-    return _clearly_best(misfits, nearest, FOLLOWED)
+    return _clearly_best(misfits, nearest, COMMAND_MISFIT_RATIO)
 
 
 def _clearly_best(misfits: dict[int, float], nearest: int, share: float) -> int:
@@ -134,7 +128,7 @@ def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamp
     there = table.stamp_ns[row] == stamps
     basis = np.column_stack([columns[row], others])[there]
     known = np.isfinite(basis).all(axis=1) & np.isfinite(target[there]).all(axis=1)
-    if np.count_nonzero(known) < 20:
+    if np.count_nonzero(known) < SHIFT_FEWEST_VALUES:
         return np.inf
     return _left_by(basis[known], target[there][known])
 

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import CURVE_BINS, CURVE_SAMPLES_SHOWN
 from rthm_core.compiled import Floats
-
-BINS = 40
-
-
-SHOWN = 600
-"""Samples that show a law."""
 
 
 def spread_over(values: Floats, force: Floats) -> tuple[Floats, Floats]:
-    """Samples of `values` (s,) and `force` (s,) that are spread evenly over the values: at most `SHOWN`."""
+    """Samples of `values` (s,) and `force` (s,) spread evenly over the values, few enough to show."""
     order = np.argsort(values, kind="stable")
-    wanted = np.linspace(values[order[0]], values[order[-1]], SHOWN)
+    wanted = np.linspace(values[order[0]], values[order[-1]], CURVE_SAMPLES_SHOWN)
     rows = order[np.unique(np.searchsorted(values[order], wanted))]
     return values[rows], force[rows]
 
@@ -31,12 +26,12 @@ def binned(values: Floats, force: Floats) -> tuple[Floats, Floats, Floats, float
     share : float
         Part of the variance of the force that the means explain.
     """
-    edges = np.quantile(values, np.linspace(0.0, 1.0, BINS + 1))
-    number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, BINS - 1)
-    count = np.maximum(np.bincount(number, minlength=BINS), 1)
-    at = np.bincount(number, values, BINS) / count
-    mean = np.bincount(number, force, BINS) / count
-    spread = np.sqrt(np.maximum(np.bincount(number, force**2, BINS) / count - mean**2, 0.0) / count)
+    edges = np.quantile(values, np.linspace(0.0, 1.0, CURVE_BINS + 1))
+    number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, CURVE_BINS - 1)
+    count = np.maximum(np.bincount(number, minlength=CURVE_BINS), 1)
+    at = np.bincount(number, values, CURVE_BINS) / count
+    mean = np.bincount(number, force, CURVE_BINS) / count
+    spread = np.sqrt(np.maximum(np.bincount(number, force**2, CURVE_BINS) / count - mean**2, 0.0) / count)
     share = float(np.var(mean[number]) / max(float(np.var(force)), 1e-300))
-    used = np.bincount(number, minlength=BINS) > 0
+    used = np.bincount(number, minlength=CURVE_BINS) > 0
     return at[used], mean[used], spread[used], share

@@ -7,7 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import STEP, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import DIFFERENCE_STEP
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_LEAST_RESPONSE,
+    CURVE_RIDGE,
+    CURVE_TRIAL_FORCE_RATIO,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
@@ -16,15 +22,6 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
 from rthm_core.compiled import Floats
-
-SMALL = 1e-3
-"""Force of a shape in its trial replay over that of the spring: so small that laws stay straight."""
-
-RIDGE = 1e-7
-"""Weight of a size of zero, over that of the data, where shapes cannot be told apart."""
-
-UNREACHED = 1e-14
-"""Squared response to a shape over the largest of all, below which the data do not reach it."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +109,7 @@ class Regression:
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
         n = self.experiment.evidence.load.shape[1]
-        size = SMALL * self.force_scale
+        size = CURVE_TRIAL_FORCE_RATIO * self.force_scale
 
         def one(shape: Floats) -> Floats:
             force = np.zeros((shape.size, n))
@@ -201,7 +198,7 @@ def _motion_forces(model: Model, motion: Motion) -> Floats:
 def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
     """Change (n, n) of damping and stiffness of the plant with one parameter."""
     parameter, values = model.parameters[index], model.values
-    step = trial_step(parameter, STEP)
+    step = trial_step(parameter, DIFFERENCE_STEP)
     values[index] += step
     before, after = model.spec.plant, model.at(values).spec.plant
     assert before is not None and after is not None
@@ -228,10 +225,10 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Float
 def _solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
     """Sizes and covariance for noise of power 1; what the data do not reach has size 0."""
     diagonal = np.diag(hessian)
-    reached = diagonal > UNREACHED * diagonal.max(initial=0.0)
+    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(initial=0.0)
     scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)
     inverse = (
-        np.linalg.inv(hessian * np.outer(scale, scale) + RIDGE * np.eye(scale.size))
+        np.linalg.inv(hessian * np.outer(scale, scale) + CURVE_RIDGE * np.eye(scale.size))
         if scale.size
         else hessian
     )

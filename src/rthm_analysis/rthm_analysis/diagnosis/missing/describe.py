@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_GAIN,
+    CURVE_UNSEEN_SHARE,
+    DISSIPATED_SHARE,
+    SIMPLER_CURVE_GAIN_SHARE,
+    SYMMETRIC_SHARE,
+)
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.result import Described
 from rthm_core.compiled import Floats
 
-CONFIRMED = 0.1
-"""Part of the mismatch on unseen data that a curve must explain to be told."""
-
-CLEAR = 25.0
-"""Squared error, in units of the noise, that it must remove on unseen data, too."""
-
-AS_GOOD = 0.85
-"""Part of the best curve's gain with which one over fewer variables is taken instead."""
-
-ONE_SIDED = 0.85
-"""Part of a curve's square that its odd or even part must hold to be called so."""
-
-TAKES = 0.5
-"""Part of the work without regard to sign that must go one way."""
-
-UNITS = {"x": "m", "v": "m/s", "a": "m/s^2", "t": "s", "u": "m", "command": "m", "load": "N"}
+VARIABLE_UNITS = {"x": "m", "v": "m/s", "a": "m/s^2", "t": "s", "u": "m", "command": "m", "load": "N"}
 
 NAMES = {
     "x": "the position of {dof}",
@@ -37,12 +29,12 @@ NAMES = {
 
 def is_clear(one: CurveFit) -> bool:
     """Whether a curve removes more than chance does, in data left out of its fit and on unseen ones."""
-    return min(one.gain, one.held_out_gain) > CLEAR
+    return min(one.gain, one.held_out_gain) > CURVE_GAIN
 
 
 def is_confirmed(one: CurveFit) -> bool:
     """Whether a curve may be told: clear, and a good part of the mismatch on unseen data."""
-    return one.held_out_share > CONFIRMED and is_clear(one)
+    return one.held_out_share > CURVE_UNSEEN_SHARE and is_clear(one)
 
 
 def told(curves: list[CurveFit]) -> CurveFit | None:
@@ -51,7 +43,7 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     if not confirmed:
         return None
     best = max(one.gain for one in confirmed)
-    good = [one for one in confirmed if one.gain >= AS_GOOD * best]
+    good = [one for one in confirmed if one.gain >= SIMPLER_CURVE_GAIN_SHARE * best]
     return min(good, key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
@@ -89,13 +81,13 @@ def _symmetry(at: Floats, force: Floats) -> str:
     right, left = np.interp(grid, at, force), np.interp(-grid, at, force)
     odd, even = float(np.sum((right - left) ** 2)), float(np.sum((right + left) ** 2))
     share = odd / max(odd + even, 1e-300)
-    return "odd" if share > ONE_SIDED else "even" if share < 1.0 - ONE_SIDED else "neither"
+    return "odd" if share > SYMMETRIC_SHARE else "even" if share < 1.0 - SYMMETRIC_SHARE else "neither"
 
 
 def _takes(one: CurveFit) -> bool:
     """Whether the force takes energy out."""
     power = one.force * one.at.v
-    return bool(-power.sum() > TAKES * np.abs(power).sum())
+    return bool(-power.sum() > DISSIPATED_SHARE * np.abs(power).sum())
 
 
 def _words(
@@ -109,7 +101,9 @@ def _words(
     names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
     when = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
-    ranges = ", ".join(f"{bare(low)} to {bare(high)} {UNITS[v]}" for v, (low, high) in domain.items())
+    ranges = ", ".join(
+        f"{bare(low)} to {bare(high)} {VARIABLE_UNITS[v]}" for v, (low, high) in domain.items()
+    )
     seen = f" (seen from {ranges})" if ranges else ""
     energy = " It takes energy out." if takes else ""
     size = bare(one.largest, 2)

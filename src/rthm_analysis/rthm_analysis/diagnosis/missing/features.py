@@ -7,20 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_KNOTS,
+    PERIODIC_CURVE_KNOTS,
+    SURFACE_KNOTS,
+    TIME_CURVE_KNOTS,
+)
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_core.compiled import Floats
-
-KNOTS = 14
-"""Knots of a curve over one variable, each between as many samples."""
-
-FINE = 64
-"""Knots of a curve over the position that comes back again and again, as a force between teeth or magnets."""
-
-SURFACE = 6
-"""Knots of a surface in each of its variables."""
-
-STRETCHES = 16
-"""Knots of a curve over time, and of a coefficient that changes with it."""
 
 
 @dataclass(frozen=True)
@@ -41,20 +35,20 @@ class Feature:
 
 def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
     """Curves over one variable, surfaces over motion, coefficients that change with time."""
-    x, v = hats(at.x, knots(at.x, KNOTS)), hats(at.v, knots(at.v, KNOTS))
-    slow = hats(time, np.linspace(time[0], time[-1], STRETCHES))
+    x, v = hats(at.x, knots(at.x, CURVE_KNOTS)), hats(at.v, knots(at.v, CURVE_KNOTS))
+    slow = hats(time, np.linspace(time[0], time[-1], TIME_CURVE_KNOTS))
     sign = np.sign(at.v)[:, None]
     yield Feature(("x",), x)
-    yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), FINE)))
+    yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), PERIODIC_CURVE_KNOTS)))
     yield Feature(("v",), np.hstack([v, sign]))
     yield Feature(("t",), slow)
-    coarse = hats(at.x, knots(at.x, SURFACE)), hats(at.v, knots(at.v, SURFACE))
+    coarse = hats(at.x, knots(at.x, SURFACE_KNOTS)), hats(at.v, knots(at.v, SURFACE_KNOTS))
     yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
-    yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * KNOTS)) * sign)
+    yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * CURVE_KNOTS)) * sign)
     yield Feature(("x", "t"), slow * at.x[:, None])
     yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
     if np.any(load):
-        yield Feature(("load",), hats(load, knots(load, KNOTS)))
+        yield Feature(("load",), hats(load, knots(load, CURVE_KNOTS)))
 
 
 def knots(values: Floats, count: int) -> Floats:

@@ -6,16 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import SMOOTHED_FEWEST_SAMPLES, SMOOTHED_PERIOD_SHARE
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_core.compiled import Floats
-
-SMOOTHED = 0.04
-"""Length of the parabolas that smooth what a model leaves, in periods of the motion."""
-
-LEAST = 7
-"""Samples that they have at least."""
 
 
 class Along(NamedTuple):
@@ -32,7 +27,7 @@ def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
     from scipy.signal import savgol_filter
 
     step = float(np.median(np.diff(evidence.time)))
-    width = max(int(SMOOTHED * period(evidence) / step) // 2 * 2 + 1, LEAST)
+    width = max(int(SMOOTHED_PERIOD_SHARE * period(evidence) / step) // 2 * 2 + 1, SMOOTHED_FEWEST_SAMPLES)
     found = {"position": motion.position[:, dof].copy(), "velocity": motion.velocity[:, dof].copy()}
     left = {}
     for k, channel in enumerate(evidence.channels):

@@ -10,6 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import (
+    CURVE_SHARE_OF_REST,
+    FRICTION_EXPLAINED_SHARE,
+    FRICTION_EXPLAINED_SHARE_BESIDE_LOAD,
+    FRICTION_JUMP_SHARE,
+    FRICTION_JUMP_STDS,
+    NEEDED_RATIO_TO_REST,
+    NEEDED_SHARE_OF_MISMATCH,
+    SMOOTH_LAW_EXPLAINED_SHARE,
+    STEPS_WITHOUT_EFFECT,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.missing.describe import is_confirmed
@@ -17,28 +28,6 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
-
-NEARLY = 0.98
-"""Part of the mismatch that smooth laws together must remove on unseen data to be named above the noise."""
-
-OF_IT = 0.5
-"""Part of what is left that a free curve over any of a law's variables may explain."""
-
-NEEDED, MARGIN = 0.03, 5.0
-"""Part of the mismatch that each law must be needed for, or how many times what is left: a small one only
-imitates that.
-"""
-
-RUBBED, RUBBED_ONE_WAY = 0.75, 0.9
-"""Part of the mismatch that dry friction must remove, by itself and beside a constant force."""
-
-JUMP, CERTAIN = 0.5, 4.0
-"""Part of a named friction by which a free curve may change its jump at rest; standard deviations of that
-jump above zero.
-"""
-
-REFITTED = 6
-"""Steps of a fit without one of the effects."""
 
 
 def needed_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
@@ -73,7 +62,9 @@ def _least_needed(physical: Physical, selection: Selection) -> tuple[int, Fitted
     index = int(np.argmin(errors))
     best = float(selection.best.left_out.sum())
     mismatch = float(selection.base.left_out.sum()) - physical.fitting.expected
-    least = min(NEEDED * mismatch, MARGIN * (best - physical.fitting.expected))
+    least = min(
+        NEEDED_SHARE_OF_MISMATCH * mismatch, NEEDED_RATIO_TO_REST * (best - physical.fitting.expected)
+    )
     return index, found[index] if errors[index] - best < least else None
 
 
@@ -87,7 +78,7 @@ def _without(physical: Physical, selection: Selection, index: int) -> Fitted | N
     """Best model without one of its effects; None where it diverges."""
     others = [(i, tried[0].start) for i, tried in enumerate(selection.rounds) if i != index]
     try:
-        return physical.fitting.fit(model_of(selection, others), most=REFITTED)
+        return physical.fitting.fit(model_of(selection, others), most=STEPS_WITHOUT_EFFECT)
     except np.linalg.LinAlgError:
         return None
 
@@ -120,8 +111,10 @@ class Laws:
         constant = [one for one in added if not one.law.depends_on]
         smooth = [one for one in added if one not in rubs and one not in constant]
         if smooth or not rubs:
-            return self.gone > NEARLY and all(self._is_whole(one) for one in smooth or constant)
-        return self.gone > (RUBBED_ONE_WAY if constant else RUBBED)
+            return self.gone > SMOOTH_LAW_EXPLAINED_SHARE and all(
+                self._is_whole(one) for one in smooth or constant
+            )
+        return self.gone > (FRICTION_EXPLAINED_SHARE_BESIDE_LOAD if constant else FRICTION_EXPLAINED_SHARE)
 
     def _jumps(self, friction: EffectInstance) -> bool:
         """Whether a free curve over the velocity, beside the friction, leaves its jump at rest as it is, and
@@ -130,12 +123,15 @@ class Laws:
         force = float(self.model.effect_values(self.model.added.index(friction))[friction.law.jump])
         there = self._there(friction)
         changing = [c for c in there if c.feature.depends_on == ("v", "t")]
-        if any(found(c) > OF_IT or (is_confirmed(c) and c.largest > JUMP * force) for c in changing):
+        if any(
+            found(c) > CURVE_SHARE_OF_REST or (is_confirmed(c) and c.largest > FRICTION_JUMP_SHARE * force)
+            for c in changing
+        ):
             return False
         for curve in there:
             if curve.feature.depends_on == ("v",):
                 change, std = float(curve.sizes[-1]), float(curve.stds[-1])
-                return abs(change) < JUMP * force and force - change > CERTAIN * std
+                return abs(change) < FRICTION_JUMP_SHARE * force and force - change > FRICTION_JUMP_STDS * std
         return False
 
     def _is_whole(self, one: EffectInstance) -> bool:
@@ -148,7 +144,7 @@ class Laws:
         shared = [c for c in self._there(one) if not of_it or of_it.intersection(c.feature.depends_on)]
         if one.law.jump and (len(self.model.added) > 1 or any(map(is_confirmed, shared))):
             return False
-        return max(map(found, shared), default=0.0) < OF_IT
+        return max(map(found, shared), default=0.0) < CURVE_SHARE_OF_REST
 
     def _there(self, one: EffectInstance) -> list[CurveFit]:
         """Curves of the dof of a law, or all for one of a wire."""

@@ -10,6 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import FINISHED_CHI2, GAIN_OF_CHANCE, NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.criteria.verdict import (
+    LONGEST_RUN_SHARE,
+    NOISE_REVISED_RATIO,
+    OTHER_BEGINNING_EXPLAINED_SHARE,
+    REFIT_CHI2,
+    STEPS_OF_ANOTHER_BEGINNING,
+    WINDOWED_CHI2,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
 from rthm_analysis.diagnosis.physical.colours import coloured, left_by
@@ -19,22 +28,10 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
-from rthm_analysis.diagnosis.search.choosing import UNFINISHED, choose
-from rthm_analysis.diagnosis.search.judging import CLOSE, ENOUGH, Selection, reduced_chi2
+from rthm_analysis.diagnosis.search.choosing import choose
+from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
-
-NEAR = 10.0
-"""Squared error per sample, in units of the noise, from which longer windows would only drift further."""
-
-FAR_OFF = 1.5
-"""Reduced chi-squared of a model from which one that was fitted from it is fitted again."""
-
-LOUDER = 0.7
-"""Noise of a channel once more is known, over that before, below which motion had been taken for noise."""
-
-AGAIN = 4
-"""Steps of a fit that shows whether another way fits."""
 
 
 class Baseline(NamedTuple):
@@ -79,11 +76,15 @@ def begin(
     for part in parts:
         fitting = fitting_of(part, runs.first(train), noise, settled, progress)
         nominal = fitting.fit(settled)
-        while not begun and np.any(noise_of(fitting, nominal).level < LOUDER * noise.level):
+        while not begun and np.any(noise_of(fitting, nominal).level < NOISE_REVISED_RATIO * noise.level):
             noise = noise_of(fitting, nominal)
             fitting = fitting_of(part, runs.first(train), noise, settled, progress)
             nominal = fitting.fit(settled)
-        near = fitting.fit(begun[0].retuned.model, most=AGAIN) if begun else retuned_from(fitting, nominal)
+        near = (
+            fitting.fit(begun[0].retuned.model, most=STEPS_OF_ANOTHER_BEGINNING)
+            if begun
+            else retuned_from(fitting, nominal)
+        )
         begun.append(Baseline(runs, noise, fitting, nominal, near))
     best = min(begun, key=lambda one: one.retuned.squares)
     if _explains_most(best.fitting, best.retuned, begun[0].retuned):
@@ -127,7 +128,7 @@ def in_short_runs(begun: Baseline, seen: Evidence, settled: Model, train: int) -
 def _explains_most(fitting: Fitting, new: Fitted, old: Fitted) -> bool:
     """Whether little is left of what was: far from the noise, the smaller of two errors says nothing."""
     left = old.squares - fitting.expected
-    return old.squares - new.squares > max(0.5 * left, ENOUGH)
+    return old.squares - new.squares > max(OTHER_BEGINNING_EXPLAINED_SHARE * left, GAIN_OF_CHANCE)
 
 
 def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) -> tuple[Baseline, Selection]:
@@ -136,14 +137,14 @@ def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) 
     What is missing may have made a wrong way look right. The right one then explains most of what is left.
     """
     fitting = begun.fitting
-    if fitting.reduced_chi2 < UNFINISHED:
+    if fitting.reduced_chi2 < FINISHED_CHI2:
         return begun, selection
     for other in others:
         there = _best_there(other, selection)
         if there is None:
             continue
         alike = other.runs.length == begun.runs.length
-        at_noise = reduced_chi2(other.fitting, there) < CLOSE
+        at_noise = reduced_chi2(other.fitting, there) < NEAR_NOISE_CHI2
         if at_noise or (alike and _explains_most(fitting, there, selection.best)):
             again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
             if not alike or again.best.squares < selection.best.squares:
@@ -164,7 +165,7 @@ def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
         alone.append(replace(start, added=added).added_to(other.nominal.model))
     for model in [best, *alone]:
         with suppress(np.linalg.LinAlgError):
-            found.append(other.fitting.fit(model, most=AGAIN))
+            found.append(other.fitting.fit(model, most=STEPS_OF_ANOTHER_BEGINNING))
     return min(found, key=lambda fitted: fitted.squares, default=None)
 
 
@@ -179,7 +180,7 @@ def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
     unsure = [p for p in uncertain(model.nominal) if forced or p.key != "plant.mass"]
     retuned = best_of_starts(fitting, replace(model, parameters=(*model.parameters, *unsure)))
     near = fitted_near(fitting, retuned)
-    if near is not retuned and reduced_chi2(fitting, near) < CLOSE:
+    if near is not retuned and reduced_chi2(fitting, near) < NEAR_NOISE_CHI2:
         fitting.rebase(near.model)
     return near
 
@@ -190,7 +191,7 @@ def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:
     The initial states then change the prediction as they do in the model that was found: over many periods
     those of one that is off are out of step.
     """
-    if fitting.reduced_chi2 <= FAR_OFF:
+    if fitting.reduced_chi2 <= REFIT_CHI2:
         return found
     fitting.reduced_chi2 = reduced_chi2(fitting, found)
     with fitting.based_on(found.model):
@@ -212,10 +213,10 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
         noise = noise_left(part, settled.spec, runs.first(train))
-        if runs.length is None or runs.length > 0.08 * float(seen.time[-1]):
+        if runs.length is None or runs.length > LONGEST_RUN_SHARE * float(seen.time[-1]):
             return runs, noise
         fitting = Fitting(part, runs.first(train), noise.sigma, settled)
-        if reduced_chi2(fitting, fitting.fit(settled)) > NEAR:
+        if reduced_chi2(fitting, fitting.fit(settled)) > WINDOWED_CHI2:
             return runs, noise
         longer *= 2.0
 

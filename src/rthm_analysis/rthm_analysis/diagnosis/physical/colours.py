@@ -8,27 +8,22 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from rthm_analysis.diagnosis.criteria.noise import (
+    COHERENCE_CHANCE,
+    COHERENT_FREQUENCIES,
+    COLOUR_FEWEST_READINGS_SHARE,
+    FORETELLING_SHIFTS,
+    OWN_VALUE_LEVELS,
+    OWN_VALUE_SHARE,
+    OWN_VALUE_STRETCHES,
+    SLOW_POWER_WHITE,
+)
 from rthm_analysis.diagnosis.fitting.colour import Colour, colour_of, whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
-from rthm_analysis.diagnosis.physical.remainder import SLOW, slow_power
+from rthm_analysis.diagnosis.physical.remainder import slow_power
 from rthm_analysis.diagnosis.physical.unrelated import is_rare, possible_causes, unrelated
 from rthm_core.compiled import Floats, Integers
-
-SHIFTS = (-2, -1, 0, 1, 2)
-"""Samples by which a predicted force is shifted: with all of them goes what a wrong wire or motor leaves."""
-
-LEVELS, BLOCKS = 16, 8
-"""Steps of a curve over a signal's own value, and stretches of time that foretell each other by it."""
-
-OWN = 0.3
-"""Part of an error, foretold by the signal's own value in other stretches, from which it is no noise."""
-
-LINES, UNLIKELY = 8, 1e-6
-"""Frequencies, and the chance that independent errors are as coherent at them."""
-
-MEASURED = 0.9
-"""Part of the samples that must be readings, for their neighbours to tell a colour."""
 
 
 def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = False) -> Noise:
@@ -48,10 +43,10 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
         if evidence.channels[k].family == "force":
             error = _without(error, predicted)
         error = _without_own(error, predicted)
-        if np.isfinite(error).mean() < MEASURED or is_rare(error[np.isfinite(error)]):
+        if np.isfinite(error).mean() < COLOUR_FEWEST_READINGS_SHARE or is_rare(error[np.isfinite(error)]):
             return before
         colour = colour_of(error, evidence.measured[:, k], before.level)
-        slow = colour.is_white and not named and slow_power(error / colour.level)[0] > SLOW
+        slow = colour.is_white and not named and slow_power(error / colour.level)[0] > SLOW_POWER_WHITE
         if slow and unrelated(error, causes):
             colour = colour_of(error, evidence.measured[:, k], before.level, moves=False)
         return colour
@@ -64,8 +59,8 @@ def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = Fa
 def in_common(errors: Floats, colours: Sequence[Colour], starts: Integers) -> list[bool]:
     """Whether the coloured part of each channel shows in another one as well: then it is motion, not noise.
 
-    Two sensors err independently of each other: at as few as `LINES` frequencies, their errors are coherent
-    by a chance that is known.
+    Two sensors err independently of each other: at as few as `COHERENT_FREQUENCIES`, their errors are
+    coherent by a chance that is known.
 
     Parameters
     ----------
@@ -77,7 +72,10 @@ def in_common(errors: Floats, colours: Sequence[Colour], starts: Integers) -> li
     """
     white = whitened_from(np.nan_to_num(errors), colours, starts)
     lines = np.fft.rfft(white - white.mean(axis=0), axis=0)[1:]
-    counts = [LINES * 2**i for i in range(int(np.log2(max(lines.shape[0] / (4 * LINES), 1.0))) + 1)]
+    counts = [
+        COHERENT_FREQUENCIES * 2**i
+        for i in range(int(np.log2(max(lines.shape[0] / (4 * COHERENT_FREQUENCIES), 1.0))) + 1)
+    ]
     return [
         not colour.is_white
         and any(_coherent(lines[:n, [k, j]], n) for j in range(len(colours)) if j != k for n in counts)
@@ -89,7 +87,7 @@ def _coherent(pair: npt.NDArray[np.complex128], count: int) -> bool:
     """Whether two signals have more in common at some frequencies (n, 2) than chance would have it."""
     power = np.square(np.abs(pair)).sum(axis=0)
     both = float(np.abs(np.vdot(pair[:, 0], pair[:, 1]))) ** 2
-    return both > (1.0 - UNLIKELY ** (1.0 / (count - 1))) * float(power.prod())
+    return both > (1.0 - COHERENCE_CHANCE ** (1.0 / (count - 1))) * float(power.prod())
 
 
 def left_by(fitting: Fitting, fitted: Fitted) -> Floats:
@@ -103,7 +101,7 @@ def left_by(fitting: Fitting, fitted: Fitted) -> Floats:
 def _without(error: Floats, force: Floats) -> Floats:
     """Error (s,) without what a force (s,), late or early by some samples, explains of it."""
     known = np.isfinite(error) & np.isfinite(force)
-    columns = np.stack([np.roll(np.nan_to_num(force), shift) for shift in SHIFTS], axis=1)
+    columns = np.stack([np.roll(np.nan_to_num(force), shift) for shift in FORETELLING_SHIFTS], axis=1)
     sizes = np.linalg.lstsq(columns[known], error[known], rcond=1e-10)[0]
     return np.asarray(error - columns @ sizes)
 
@@ -111,21 +109,21 @@ def _without(error: Floats, force: Floats) -> Floats:
 def _without_own(error: Floats, predicted: Floats) -> Floats:
     """Error (s,) without a curve over the signal's own value, where that foretells it in other stretches."""
     known = np.isfinite(error) & np.isfinite(predicted)
-    if np.count_nonzero(known) < LEVELS * LEVELS:
+    if np.count_nonzero(known) < OWN_VALUE_LEVELS * OWN_VALUE_LEVELS:
         return error
-    edges = np.quantile(predicted[known], np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
+    edges = np.quantile(predicted[known], np.linspace(0.0, 1.0, OWN_VALUE_LEVELS + 1)[1:-1])
     level = np.searchsorted(edges, predicted)
-    even = np.arange(error.size) * BLOCKS // error.size % 2 == 0
+    even = np.arange(error.size) * OWN_VALUE_STRETCHES // error.size % 2 == 0
     foretold = np.zeros(error.size)
     for these, others in ((even, ~even), (~even, even)):
         foretold[these] = _steps(error, level, known & others)[level[these]]
     left = float(np.sum(np.square(error[known] - foretold[known])))
-    if left > (1.0 - OWN) * float(np.sum(np.square(error[known]))):
+    if left > (1.0 - OWN_VALUE_SHARE) * float(np.sum(np.square(error[known]))):
         return error
     return np.asarray(error - _steps(error, level, known)[level])
 
 
 def _steps(error: Floats, level: Floats, known: Floats) -> Floats:
     """Mean error (l,) at each level, 0 where none is known."""
-    count = np.bincount(level[known], minlength=LEVELS)
-    return np.bincount(level[known], error[known], LEVELS) / np.maximum(count, 1)
+    count = np.bincount(level[known], minlength=OWN_VALUE_LEVELS)
+    return np.bincount(level[known], error[known], OWN_VALUE_LEVELS) / np.maximum(count, 1)

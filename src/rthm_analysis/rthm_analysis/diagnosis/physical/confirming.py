@@ -4,33 +4,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from rthm_analysis.diagnosis.criteria.noise import COLOURED_STD_RATIO
+from rthm_analysis.diagnosis.criteria.verdict import CONFIRMING_GAIN, CONTACT_EXPLAINED_SHARE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.above_noise import certain_only, needed_only
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
-from rthm_analysis.diagnosis.physical.remainder import BLURRED
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import Selection, imitates
-
-CONFIRMED = 4.0
-"""Squared error on unseen data, in units of the noise, that an effect must remove: two standard deviations of
-chance for one parameter, or four where the noise has a colour, which is known only about.
-"""
-
-SMALL_PART = 0.95
-"""Part of what was left that a contact must remove where it may only patch the curve of a spring: a real one
-removes nearly everything.
-"""
 
 PATCHING = "beside a curved spring it did little but bend the curve of that spring"
 
 IMITATES = "it can imitate others, and with it, too, more than the noise is left"
 
-VAGUE = "beside the others the recording does not tell its values"
+VALUES_NOT_TOLD = "beside the others the recording does not tell its values"
 
 NEEDLESS = "the others explain nearly as much without it"
 
-UNCONFIRMED = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
+NOT_CONFIRMED_UNSEEN = "it helped in the first two thirds of the recording, and unseen data do not confirm it"
 
 
 def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
@@ -39,17 +30,17 @@ def confirmed(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     Each must help beside those before it, and all together.
     """
     selection, refused = physical.selection, []
-    least = CONFIRMED if physical.noise.is_white else BLURRED**2 * CONFIRMED
+    least = CONFIRMING_GAIN if physical.noise.is_white else COLOURED_STD_RATIO**2 * CONFIRMING_GAIN
     if not selection.rounds:
         return physical, ()
     nothing, error = _left_by(physical, selection.base), _left_by(physical, selection.best)
     while selection.rounds:
         before = _without_last(selection)
         less = _left_by(physical, before.best) if before.rounds else nothing
-        patches = less - error < SMALL_PART * less and _patches(selection)
+        patches = less - error < CONTACT_EXPLAINED_SHARE * less and _patches(selection)
         if min(less, nothing) - error > least and not patches:
             break
-        refused.append(_last_refused(selection, PATCHING if patches else UNCONFIRMED))
+        refused.append(_last_refused(selection, PATCHING if patches else NOT_CONFIRMED_UNSEEN))
         selection, error = before, less
     return replace(physical, selection=selection), tuple(refused)
 
@@ -78,7 +69,7 @@ def without_needless(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]
 def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without effects whose values are not told beside the others, and why they went."""
     physical, vague = certain_only(physical)
-    return physical, tuple(_refused(label, VAGUE) for label in vague)
+    return physical, tuple(_refused(label, VALUES_NOT_TOLD) for label in vague)
 
 
 def _last_refused(selection: Selection, why: str) -> Refused:

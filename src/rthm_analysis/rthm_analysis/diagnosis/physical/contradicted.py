@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.physical.remainder import SAMPLES, averages
+from rthm_analysis.diagnosis.criteria.noise import (
+    DENIED_SHARE,
+    DENIED_STDS,
+    DENYING_POWER_RATIO,
+    INDEPENDENT_SHARE,
+    SLOW_SAMPLES,
+)
+from rthm_analysis.diagnosis.physical.remainder import averages
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_core.compiled import Floats
@@ -12,17 +19,6 @@ from rthm_core.substructure import interface, substructure
 
 PARTNERS = {"position": ("velocity", "force"), "velocity": ("position",), "force": ("position",)}
 """Signals of the same dof in which errors of a signal would show."""
-
-LOUD = 4.0
-"""Power that errors would have in the other channel, over that of its noise, from which it can deny them."""
-
-HALF, SURE = 0.5, 3.0
-"""Part of what errors would make of the other channel that it shows at most where it denies them, of either
-sign, since a force moves the plant and motion makes a force; standard deviations by which that must be sure.
-"""
-
-WORTH = 0.1
-"""Part of the averages of an error that count as independent of each other."""
 
 
 def denied(physical: Physical, predicted: Floats, channel: int) -> bool:
@@ -45,18 +41,23 @@ def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof
     """Whether the second of two channels would show what the first leaves, and does not."""
     evidence, (channel, other) = physical.evidence, pair
     families = evidence.channels[channel].family, evidence.channels[other].family
-    step = float(np.median(np.diff(evidence.time))) * SAMPLES
+    step = float(np.median(np.diff(evidence.time))) * SLOW_SAMPLES
     left = evidence.measured - predicted
     here, there = (averages(np.nan_to_num(left[:, k])) for k in pair)
-    noise = np.random.default_rng(0).normal(size=here.size) * physical.noise.sigma[channel] / np.sqrt(SAMPLES)
+    noise = (
+        np.random.default_rng(0).normal(size=here.size)
+        * physical.noise.sigma[channel]
+        / np.sqrt(SLOW_SAMPLES)
+    )
     response = _response(physical, families, dof, 2.0 * np.pi * np.fft.rfftfreq(here.size, step))
     shown, chance = (_shown(one, families, step, response) for one in (here, noise))
     power, usual = float(shown @ shown), float(chance @ chance)
-    if power - 2.0 * usual < LOUD * here.size * float(physical.noise.sigma[other]) ** 2 / SAMPLES:
+    of_noise = here.size * float(physical.noise.sigma[other]) ** 2 / SLOW_SAMPLES
+    if power - 2.0 * usual < DENYING_POWER_RATIO * of_noise:
         return False
     part = float(there @ shown) / power
-    spread = float(np.sqrt(np.mean(np.square(there - part * shown)) / (WORTH * power)))
-    return abs(part) + SURE * spread < HALF
+    spread = float(np.sqrt(np.mean(np.square(there - part * shown)) / (INDEPENDENT_SHARE * power)))
+    return abs(part) + DENIED_STDS * spread < DENIED_SHARE
 
 
 def _dof(physical: Physical, channel: Channel) -> int:

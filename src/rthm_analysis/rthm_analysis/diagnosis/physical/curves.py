@@ -11,14 +11,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import DRAWN_CURVE_SHARE, RESIDUAL_PARABOLA_SAMPLES
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_force
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats
-
-SMOOTHING = 9
-"""Samples of the parabola through which the residual motion is differentiated."""
 
 
 def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics]) -> Iterator[Curve]:
@@ -39,7 +37,7 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
         curves = {name: binned(values, force) for name, (values, _) in variables.items()}
         best = max(curves, key=lambda name: curves[name][3])
         at, mean, std, share = curves[best]
-        if share > 0.02 or any(one.block == "plant" for one in physics):
+        if share > DRAWN_CURVE_SHARE or any(one.block == "plant" for one in physics):
             over, unit = variables[best]
             law = None if named is None else spread_over(over, named)
             yield Curve("plant", best, unit, at, mean, std, law, share)
@@ -62,13 +60,13 @@ def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Flo
     i, n = spec.plant.dofs.index(dof), len(spec.plant.dofs)
     channels = {(c.family, c.place): k for k, c in enumerate(evidence.channels)}
     where = channels.get(("position", dof))
-    if where is None or evidence.stamps_ns.size < 10 * SMOOTHING:
+    if where is None or evidence.stamps_ns.size < 10 * RESIDUAL_PARABOLA_SAMPLES:
         return None
     step = float(np.median(np.diff(evidence.time)))
     left = np.nan_to_num(evidence.measured - predicted)
     x = np.nan_to_num(evidence.measured[:, where])
     speed = channels.get(("velocity", dof))
-    width = SMOOTHING if speed is not None else 4 * SMOOTHING + 1
+    width = RESIDUAL_PARABOLA_SAMPLES if speed is not None else 4 * RESIDUAL_PARABOLA_SAMPLES + 1
     dx = _smoothed(left[:, where], width)
     if speed is not None:
         v, dv = np.nan_to_num(evidence.measured[:, speed]), left[:, speed]

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PARAMETER
+from rthm_analysis.diagnosis.criteria.verdict import ROUNDING_STEP_RATIO
 from rthm_analysis.diagnosis.fitting.limits import Limits, rounding_limits, slack_limits
-from rthm_analysis.diagnosis.physical.rounding import MATTERS
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Limit
-from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
 from rthm_core.effects import effect
 
 
 def detection_limits(physical: Physical) -> dict[str, Limit]:
     """Smallest sizes by ``block.kind.parameter``, with the place where there are several."""
     found = physical.selection.limits | physical.drive_limits | _slack_limits(physical)
-    for key, step in rounding_limits(physical.fitting, MATTERS):
+    for key, step in rounding_limits(physical.fitting, ROUNDING_STEP_RATIO):
         found = {**found, key: {"step": step}}
     limits = {}
     for (block, kind, place), sizes in found.items():
@@ -34,4 +34,4 @@ def _slack_limits(physical: Physical) -> Limits:
         if channel.family == "force":
             forces[channel.place] = motion.force[: physical.train, actuator.names.index(channel.place)]
             noise[channel.place] = float(sigma)
-    return slack_limits(model, forces, noise, ENOUGH + PER_PARAMETER)
+    return slack_limits(model, forces, noise, GAIN_OF_CHANCE + GAIN_PER_PARAMETER)

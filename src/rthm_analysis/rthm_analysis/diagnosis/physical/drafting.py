@@ -13,22 +13,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN, POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.search import FINISHING_STEPS
+from rthm_analysis.diagnosis.criteria.verdict import (
+    DRAFT_FEWEST_IN_WINDOW,
+    DRAFT_FEWEST_SAMPLES,
+    DRAFT_KINDS_COPIED,
+    DRAFT_LEAST_EXCESS,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, reduced_chi2
-from rthm_analysis.diagnosis.search.refining import FINISHING, fit_further, unfitted
-
-SAMPLES, EXCESS = 3_000, 5_000.0
-"""Samples that a draft has at least, and squared error in them above the noise, in units of the noise: so
-much tells kinds apart.
-"""
-
-COPIED = 5
-"""Kinds of each round of a draft that are copied near the noise: the one that was chosen and others."""
-
-IN_WINDOW = 30
-"""Samples of a draft in each window at least."""
+from rthm_analysis.diagnosis.search.refining import fit_further, unfitted
 
 
 class Draft(NamedTuple):
@@ -77,7 +74,9 @@ def _every(begun: Baseline) -> int:
     samples = fitting.experiment.evidence.stamps_ns.size
     shortest = int(np.diff(np.append(fitting.windows.start, samples)).min())
     excess = (fitting.reduced_chi2 - 1.0) * fitting.expected
-    return int(min(samples // SAMPLES, shortest // IN_WINDOW, excess // EXCESS))
+    return int(
+        min(samples // DRAFT_FEWEST_SAMPLES, shortest // DRAFT_FEWEST_IN_WINDOW, excess // DRAFT_LEAST_EXCESS)
+    )
 
 
 def _copied(begun: Baseline, draft: Draft, found: Selection) -> Selection | None:
@@ -93,11 +92,11 @@ def _copied(begun: Baseline, draft: Draft, found: Selection) -> Selection | None
     before, fitting.reduced_chi2 = fitting.reduced_chi2, draft.fitting.reduced_chi2
     try:
         fitting.rebase(found.best.model)
-        whole = fitting.fit(found.best.model, most=FINISHING, least=FINE, affordable=True)
-        near = reduced_chi2(fitting, whole) < WRONG
+        whole = fitting.fit(found.best.model, most=FINISHING_STEPS, least=FINE_FIT_GAIN, affordable=True)
+        near = reduced_chi2(fitting, whole) < POOR_FIT_CHI2
         if near and fitting.experiment.sharpen(whole.model.spec):
-            whole = fitting.fit(whole.model, most=FINISHING, least=FINE, affordable=True)
-        copied, copy = COPIED if near else 1, partial(_copy, fitting)
+            whole = fitting.fit(whole.model, most=FINISHING_STEPS, least=FINE_FIT_GAIN, affordable=True)
+        copied, copy = DRAFT_KINDS_COPIED if near else 1, partial(_copy, fitting)
         rounds = [
             [one for one in fitting.cores.each_in_parts(copy, tried[:copied]) if np.isfinite(one.error)]
             for tried in found.rounds

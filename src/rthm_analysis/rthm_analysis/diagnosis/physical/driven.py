@@ -4,23 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import (
+    MOTOR_EXPLAINED_SHARE,
+    MOTOR_SENSOR_OFF_RATIO,
+    NOISE_FLOOR_RATIO,
+    SMOOTH_LAW_EXPLAINED_SHARE,
+    WIRE_SLOW_POWER,
+)
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
-from rthm_analysis.diagnosis.physical.above_noise import NEARLY
 from rthm_analysis.diagnosis.physical.remainder import averages, slow_power
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import FLOOR
-
-WIRE = 3.0
-"""Power of the slow residual of a wire's force along the recorded motion, over the noise, from which the wire
-is where something is missing: what the smoothing of that motion leaves is less.
-"""
-
-READ_WRONG = 10.0
-"""Error of a motor's position over the noise of its sensor, from which it is no small mismatch of timing."""
-
-MOST = 0.5
-"""Part of that residual that the measured error of the motor must explain for the motor to be the reason."""
 
 
 def drives_earned(physical: Physical) -> bool:
@@ -29,7 +23,8 @@ def drives_earned(physical: Physical) -> bool:
         return False
     first, last = physical.drives[0][-1].fitted, physical.drives[-1][0].fitted
     noise = max(last.residual.size, 1)
-    return last.squares < FLOOR**2 * noise or last.squares - noise < (1.0 - NEARLY) * (first.squares - noise)
+    may_be_left = (1.0 - SMOOTH_LAW_EXPLAINED_SHARE) * (first.squares - noise)
+    return last.squares < NOISE_FLOOR_RATIO**2 * noise or last.squares - noise < may_be_left
 
 
 def is_driven_wrong(physical: Physical) -> bool:
@@ -45,7 +40,7 @@ def motors_read_wrong(physical: Physical) -> bool:
     if not left.size or physical.drives or physical.motor_wanders:
         return False
     off = np.sqrt(np.nanmean(np.square(left), axis=0))
-    return bool(np.any(off > READ_WRONG)) and not _forces_follow_motors(physical)
+    return bool(np.any(off > MOTOR_SENSOR_OFF_RATIO)) and not _forces_follow_motors(physical)
 
 
 def wires_are_off(physical: Physical) -> bool:
@@ -61,7 +56,7 @@ def wires_are_off(physical: Physical) -> bool:
 
 def _are_off(alone: WiresAlone, model: Model) -> bool:
     columns = alone.residual(model).reshape(-1, len(alone.forces))
-    return any(slow_power(column)[0] > WIRE for column in columns.T)
+    return any(slow_power(column)[0] > WIRE_SLOW_POWER for column in columns.T)
 
 
 def _forces_follow_motors(physical: Physical) -> bool:
@@ -76,6 +71,6 @@ def _forces_follow_motors(physical: Physical) -> bool:
         actuator = names.index(physical.fitting.experiment.evidence.channels[channel].place)
         force, motor = averages(column), averages(np.nan_to_num(motors[:, actuator]))
         gone = float(force @ motor) ** 2 / max(float(motor @ motor) * float(force @ force), 1e-300)
-        if slow_power(column)[0] > WIRE and gone > MOST:
+        if slow_power(column)[0] > WIRE_SLOW_POWER and gone > MOTOR_EXPLAINED_SHARE:
             return True
     return False

@@ -7,6 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.noise import DRIVE_COLOUR_RATIO_TO_WHITE, DRIVE_COLOUR_SHARE_OF_SIGNAL
+from rthm_analysis.diagnosis.criteria.search import (
+    DRIVE_WORTH_A_FIT,
+    GAIN_OF_CHANCE,
+    GAIN_PER_PARAMETER,
+    NEAR_NOISE_CHI2,
+)
+from rthm_analysis.diagnosis.criteria.verdict import DRIVE_MOST_EFFECTS, DRIVE_STEPS, NEGLIGIBLE_DELAY_STD
 from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits, motor_limits
@@ -17,30 +25,13 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.drive_starts import drive_starts
-from rthm_analysis.diagnosis.search.judging import (
-    CLOSE,
-    ENOUGH,
-    PER_PARAMETER,
-    FittedCandidate,
-    best_of_labels,
-    clear_gain,
-    reduced_chi2,
-)
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, best_of_labels, clear_gain, reduced_chi2
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
 
-MOST_EFFECTS = 2
 PREFIX = "drive"
-
-SURE = 1e-6
-"""Uncertainty of a delay, s, that makes no difference."""
-
-LOUD, SMALL = 2.0, 0.01
-"""Size of an error over that of white noise from which it may be noise with a colour; over that of the
-motion, up to which it may.
-"""
 
 
 @dataclass(frozen=True)
@@ -90,7 +81,7 @@ def _open_delays(rounds: list[list[FittedCandidate]]) -> Iterator[Parameter]:
     """Delays of the effects that were added, which the steps of the motors leave open between bounds."""
     for i, tried in enumerate(rounds):
         one, uncertainty = tried[0].start.added, tried[0].start.scales.get("delay", 0.0)
-        if one.law.changes == "delay" and uncertainty > SURE:
+        if one.law.changes == "delay" and uncertainty > NEGLIGIBLE_DELAY_STD:
             value = float(one.parameters["delay"])
             prior = (value, uncertainty / np.sqrt(3.0))
             yield Parameter(
@@ -120,15 +111,15 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
     runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
     rounds: list[list[FittedCandidate]] = []
     model, limits = Model(spec, prefix=PREFIX), {}
-    for _ in range(MOST_EFFECTS):
+    for _ in range(DRIVE_MOST_EFFECTS):
         fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
         here = fitting.fit(model)
-        limits = limits or motor_limits(fitting, here, ENOUGH + PER_PARAMETER)
+        limits = limits or motor_limits(fitting, here, GAIN_OF_CHANCE + GAIN_PER_PARAMETER)
         tried = _tried(fitting, model, here)
         if not tried or not _better(tried[0], here):
             break
         left = evidence.measured - experiment.predicted(model.spec, runs)
-        told = reduced_chi2(fitting, tried[0].fitted) < CLOSE
+        told = reduced_chi2(fitting, tried[0].fitted) < NEAR_NOISE_CHI2
         if not rounds and not told and _wanders(evidence, left, fitting.sigma):
             break
         rounds.append(tried)
@@ -141,7 +132,9 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
 def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:
     """Whether what a model leaves of the motors (s, m) is coloured noise of their sensors."""
     size = np.nanstd(left, axis=0)
-    if np.any(size < LOUD * noise) or np.any(size > SMALL * np.nanstd(evidence.measured, axis=0)):
+    if np.any(size < DRIVE_COLOUR_RATIO_TO_WHITE * noise):
+        return False
+    if np.any(size > DRIVE_COLOUR_SHARE_OF_SIGNAL * np.nanstd(evidence.measured, axis=0)):
         return False
     commands = held_commands(evidence)
     return all(unrelated(error, [commands[:, k]]) for k, error in enumerate(left.T))
@@ -162,11 +155,13 @@ def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate
     present = {(one.kind, one.place) for one in model.added}
     starts = [s for s in drive_starts(model.spec, fitting) if (s.added.kind, s.added.place) not in present]
     nothing = np.empty((0, here.residual.size))
-    promising = [s for s in screen(fitting, here, nothing, starts) if s.gain > 0.5 * ENOUGH]
+    promising = [
+        s for s in screen(fitting, here, nothing, starts) if s.gain > DRIVE_WORTH_A_FIT * GAIN_OF_CHANCE
+    ]
 
     def refined(one: ScoredCandidate) -> FittedCandidate | None:
         try:
-            fitted = fitting.fit(one.start.added_to(model), None, 12)
+            fitted = fitting.fit(one.start.added_to(model), None, DRIVE_STEPS)
         except (InputError, np.linalg.LinAlgError):
             return None
         return FittedCandidate(one.start, fitted, float(fitted.left_out.sum()))
@@ -177,4 +172,4 @@ def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate
 
 def _better(new: FittedCandidate, old: Fitted) -> bool:
     more = max(len(new.start.added.parameters), 1)
-    return clear_gain(old, new.fitted, ENOUGH + PER_PARAMETER * more)
+    return clear_gain(old, new.fitted, GAIN_OF_CHANCE + GAIN_PER_PARAMETER * more)

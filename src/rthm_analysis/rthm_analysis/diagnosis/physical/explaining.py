@@ -8,29 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import FINE, WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN, POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.replay import SECOND_QUESTION_STEPS
+from rthm_analysis.diagnosis.criteria.search import DISTINGUISHING_GAIN, FINISHING_STEPS, NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2, NOISE_FLOOR_RATIO
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.physical.drafting import Draft, draft_of, drafted
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
 from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
-from rthm_analysis.diagnosis.replay.budget import FURTHER
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.choosing import choose, is_lost
-from rthm_analysis.diagnosis.search.judging import (
-    CLEAR,
-    CLOSE,
-    FLOOR,
-    Selection,
-    imitates,
-    merit,
-    reduced_chi2,
-)
-from rthm_analysis.diagnosis.search.refining import FINISHING
-
-LOST = 5.0
-"""Squared error per sample, in units of the noise, of the best single effect in a run over everything, from
-which effects are looked for in short runs."""
+from rthm_analysis.diagnosis.search.judging import Selection, imitates, merit, reduced_chi2
 
 
 def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple[Baseline, Selection]:
@@ -51,7 +41,7 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
         draft = draft_of(begun)
         hopeless = draft is not None and _values_are_not_it(begun, draft, freed_near)
         plain = None if hopeless else plain_fit(fitting, begun, freed_near)
-        if plain is not None and reduced_chi2(fitting, plain) < CLOSE:
+        if plain is not None and reduced_chi2(fitting, plain) < NEAR_NOISE_CHI2:
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
@@ -61,7 +51,7 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
         if not (hopeless and reached):
             plain = plain or plain_fit(fitting, begun, freed_near)
             selection = _plainer(fitting, selection, plain, reached=reached)
-    if selection.imitates and reduced_chi2(explained.fitting, selection.best) > FLOOR**2:
+    if selection.imitates and reduced_chi2(explained.fitting, selection.best) > NOISE_FLOOR_RATIO**2:
         return _simple(begun, near, (explained, selection))
     return explained, selection
 
@@ -75,7 +65,7 @@ def _values_are_not_it(begun: Baseline, draft: Draft, near: Fitted | None) -> bo
         return False
     there = begun._replace(fitting=fitting, nominal=nominal, retuned=draft.retuned)
     with fitting.based_on(fitting.base):  # the draft goes on with what it had
-        return reduced_chi2(fitting, plain_fit(fitting, there, near)) > WRONG
+        return reduced_chi2(fitting, plain_fit(fitting, there, near)) > POOR_FIT_CHI2
 
 
 def _simple(
@@ -86,7 +76,7 @@ def _simple(
     What was found before stays where there are none.
     """
     begun.fitting.progress("looking for plain kinds alone")
-    begun.fitting.budget.allow(FURTHER)
+    begun.fitting.budget.allow(SECOND_QUESTION_STEPS)
     with ExitStack() as stack:
         for one in (begun, near):
             if one is not None:
@@ -103,7 +93,7 @@ def going_on(begun: Baseline, selection: Selection) -> tuple[Baseline, Selection
     still at the noise.
     """
     whole = _over_the_whole(begun.fitting, selection.best.model) if selection.rounds else None
-    if whole is None or reduced_chi2(begun.fitting, whole) > FLOOR**2:
+    if whole is None or reduced_chi2(begun.fitting, whole) > NOISE_FLOOR_RATIO**2:
         return None
     begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, whole)
     led = Selection(begun.retuned, whole, selection.rounds, selection.limits)
@@ -121,7 +111,7 @@ def is_behind(again: tuple[Baseline, Selection], before: Selection) -> bool:
 
 def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
-    if reduced_chi2(fitting, fitted) > CLOSE:
+    if reduced_chi2(fitting, fitted) > NEAR_NOISE_CHI2:
         return False
     errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
     return all(
@@ -135,13 +125,15 @@ def _plainer(fitting: Fitting, selection: Selection, plain: Fitted, *, reached: 
 
     `reached` says whether the selection leaves nothing but noise.
     """
-    ahead = merit(selection.best) < merit(plain) - CLEAR
+    ahead = merit(selection.best) < merit(plain) - DISTINGUISHING_GAIN
     if fitting.budget.spent or (ahead and (reached or is_lost(fitting, selection))):
         fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)
         return selection
     found = _beyond_plain(fitting, plain)
-    says_less = found.imitates and not selection.imitates and reduced_chi2(fitting, found.best) > FLOOR**2
-    if merit(found.best) < merit(selection.best) + CLEAR and not says_less:
+    says_less = (
+        found.imitates and not selection.imitates and reduced_chi2(fitting, found.best) > NOISE_FLOOR_RATIO**2
+    )
+    if merit(found.best) < merit(selection.best) + DISTINGUISHING_GAIN and not says_less:
         return found
     fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)
     return selection
@@ -154,7 +146,7 @@ def _beyond_plain(fitting: Fitting, plain: Fitted) -> Selection:
 
 
 def _lost(begun: Baseline) -> float:
-    return LOST if begun.runs.length is None else np.inf
+    return LOST_CHI2 if begun.runs.length is None else np.inf
 
 
 def _by_effects(
@@ -174,7 +166,7 @@ def _choice(begun: Baseline, stop: Callable[[float], bool], draft: Draft | None 
     fitting = begun.fitting
     draft = draft or draft_of(begun)
     found = drafted(begun, draft, stop) if draft is not None else None
-    if found is not None and (fitting.reduced_chi2 > CLOSE or not found.rounds):
+    if found is not None and (fitting.reduced_chi2 > NEAR_NOISE_CHI2 or not found.rounds):
         return found
     return choose(fitting, begun.retuned, stop, begun=found)
 
@@ -205,7 +197,7 @@ def _begun_near(fitting: Fitting, retuned: Fitted, near: Fitted) -> Fitted:
 def _over_the_whole(fitting: Fitting, model: Model) -> Fitted | None:
     """Fit over the whole recording of what was found in short runs; None where it diverges."""
     try:
-        return fitting.fit(model, most=FINISHING, least=FINE, affordable=True)
+        return fitting.fit(model, most=FINISHING_STEPS, least=FINE_FIT_GAIN, affordable=True)
     except np.linalg.LinAlgError:
         return None
 
@@ -217,14 +209,14 @@ def _led_by(short: Baseline, begun: Baseline, selection: Selection) -> tuple[Bas
     """
     fitting, closer, near = begun.fitting, short.fitting, short.retuned
     closer.reduced_chi2 = reduced_chi2(closer, near)
-    again = _choice(short, lambda left: left < WRONG)
+    again = _choice(short, lambda left: left < POOR_FIT_CHI2)
     whole = _over_the_whole(fitting, again.best.model)
-    if closer.reduced_chi2 >= WRONG:
+    if closer.reduced_chi2 >= POOR_FIT_CHI2:
         if whole is None or reduced_chi2(fitting, whole) > reduced_chi2(fitting, selection.best):
             return begun, selection
         fitting.reduced_chi2 = reduced_chi2(fitting, whole)
         return begun, Selection(begun.retuned, whole, again.rounds, selection.limits)
-    if whole is not None and reduced_chi2(fitting, whole) < WRONG:
+    if whole is not None and reduced_chi2(fitting, whole) < POOR_FIT_CHI2:
         fitting.reduced_chi2 = reduced_chi2(fitting, whole)
         led = Selection(begun.retuned, whole, again.rounds, selection.limits)
         return begun, choose(fitting, begun.retuned, begun=led)

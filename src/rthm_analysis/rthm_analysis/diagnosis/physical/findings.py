@@ -6,6 +6,12 @@ from functools import partial
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import (
+    LATE_TRAINING_SHARE,
+    NEGLIGIBLE_SHARE,
+    RETUNED_LEFT_SHARE,
+    RIVAL_GAIN_SHARE,
+)
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless, without_vague
 from rthm_analysis.diagnosis.physical.curves import force_curve
@@ -40,13 +46,7 @@ from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
-TRACE = 0.01
-"""Part of the mismatch below which an effect does not matter."""
-
-RIVAL = 0.9
-"""Part of what an effect brings that another kind may bring, too: with more, both only mend a shape."""
-
-VAGUE = "it does little in the unseen data, and another kind would do nearly as well"
+RIVALLED = "it does little in the unseen data, and another kind would do nearly as well"
 
 DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
@@ -57,7 +57,7 @@ READ_WRONG = (
     "do not follow: the sensors of the motors are off.",
 )
 
-UNCONFIRMED = "It shows only in the last third, which chose nothing: unconfirmed."
+ONLY_UNSEEN = "It shows only in the last third, which chose nothing: unconfirmed."
 
 
 def physical_part(physical: Physical) -> Part:
@@ -136,7 +136,7 @@ def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:
 def _helps(judged: Judgement) -> bool:
     """Whether new values predict unseen data much better, though not to the noise."""
     before, after = judged.squares["nominal"] - judged.expected, judged.squares["retuned"] - judged.expected
-    return after < 0.5 * before
+    return after < RETUNED_LEFT_SHARE * before
 
 
 def _described(judged: Judgement) -> tuple[Described, ...]:
@@ -156,13 +156,17 @@ def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
                 f"{channel.signal}: on unseen data the error is {bare(one.rms)} times the noise, "
                 "and it is not random."
             )
-            said.append(f"{text} {UNCONFIRMED}" if _late(one, physical) else text)
+            said.append(f"{text} {ONLY_UNSEEN}" if _late(one, physical) else text)
     return tuple(said) or ("On unseen data the error is larger than the noise.",)
 
 
 def _late(one: Remainder, physical: Physical) -> bool:
     """Whether nothing shows before the unseen part."""
-    return not one.in_train and bool(one.parts.size) and float(one.parts[:, 0].min()) > 0.9 * physical.train
+    return (
+        not one.in_train
+        and bool(one.parts.size)
+        and float(one.parts[:, 0].min()) > LATE_TRAINING_SHARE * physical.train
+    )
 
 
 def _on_the_load(physical: Physical) -> tuple[str, ...]:
@@ -187,12 +191,14 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         values = values_of(selection.best, i)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(selection.rounds) == 1 or not 0.0 <= share < TRACE * whole:
+        if len(selection.rounds) == 1 or not 0.0 <= share < NEGLIGIBLE_SHARE * whole:
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
         elif judged.at_noise and not _has_rivals(selection, i):
             traces.append(Trace(one.block, one.kind, share, words))
         else:
-            vague.append(Refused(one.block, one.kind, f"{one.kind.replace('_', ' ').capitalize()}: {VAGUE}."))
+            vague.append(
+                Refused(one.block, one.kind, f"{one.kind.replace('_', ' ').capitalize()}: {RIVALLED}.")
+            )
     return found, traces, vague
 
 
@@ -200,7 +206,7 @@ def _has_rivals(selection: Selection, index: int) -> bool:
     """Whether another effect would have done nearly as well as one that was added to others."""
     before = selection.rounds[index - 1][0].error if index else float(selection.base.left_out.sum())
     first, *others = selection.rounds[index]
-    return any(before - other.error > RIVAL * (before - first.error) for other in others)
+    return any(before - other.error > RIVAL_GAIN_SHARE * (before - first.error) for other in others)
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:

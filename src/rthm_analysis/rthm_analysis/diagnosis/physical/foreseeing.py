@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import FINE, Fitted, bounded
+from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN
+from rthm_analysis.diagnosis.criteria.search import FINISHING_STEPS, NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.criteria.verdict import PREDICTION_SPREAD
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, bounded
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, reduced_chi2
-from rthm_analysis.diagnosis.search.refining import FINISHING
+from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import rounds_refitted
-
-UNSURE = 1.0
-"""What the uncertainty of the values makes of a prediction of unseen data, over the noise, above which one
-free run tells nothing there: after so many contacts the right model, too, is somewhere else.
-"""
 
 
 def foreseen(
@@ -35,21 +32,21 @@ def foreseen(
         Over the whole recording. Nothing that was measured in its unseen part is looked at.
     """
     fitting, best = begun.fitting, selection.best
-    if not selection.rounds or begun.runs.length is not None or reduced_chi2(fitting, best) > CLOSE:
+    if not selection.rounds or begun.runs.length is not None or reduced_chi2(fitting, best) > NEAR_NOISE_CHI2:
         return begun, selection
     train = fitting.measured.shape[0]
-    if _spread(begun, best, whole, train) < UNSURE:
+    if _spread(begun, best, whole, train) < PREDICTION_SPREAD:
         return begun, selection
     short = in_short_runs(begun, seen, settled, train)
     try:
-        fitted = short.fitting.fit(best.model, most=FINISHING, least=FINE)
+        fitted = short.fitting.fit(best.model, most=FINISHING_STEPS, least=FINE_FIT_GAIN)
         short.fitting.reduced_chi2 = reduced_chi2(short.fitting, fitted)
         again = rounds_refitted(
             short.fitting, Selection(short.retuned, fitted, selection.rounds, selection.limits)
         )
     except np.linalg.LinAlgError:
         return begun, selection
-    return (short, again) if short.fitting.reduced_chi2 < CLOSE else (begun, selection)
+    return (short, again) if short.fitting.reduced_chi2 < NEAR_NOISE_CHI2 else (begun, selection)
 
 
 def _spread(begun: Baseline, best: Fitted, whole: Experiment, train: int) -> float:

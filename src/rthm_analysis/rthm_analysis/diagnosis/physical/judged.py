@@ -6,16 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.fitting import DIVERGED_ERROR
+from rthm_analysis.diagnosis.criteria.verdict import STILL_SIGNAL_TO_NOISE
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
-from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, bounded
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, bounded
 from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
-
-STILL = 3.0
-"""Standard deviation of a signal, over its noise, below which it stands still."""
 
 
 @dataclass(frozen=True)
@@ -63,20 +62,24 @@ def spread(physical: Physical, channel: int) -> float:
     """Standard deviation of a signal on the unseen part; of the whole of it where it hardly moves there."""
     measured = physical.evidence.measured[:, channel]
     held = float(np.nanstd(measured[physical.train :]))
-    return held if held > STILL * physical.noise.level[channel] else max(float(np.nanstd(measured)), 1e-300)
+    return (
+        held
+        if held > STILL_SIGNAL_TO_NOISE * physical.noise.level[channel]
+        else max(float(np.nanstd(measured)), 1e-300)
+    )
 
 
 def nrmse(physical: Physical, predicted: Floats, channel: int) -> float:
-    """Error on the held-out part over the `spread` of the signal; `DIVERGED` at most."""
+    """Error on the held-out part over the `spread` of the signal; `DIVERGED_ERROR` at most."""
     held = slice(physical.train, None)
     error = physical.evidence.measured[held, channel] - predicted[held, channel]
     if not np.isfinite(predicted[held, channel]).all():
-        return DIVERGED
-    return min(float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel), DIVERGED)
+        return DIVERGED_ERROR
+    return min(float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel), DIVERGED_ERROR)
 
 
 def errors_of(physical: Physical, predicted: Floats) -> Floats:
-    """Errors (s, k) over the noise and whitened; NaN where nothing was measured, `DIVERGED` at most."""
+    """Errors (s, k) over the noise and whitened; NaN where nothing was measured, `DIVERGED_ERROR` at most."""
     measured = physical.evidence.measured
     error = bounded((np.nan_to_num(measured) - predicted) / physical.noise.sigma)
     error = np.where(np.isfinite(measured), error, 0.0)

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import LARGEST_INTERVAL_SHARE
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-
-THROUGHOUT = 0.8
-"""Part of a recording over which a mismatch that starts or stops may reach and still have an interval."""
 
 
 def when(judged: Judgement) -> tuple[float, float] | None:
@@ -18,7 +16,7 @@ def when(judged: Judgement) -> tuple[float, float] | None:
         return None
     rows = np.concatenate(parts)
     begin, end = int(rows[:, 0].min()), int(rows[:, 1].max())
-    if end - begin > THROUGHOUT * physical.evidence.time.size:
+    if end - begin > LARGEST_INTERVAL_SHARE * physical.evidence.time.size:
         return None
     time = physical.evidence.time
     return float(time[begin]), float(time[min(end, time.size - 1)])

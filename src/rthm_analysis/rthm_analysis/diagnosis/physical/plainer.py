@@ -9,24 +9,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    FINISHING_GAIN,
+    FINISHING_STEPS,
+    GAIN_OF_CHANCE,
+    GAIN_PER_PARAMETER,
+    NEAR_NOISE_CHI2,
+)
+from rthm_analysis.diagnosis.criteria.verdict import STEPS_WITHOUT_VALUE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, best_of_starts, fitted_near
 from rthm_analysis.diagnosis.replay.entries import entry_of, free_entries
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
 from rthm_analysis.diagnosis.replay.windows import period
-from rthm_analysis.diagnosis.search.judging import (
-    CLOSE,
-    ENOUGH,
-    PER_PARAMETER,
-    Selection,
-    clear_gain,
-    reduced_chi2,
-)
-from rthm_analysis.diagnosis.search.refining import FINISHED, FINISHING
+from rthm_analysis.diagnosis.search.judging import Selection, clear_gain, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import rounds_refitted
-
-PRUNING = 6
-"""Steps of a fit with a value returned to that of the spec."""
 
 
 def freed(fitting: Fitting, model: Model) -> Model:
@@ -47,10 +44,10 @@ def plain_fit(fitting: Fitting, begun: Baseline, near: Fitted | None = None) -> 
     start = near.model if near is not None else freed(fitting, begun.nominal.model)
     try:
         found = fitted_near(fitting, best_of_starts(fitting, start))
-        if reduced_chi2(fitting, found) < CLOSE:
+        if reduced_chi2(fitting, found) < NEAR_NOISE_CHI2:
             fitting.reduced_chi2 = reduced_chi2(fitting, found)
             fitting.rebase(found.model)
-            found = fitting.fit(found.model, most=FINISHING, least=FINISHED)
+            found = fitting.fit(found.model, most=FINISHING_STEPS, least=FINISHING_GAIN)
     except np.linalg.LinAlgError:
         fitting.reduced_chi2 = before
         return begun.retuned
@@ -63,17 +60,17 @@ def needed_only(fitting: Fitting, selection: Selection) -> Selection:
     best, base = selection.best, selection.base
     for key in [p.key for p in best.model.parameters if entry_of(p.key) is not None]:
         try:
-            without = fitting.fit(_without(best.model, key), most=PRUNING)
+            without = fitting.fit(_without(best.model, key), most=STEPS_WITHOUT_VALUE)
         except np.linalg.LinAlgError:
             continue
-        if not clear_gain(without, best, ENOUGH + PER_PARAMETER):
+        if not clear_gain(without, best, GAIN_OF_CHANCE + GAIN_PER_PARAMETER):
             best = without
             base = replace(base, model=_without(base.model, key))
     if best is selection.best:
         return selection
     try:
-        best = fitting.fit(best.model, most=FINISHING, least=FINISHED)
-        base = best if not selection.rounds else fitting.fit(base.model, most=PRUNING)
+        best = fitting.fit(best.model, most=FINISHING_STEPS, least=FINISHING_GAIN)
+        base = best if not selection.rounds else fitting.fit(base.model, most=STEPS_WITHOUT_VALUE)
     except np.linalg.LinAlgError:
         return selection
     fitting.reduced_chi2 = reduced_chi2(fitting, best)

@@ -7,38 +7,19 @@ from itertools import pairwise
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.noise import (
+    COLOURED_STD_RATIO,
+    EVENT_PARTS,
+    FEWEST_NORMAL_AVERAGES,
+    OUTLIER_SHARE,
+    OUTLIER_STDS,
+    SLOW_POWER_CHANCE,
+    SLOW_POWER_COLOURED,
+    SLOW_POWER_STDS,
+    SLOW_POWER_WHITE,
+    SLOW_SAMPLES,
+)
 from rthm_core.compiled import Floats
-
-SLOW = 1.35
-"""Power of the slow residual, over that of noise, above which something is left: 0.15 of the noise, which the
-arithmetic of a replay may leave."""
-
-COLOURED = 3.0
-"""The same where the noise has a colour, which a recording tells only about."""
-
-SAMPLES = 16
-"""Samples in an average in which noise drowns and physics does not."""
-
-PARTS = 30
-"""Parts of a recording that are looked at one by one for when something happens."""
-
-CHANCE, UNLIKELY = 8.0, 1e-7
-"""Standard deviations of a part's power that no clean recording reaches in any of its parts; of few
-averages, whose power is far from normal, the chance that is small enough for that.
-"""
-
-FEW = 23
-"""Averages from which the quantile of `UNLIKELY` is within `CHANCE`."""
-
-BLURRED = 2.0
-"""How much larger chance is where the noise has a colour: its estimate leaves some of it."""
-
-CLIPPED = 6.0
-"""Typical sizes beyond which a difference is a jump, not noise."""
-
-
-TAILS = 0.02
-"""Part of a noise that may be beyond that: of Student's with three degrees of freedom it is 0.007."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +46,7 @@ class Remainder:
     rms: float
     loudness: float
     parts: Floats
-    allowed: tuple[float, float] = (SLOW, SLOW)
+    allowed: tuple[float, float] = (SLOW_POWER_WHITE, SLOW_POWER_WHITE)
 
     @property
     def slow(self) -> float:
@@ -96,7 +77,7 @@ def remainder_of(errors: Floats, train: int, white: bool = True) -> Remainder:
         Whether the noise has no colour.
     """
     errors = _clipped(errors)
-    edges = np.linspace(0, errors.size, PARTS + 1).astype(int)
+    edges = np.linspace(0, errors.size, EVENT_PARTS + 1).astype(int)
     held = errors[train:]
     (before, count), (after, unseen) = slow_power(errors[:train]), slow_power(held)
     throughout = 1.0 if white else max(before, 1.0)
@@ -118,35 +99,35 @@ def remainder_of(errors: Floats, train: int, white: bool = True) -> Remainder:
 
 def tolerance(white: bool) -> float:
     """Power of the slow residual from which something is left."""
-    return SLOW if white else COLOURED
+    return SLOW_POWER_WHITE if white else SLOW_POWER_COLOURED
 
 
 def _allowed(white: bool, count: int) -> float:
     """Power of so many averages from which something is left: beyond chance, and beyond the arithmetic."""
     some = max(count, 1)
-    chance = CHANCE * float(np.sqrt(2.0 / some))
-    if some < FEW:
+    chance = SLOW_POWER_STDS * float(np.sqrt(2.0 / some))
+    if some < FEWEST_NORMAL_AVERAGES:
         from scipy.special import chdtri
 
-        chance = max(chance, float(chdtri(some, UNLIKELY)) / some - 1.0)
-    return 1.0 + max(tolerance(white) - 1.0, chance if white else BLURRED * chance)
+        chance = max(chance, float(chdtri(some, SLOW_POWER_CHANCE)) / some - 1.0)
+    return 1.0 + max(tolerance(white) - 1.0, chance if white else COLOURED_STD_RATIO * chance)
 
 
 def _clipped(errors: Floats) -> Floats:
     """Errors without the tails of noise that has heavy ones; as they are where these are no tails."""
     known = errors[np.isfinite(errors)]
     limit = _limit(known)
-    if limit and np.count_nonzero(np.abs(known) > limit) > TAILS * known.size:
+    if limit and np.count_nonzero(np.abs(known) > limit) > OUTLIER_SHARE * known.size:
         return errors
     return np.clip(errors, -limit, limit)
 
 
 def _limit(values: Floats) -> float:
     """Size beyond which a value is in the tails; 0 where there are no values."""
-    return CLIPPED * 1.4826 * float(np.median(np.abs(values))) if values.size else 0.0
+    return OUTLIER_STDS * 1.4826 * float(np.median(np.abs(values))) if values.size else 0.0
 
 
-def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
+def slow_power(errors: Floats, samples: int = SLOW_SAMPLES) -> tuple[float, int]:
     """Power of the slow part of some errors over that of noise, and the number of averages that tell it.
 
     Noise counts as 1, or as what the fastest part of the errors shows: noise that grows is no physics.
@@ -159,7 +140,7 @@ def slow_power(errors: Floats, samples: int = SAMPLES) -> tuple[float, int]:
     return power / max(1.0, _fast_power(known)), found.size
 
 
-def averages(values: Floats, samples: int = SAMPLES) -> Floats:
+def averages(values: Floats, samples: int = SLOW_SAMPLES) -> Floats:
     """Averages of a signal over so many samples, in which noise drowns and physics does not."""
     count = values.size // samples
     return np.asarray(values[: count * samples].reshape(count, samples).mean(1))
@@ -168,7 +149,7 @@ def averages(values: Floats, samples: int = SAMPLES) -> Floats:
 def _fast_power(errors: Floats) -> float:
     """Typical power of the fastest part of some errors, from their third differences."""
     third = np.diff(errors[np.isfinite(errors)], 3)
-    if third.size < SAMPLES:
+    if third.size < SLOW_SAMPLES:
         return 1.0
     limit = _limit(third)
     return float(np.mean(np.square(np.clip(third, -limit, limit)))) / 20.0

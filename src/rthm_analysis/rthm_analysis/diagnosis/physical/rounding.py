@@ -6,15 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import ROUNDING_STEP_RATIO
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_analysis.diagnosis.result import Physics, Value, place_key
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
 from rthm_core.effects.registry import changing
-
-MATTERS = 0.8
-"""Step, over what the best model leaves unexplained, from which rounding is worth a word."""
 
 
 def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
@@ -28,7 +26,7 @@ def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
         measured = physical.evidence.measured[: physical.train, k]
         step = lattice(measured)
         left = float(np.sqrt(np.nanmean(np.square(measured - predicted[: physical.train, k]))))
-        if step is None or step < MATTERS * left:
+        if step is None or step < ROUNDING_STEP_RATIO * left:
             continue
         values: dict[str, Value | str] = {"step": Value(step, 1e-6 * step, _unit(channel.family))}
         kind = changing(block, "step").kind

@@ -11,17 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO, TRAINED_SHARE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
-from rthm_analysis.diagnosis.physical.beginning import (
-    LOUDER,
-    Baseline,
-    begin,
-    choose_again,
-    noise_of,
-    with_noise,
-)
+from rthm_analysis.diagnosis.physical.beginning import Baseline, begin, choose_again, noise_of, with_noise
 from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, going_on, is_behind
@@ -32,9 +26,6 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
-
-TRAIN = 2.0 / 3.0
-"""Part of a recording from its start that fits and choices may see."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +95,7 @@ def diagnose_physical(
     progress : callable
         Told what is being done, in words.
     """
-    train = int(TRAIN * evidence.stamps_ns.size)
+    train = int(TRAINED_SHARE * evidence.stamps_ns.size)
     first = before if evidence.driven_by == "command" else np.empty(0)
     drives = Drives([], spec, {}, np.empty((train, 0)))
     if evidence.only("motor").channels:
@@ -117,7 +108,7 @@ def diagnose_physical(
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)
     spent = begun.fitting.budget.spent
-    if np.any(noise.level < LOUDER * begun.noise.level) and not spent:
+    if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level) and not spent:
         quieter = with_noise(begun, noise)
         again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)
         if not is_behind(again, selection):

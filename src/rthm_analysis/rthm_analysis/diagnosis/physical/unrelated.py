@@ -7,36 +7,19 @@ from itertools import pairwise
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.noise import (
+    CAUSE_LEAST_EIGENVALUE,
+    CAUSE_LEVELS,
+    CAUSE_SHARE,
+    CAUSE_SHIFTS,
+    CAUSE_STRETCHES,
+    DRIFT_LEFT_SHARE,
+    EVENT_POWER_RATIO,
+    RARE_MEDIAN_SHARE,
+)
 from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_core.compiled import Floats, Integers
-
-SHIFTS = (-8, -4, -2, -1, 0, 1, 2, 4, 8, 16)
-"""Samples by which causes are shifted: together they foretell what a lag or another delay leaves."""
-
-LEVELS = 12
-"""Steps of a curve over a cause, and over its change: what a limit, a gap or friction leaves."""
-
-BLOCKS = 8
-"""Stretches of time that foretell each other."""
-
-RELATED = 0.1
-"""Part of an error that causes foretell in other stretches, from which it is no noise."""
-
-ROUNDING = 1e-13
-"""Part of the largest eigenvalue of the normal equations below which the others are rounding."""
-
-STEADY = 6.0
-"""Power of the loudest stretch over that of the middle one, from which something happened there."""
-
-
-DRIFTING = 0.5
-"""Part of an error that a line over time leaves, below which its sensor drifts."""
-
-FEW = 0.01
-"""Median square of an error over its mean square, below which a few samples hold all of it: 0.45 in noise,
-0.2 where its tails are heavy.
-"""
 
 
 def possible_causes(evidence: Evidence, predicted: Floats) -> list[Floats]:
@@ -56,34 +39,38 @@ def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
     causes : sequence of (s,) arrays
         Commands, loads, and the motion and forces that a model predicts.
     """
-    blocks: Integers = np.arange(error.size) * BLOCKS // error.size
+    blocks: Integers = np.arange(error.size) * CAUSE_STRETCHES // error.size
     known = np.isfinite(error)
     error = np.where(known, error - np.nanmean(error), 0.0)
     power = np.bincount(blocks, np.square(error)) / np.maximum(np.bincount(blocks, known), 1)
     whole = float(np.square(error).sum())
-    if power.max() > STEADY * float(np.median(power)) or is_rare(error[known]) or _drifts(error[known]):
+    if (
+        power.max() > EVENT_POWER_RATIO * float(np.median(power))
+        or is_rare(error[known])
+        or _drifts(error[known])
+    ):
         return False
     return not any(
-        _missed(_parts(cause) * known, error, blocks) < (1.0 - RELATED) * whole for cause in causes
+        _missed(_parts(cause) * known, error, blocks) < (1.0 - CAUSE_SHARE) * whole for cause in causes
     )
 
 
 def is_rare(error: Floats) -> bool:
     """Whether a few samples hold nearly all of an error (s,): no noise does that."""
     squares = np.square(error - np.median(error))
-    return bool(np.median(squares) < FEW * np.mean(squares))
+    return bool(np.median(squares) < RARE_MEDIAN_SHARE * np.mean(squares))
 
 
 def _drifts(error: Floats) -> bool:
     """Whether a line over time is more than half of an error (s,)."""
     at = np.arange(error.size)
     straight = np.polyval(np.polyfit(at, error, 1), at)
-    return float(np.square(error - straight).sum()) < DRIFTING * float(np.square(error).sum())
+    return float(np.square(error - straight).sum()) < DRIFT_LEFT_SHARE * float(np.square(error).sum())
 
 
 def _missed(parts: Floats, error: Floats, blocks: Integers) -> float:
     """Squared error (s,) that parts (p, s) do not foretell, every second block (s,) by those between."""
-    edges = np.searchsorted(blocks, np.arange(BLOCKS + 1))
+    edges = np.searchsorted(blocks, np.arange(CAUSE_STRETCHES + 1))
     normal = np.zeros((2, parts.shape[0], parts.shape[0]))
     moment = np.zeros((2, parts.shape[0]))
     for block, (begin, end) in enumerate(pairwise(edges.tolist())):
@@ -100,18 +87,18 @@ def _missed(parts: Floats, error: Floats, blocks: Integers) -> float:
 def _solved(normal: Floats, moment: Floats) -> Floats:
     """Sizes (p,) by normal equations; what tells parts apart by rounding alone counts for nothing."""
     values, vectors = np.linalg.eigh(normal)
-    kept = values > ROUNDING * values[-1]
+    kept = values > CAUSE_LEAST_EIGENVALUE * values[-1]
     return np.asarray(vectors[:, kept] @ (vectors[:, kept].T @ moment / values[kept]))
 
 
 def _parts(cause: Floats) -> Floats:
     """What a cause may make (p, s): it itself around each sample, and curves over it and its change."""
-    shifted = [np.roll(cause, shift) for shift in SHIFTS]
-    change = cause - np.roll(cause, max(SHIFTS))
+    shifted = [np.roll(cause, shift) for shift in CAUSE_SHIFTS]
+    change = cause - np.roll(cause, max(CAUSE_SHIFTS))
     return np.vstack([np.ones_like(cause), *shifted, _steps(cause), _steps(change)])
 
 
 def _steps(values: Floats) -> Floats:
     """Indicators (l, s) of the levels of a signal, each met equally often."""
-    edges = np.quantile(values, np.linspace(0.0, 1.0, LEVELS + 1)[1:-1])
-    return np.asarray(np.searchsorted(edges, values) == np.arange(1, LEVELS)[:, None], dtype=float)
+    edges = np.quantile(values, np.linspace(0.0, 1.0, CAUSE_LEVELS + 1)[1:-1])
+    return np.asarray(np.searchsorted(edges, values) == np.arange(1, CAUSE_LEVELS)[:, None], dtype=float)

@@ -6,18 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PARAMETER
+from rthm_analysis.diagnosis.criteria.verdict import SAME_VALUE_SHARE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, nominal_values
 from rthm_analysis.diagnosis.result import Retuned, Value
-from rthm_analysis.diagnosis.search.judging import ENOUGH, PER_PARAMETER
 from rthm_core.effects import effect
-
-CLOCKS = 2e-4
-"""Part of a value by which another is still the same: clocks that are off by 1e-4 make stiffness or mass look
-so much off.
-"""
 
 
 def stds_of(fitted: Fitted) -> dict[str, float]:
@@ -62,7 +58,9 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
         mass = physical.spec.uncertainty.plant.mass
         found = {k: replace(one, std=float(np.hypot(one.std, one.value * mass))) for k, one in found.items()}
     return {
-        name: one for name, one in found.items() if abs(one.value - one.nominal) > CLOCKS * abs(one.nominal)
+        name: one
+        for name, one in found.items()
+        if abs(one.value - one.nominal) > SAME_VALUE_SHARE * abs(one.nominal)
     }
 
 
@@ -72,7 +70,7 @@ def _scaled_values(physical: Physical) -> dict[str, Retuned]:
     stds = stds_of(best)
     scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
     gain = physical.nominal.squares - physical.selection.base.squares
-    if gain < (ENOUGH + PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
+    if gain < (GAIN_OF_CHANCE + GAIN_PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
         return {}
     for p in scaled:
         values = nominal_values(physical.spec, p.key)

@@ -7,10 +7,25 @@ from functools import cached_property
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import SEARCH_MOST_EFFECTS
+from rthm_analysis.diagnosis.criteria.verdict import (
+    ARITHMETIC_SHARE_OF_SLOW_POWER,
+    CURVE_SHARE_OF_REST,
+    IMITATOR_EXPLAINED_SHARE,
+    LEFT_SHARE_OF_SLOW_POWER,
+    MAJOR_EXPLAINED_SHARE,
+    MISMATCH_SHARE_OF_ERROR,
+    MOST_LEFT_SLOW_POWER,
+    NO_BETTER_THAN_STILL,
+    NOISE_FLOOR_RATIO,
+    SMOOTH_LAW_EXPLAINED_SHARE,
+    TRAINING_SLOW_POWER,
+    WORSE_ERROR_RATIO,
+)
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.missing.describe import is_clear
 from rthm_analysis.diagnosis.numbers import bare, percent
-from rthm_analysis.diagnosis.physical.above_noise import NEARLY, OF_IT, Laws, found
+from rthm_analysis.diagnosis.physical.above_noise import Laws, found
 from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.driven import is_driven_wrong
 from rthm_analysis.diagnosis.physical.judged import (
@@ -27,34 +42,7 @@ from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelate
 from rthm_analysis.diagnosis.replay.entries import entry_of
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.choosing import MOST_EFFECTS
-from rthm_analysis.diagnosis.search.judging import FLOOR
 from rthm_analysis.diagnosis.search.replacing import is_identified, is_seen
-
-LITTLE, MOST = 0.1, 0.5
-"""Part of a squared error that is mismatch and not a noise that was taken for too small; part of a mismatch
-that names must remove at the noise.
-"""
-
-ALL = 0.999
-"""Part of the mismatch with which kinds are named that can imitate others."""
-
-WORSE = 1.2
-"""Error of a signal on unseen data with names, over that without, from which they are no explanation."""
-
-NOTHING = 0.95
-"""Error of a signal on unseen data, over its standard deviation, from which a model that does not move at all
-would be as good.
-"""
-
-TRAINED = 4.0
-"""Power of the slow residual of a fitted model, over that of noise, that its values may leave in training."""
-
-TINY = 1e-5
-"""Part of the retuned model's slow residual that the arithmetic of a replay may leave."""
-
-REMAINS, LOUD = 0.15, 100.0
-"""Part of the nominal model's slow residual that names may leave in training, and the most that it may be."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +105,9 @@ class Judgement:
 
     def _channel_at_noise(self, channel: int) -> bool:
         one = self.left["explained"][channel]
-        low = bool(np.isfinite(one.rms)) and one.rms <= FLOOR * one.loudness
+        low = bool(np.isfinite(one.rms)) and one.rms <= NOISE_FLOOR_RATIO * one.loudness
         if self.names or self.tuned:
-            quiet = one.train < TRAINED or (self.names and self._mostly_gone(channel))
+            quiet = one.train < TRAINING_SLOW_POWER or (self.names and self._mostly_gone(channel))
         else:
             quiet = not (one.in_train or one.in_held_out or one.parts.size)
         return (low and quiet) or self._is_noise_of_sensor(channel)
@@ -174,14 +162,17 @@ class Judgement:
             before, after = (
                 nrmse(physical, self.runs[name].predicted, channel) for name in ("retuned", "explained")
             )
-            if after > max(min(WORSE * before, NOTHING), FLOOR * level / spread(physical, channel)):
+            if after > max(
+                min(WORSE_ERROR_RATIO * before, NO_BETTER_THAN_STILL),
+                NOISE_FLOOR_RATIO * level / spread(physical, channel),
+            ):
                 return True
         return False
 
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""
         before, after = self.left["nominal"][channel], self.left["explained"][channel]
-        return after.train - 1.0 < min(REMAINS * (before.train - 1.0), LOUD)
+        return after.train - 1.0 < min(LEFT_SHARE_OF_SLOW_POWER * (before.train - 1.0), MOST_LEFT_SLOW_POWER)
 
     @cached_property
     def shares(self) -> list[float]:
@@ -232,7 +223,7 @@ class Judgement:
         selection = self.physical.selection
         if not self.names or selection.in_pieces or selection.blames_several or self._worse:
             return False
-        if self._changes > MOST_EFFECTS or not self._are_seen:
+        if self._changes > SEARCH_MOST_EFFECTS or not self._are_seen:
             return False
         if self.is_driven_wrong and not (self.at_noise and selection.in_plant):
             return False
@@ -246,7 +237,9 @@ class Judgement:
         terms of one curve, leave nothing.
         """
         selection = self.physical.selection
-        if self.mismatch > LITTLE and (self.gone < MOST or self._leaves_a_curve):
+        if self.mismatch > MISMATCH_SHARE_OF_ERROR and (
+            self.gone < MAJOR_EXPLAINED_SHARE or self._leaves_a_curve
+        ):
             return False
         if len(selection.rounds) == 1:
             return not (selection.imitates and self._is_vague)
@@ -255,7 +248,9 @@ class Judgement:
     @property
     def _leaves_a_curve(self) -> bool:
         """Whether a free curve finds most of what they leave, where that is more than next to nothing."""
-        return self.gone < NEARLY and any(is_clear(one) and found(one) > OF_IT for one in self.curves)
+        return self.gone < SMOOTH_LAW_EXPLAINED_SHARE and any(
+            is_clear(one) and found(one) > CURVE_SHARE_OF_REST for one in self.curves
+        )
 
     @property
     def _is_enough_above_noise(self) -> bool:
@@ -264,7 +259,7 @@ class Judgement:
         """
         selection = self.physical.selection
         if selection.imitates:
-            return self.gone > ALL and selection.of_the_rig and not self._is_vague
+            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and not self._is_vague
         return Laws(selection.best.model, self.gone, self.curves).are_told
 
     @cached_property
@@ -282,7 +277,8 @@ class Judgement:
         """Whether effects that can imitate others, or are terms of one curve, still leave something."""
         selection = self.physical.selection
         return (selection.imitates or selection.in_terms) and any(
-            (after.in_train or after.in_held_out) and after.slow - 1.0 > TINY * (before.slow - 1.0)
+            (after.in_train or after.in_held_out)
+            and after.slow - 1.0 > ARITHMETIC_SHARE_OF_SLOW_POWER * (before.slow - 1.0)
             for before, after in zip(self.left["retuned"], self.left["explained"], strict=True)
         )
 

@@ -5,17 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-LIMIT = 150e6
-"""Steps of replays with wires after which a search winds down; on a slow host about 40 s of one core."""
-
-PLAIN = 0.75
-"""What a step of a plant without wires takes, over one with them."""
-
-FURTHER = 30e6
-"""Steps that a second question, which is asked of a few kinds only, may take in any case."""
-
-PER_REPLAY = 5e3
-"""Steps that what a replay needs beside its steps takes as long as."""
+from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS, REPLAY_OVERHEAD_STEPS
 
 
 @dataclass
@@ -26,14 +16,14 @@ class Budget:
     changes nothing.
     """
 
-    limit: float = LIMIT
+    limit: float = BUDGET_STEPS
     used: float = 0.0
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def charge(self, steps: float) -> None:
         """Count a replay of so many steps."""
         with self._lock:
-            self.used += steps + PER_REPLAY
+            self.used += steps + REPLAY_OVERHEAD_STEPS
 
     def allow(self, more: float) -> None:
         """Let at least some more be done."""

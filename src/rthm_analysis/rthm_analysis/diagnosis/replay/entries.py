@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.fitting import ZERO_ENTRY_SCALE
+
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.model import Parameter
     from rthm_core.spec import Spec
@@ -16,11 +18,6 @@ MATRICES = ("plant.mass", "plant.damping", "plant.stiffness")
 WIRE = "actuator.stiffness"
 
 ENTRY = re.compile(r"(.+)\[(\d+)\]")
-
-SMALL = 0.02
-"""Damping ratio, and part of the stiffness that the motion's inertia stands for, as the scale
-of an entry of zero.
-"""
 
 
 def entry_of(key: str) -> tuple[str, int] | None:
@@ -72,8 +69,8 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
     mass = float(np.mean(np.diag(np.reshape(spec.plant.mass, (n, n)))))
     scales = {
         "mass": mass,
-        "damping": 2.0 * SMALL * mass * frequency,
-        "stiffness": SMALL * mass * frequency**2,
+        "damping": 2.0 * ZERO_ENTRY_SCALE * mass * frequency,
+        "stiffness": ZERO_ENTRY_SCALE * mass * frequency**2,
     }
     for name in MATRICES:
         for i in range(n):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import CHANNEL_FEWEST_SHARE, STRAY_COMMANDS_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -24,10 +25,8 @@ if TYPE_CHECKING:
 CHANNELS = ("position", "velocity", "force", "motor")
 """Families of measured signals of the physical side."""
 
-STRAYS = 0.01
-"""Share of the uses of commands that may be stamped wrongly."""
 
-UNITS = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
+UNIT_OF = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
 
 
 @dataclass(frozen=True)
@@ -144,7 +143,7 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
     ):
         values = plant.columns(field, places)
         for place, column in zip(places, values.T, strict=True):
-            if np.isfinite(column).mean() > 0.5:
+            if np.isfinite(column).mean() > CHANNEL_FEWEST_SHARE:
                 channels.append(Channel(family, place))
                 columns.append(column)
             else:
@@ -191,5 +190,5 @@ def _commands(recording: Recording, spec: Spec, names: tuple[str, ...]) -> tuple
         return due[used], values[used], link.delay_ns / NS
     order = np.argsort(uses.use_ns, kind="stable")
     at, stamps = uses.use_ns[order], sent_stamps(recording, spec, "tau4", sent)[order]
-    under_way = float(np.quantile(at - stamps, STRAYS)) / NS if at.size else 0.0
+    under_way = float(np.quantile(at - stamps, STRAY_COMMANDS_SHARE)) / NS if at.size else 0.0
     return at - recording.start_ns, hold(sent.stamp_ns, values, stamps), max(under_way, 0.0)

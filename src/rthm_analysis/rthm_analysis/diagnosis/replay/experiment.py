@@ -8,21 +8,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import LONGEST_GRID_INTERVAL_NS, MOTIONS_KEPT, WIRELESS_STEP_COST
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_analysis.diagnosis.replay.budget import PLAIN, Budget
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
-from rthm_analysis.diagnosis.replay.resolution import (
-    LONGEST_NS,
-    can_be_sharper,
-    longest_interval,
-    substeps,
-    worth,
-)
+from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.spec import apply
@@ -32,8 +27,6 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-KEPT = 3
-"""Motions that are kept."""
 
 SENSORS = ("sensor.position", "sensor.velocity", "sensor.force")
 
@@ -179,7 +172,7 @@ class Experiment:
         """Keep the results that were asked for last."""
         with self._lock:
             results.pop(key, None)
-            while len(results) > KEPT:
+            while len(results) > MOTIONS_KEPT:
                 results.pop(next(iter(results)))
             results[key] = value
 
@@ -200,7 +193,7 @@ class Experiment:
                 lagging = lagged(inputs.fine.time, reading, lag) if lag else reading[:, 0]
                 reading = lagging[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, some))
-        self.budget.charge(steps if spec.actuator else PLAIN * steps)
+        self.budget.charge(steps if spec.actuator else WIRELESS_STEP_COST * steps)
         return np.stack(columns, axis=1)
 
     @property
@@ -262,7 +255,7 @@ class Experiment:
         delay = motor_delay(spec)
         due = e.due_ns + delay
         m = e.commands.shape[1] if e.driven_by == "command" else 0
-        fine = self._grid(delay, LONGEST_NS, samples=True)
+        fine = self._grid(delay, LONGEST_GRID_INTERVAL_NS, samples=True)
         points = fine
         if m and not self._motors_alone and not sizes(spec.effects, "motor", "rate"):
             points = self._grid(delay, self._longest_interval(spec), samples=False)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.resolution import RESOLUTION
+from rthm_analysis.diagnosis.criteria.replay import (
+    LATTICE_MOST_VALUES,
+    LATTICE_TOLERANCE,
+    NOISE_MEDIAN_TO_RMS,
+    NOISE_RMS_TO_MEDIAN,
+    REPLAY_RESOLUTION,
+    ROUNDING_STEP_TO_NOISE,
+)
 from rthm_core.compiled import Floats
-
-UNBLURRED = 2.5
-"""Step, over the noise, from which readings show the steps of their rounding."""
 
 
 def noise_level(residual: Floats, measured: Floats) -> float:
@@ -26,8 +30,11 @@ def noise_level(residual: Floats, measured: Floats) -> float:
         return float("nan")
     typical = 1.4826 * float(np.median(np.abs(third)))
     spread = float(np.sqrt(np.mean(np.square(third))))
-    level = typical if typical > 0.3 * spread else min(spread, 3.0 * typical) if typical > 0.0 else spread
-    floor = RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
+    if typical > NOISE_MEDIAN_TO_RMS * spread:
+        level = typical
+    else:
+        level = min(spread, NOISE_RMS_TO_MEDIAN * typical) if typical > 0.0 else spread
+    floor = REPLAY_RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
     return max(level, _rounding(lattice(measured), level), floor, 1e-300)
 
 
@@ -45,7 +52,7 @@ def _rounding(step: float | None, level: float) -> float:
     """
     if step is None:
         return 0.0
-    return step if step > UNBLURRED * level else step / np.sqrt(12.0)
+    return step if step > ROUNDING_STEP_TO_NOISE * level else step / np.sqrt(12.0)
 
 
 def lattice(values: Floats) -> float | None:
@@ -54,7 +61,7 @@ def lattice(values: Floats) -> float | None:
     Values with noise of their own, recorded as double numbers, lie on none that is coarser than rounding.
     """
     known = np.unique(values[np.isfinite(values)])
-    if known.size < 3 or known.size > 0.9 * np.count_nonzero(np.isfinite(values)):
+    if known.size < 3 or known.size > LATTICE_MOST_VALUES * np.count_nonzero(np.isfinite(values)):
         return None
     gaps = np.diff(known)
     gaps = gaps[gaps > 1e-9 * np.abs(known).max()]
@@ -65,4 +72,4 @@ def lattice(values: Floats) -> float | None:
         counts = np.rint(gaps / step)
         step = float(np.sum(gaps * counts) / np.sum(counts * counts))
     off = np.abs(known / step - np.rint(known / step))
-    return step if float(off.max()) < 1e-3 + 1e-9 * np.abs(known).max() / step else None
+    return step if float(off.max()) < LATTICE_TOLERANCE + 1e-9 * np.abs(known).max() / step else None

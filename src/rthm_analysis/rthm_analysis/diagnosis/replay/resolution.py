@@ -7,6 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import (
+    AFFORDED_STEPS,
+    DRAFT_GRID_RADIANS,
+    DRAFT_STEP_RADIANS,
+    GATHERED_ERROR_SHARE,
+    LONGEST_GRID_INTERVAL_NS,
+    LONGEST_STEP_RADIANS,
+    MOST_SUBSTEPS,
+    SHARP_GRID_RADIANS,
+    SHORTEST_STEP_RADIANS,
+    STEP_ERROR_DIVISOR,
+    TURN_GRID_RADIANS,
+)
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, modes
 from rthm_analysis.diagnosis.replay.motor import drive_speed
 from rthm_core.clock import NS
@@ -14,43 +27,17 @@ from rthm_core.clock import NS
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-RESOLUTION = 2e-5
-"""Part of a signal's standard deviation below which a replay does not claim to be right."""
-
-LONGEST_PHASE, SHORTEST_PHASE, COARSE_PHASE = 0.2, 0.05, 0.5
-"""Longest step of a replay, in radians of a motion of the mechanics: where it soon dies, at least, and in a
-draft.
-"""
-
-GATHERED = 1e-4
-"""Part of a motion by which the errors of all its steps may move it."""
-
-STRAYS = 120.0
-"""A step of h radians is wrong by h^5 over this (Runge-Kutta of fourth order)."""
-
-MOST_SUBSTEPS = 50
-
-AFFORDED = 20_000
-"""Steps of a replay up to which they are as short as long motions need: a search repeats it by thousands."""
-
-LONGEST_NS = 5_000_000
-"""Longest interval of the grid."""
-
-TURN, SHARP, COARSE = 1.5, 0.35, 4.0
-"""Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
-path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
-where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact; the
-third is enough for a draft.
-"""
-
 
 def longest_interval(spec: Spec, *, sharp: bool, coarse: bool) -> int:
     """Longest interval of the grid in ns; shorter where it is `sharp` and a wire remembers its path."""
     fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
     if not fastest_motor:
-        return LONGEST_NS
-    angle = (SHARP if sharp else TURN) if _remembers(spec) else COARSE if coarse else TURN
-    return min(LONGEST_NS, int(angle / fastest_motor * NS))
+        return LONGEST_GRID_INTERVAL_NS
+    if _remembers(spec):
+        angle = SHARP_GRID_RADIANS if sharp else TURN_GRID_RADIANS
+    else:
+        angle = DRAFT_GRID_RADIANS if coarse else TURN_GRID_RADIANS
+    return min(LONGEST_GRID_INTERVAL_NS, int(angle / fastest_motor * NS))
 
 
 def can_be_sharper(spec: Spec) -> bool:
@@ -74,12 +61,16 @@ def substeps(
     eigenvalues = modes(mechanics, spec)
     rates = np.abs(eigenvalues)
     radians = rates / np.maximum(-eigenvalues.real, 1.0 / over)
-    phases = np.clip((GATHERED * STRAYS / np.maximum(radians, 1.0)) ** 0.25, SHORTEST_PHASE, LONGEST_PHASE)
+    phases = np.clip(
+        (GATHERED_ERROR_SHARE * STEP_ERROR_DIVISOR / np.maximum(radians, 1.0)) ** 0.25,
+        SHORTEST_STEP_RADIANS,
+        LONGEST_STEP_RADIANS,
+    )
     least, needed = (
         max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), 1.0 / _longest_step(spec)) - 1e-6))
-        for rate in (rates / (COARSE_PHASE if coarse else LONGEST_PHASE), rates / phases)
+        for rate in (rates / (DRAFT_STEP_RADIANS if coarse else LONGEST_STEP_RADIANS), rates / phases)
     )
-    return min(needed, max(least, AFFORDED // intervals), MOST_SUBSTEPS)
+    return min(needed, max(least, AFFORDED_STEPS // intervals), MOST_SUBSTEPS)
 
 
 def _longest_step(spec: Spec) -> float:

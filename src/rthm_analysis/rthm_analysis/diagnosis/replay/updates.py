@@ -6,32 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import (
+    INTERPOLATED_PARTS,
+    INTERPOLATED_SHARE,
+    KNOT_INTERVAL_RATIO,
+    READINGS_FEWEST_SAMPLES,
+    ROUNDED_BEND_STEPS,
+    SLOW_SENSOR_MOST_CHANGES,
+    SLOW_SENSOR_MOST_SAMPLES,
+    SLOW_SENSOR_REGULAR_SHARE,
+    STRAIGHT_BEND_RATIO,
+)
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_core.compiled import Flags, Floats
-
-SLOWEST = 50
-"""Samples from one reading of a sensor to the next, at most."""
-
-REGULAR = 0.95
-"""Part of the changes that must come at multiples of one interval to be readings of a slower sensor."""
-
-STRAIGHT = 0.3
-"""Part of the samples on straight lines between others from which a recording was interpolated."""
-
-BENT = 0.02
-"""Second difference, over the larger ones of the recording, below which samples lie on a straight line."""
-
-SPREAD = 3.0
-"""Longest interval between two knots of an interpolated recording over the shortest."""
-
-PARTS = 10
-"""Parts of a recording that must all show it: a rig at rest is straight for a while only."""
-
-ROUNDED = 4.0
-"""Second difference in steps of the readings below which rounding makes the straight lines."""
-
-FEWEST = 200
-"""Samples from which this can be told."""
 
 
 def readings_only(evidence: Evidence) -> Evidence:
@@ -57,7 +44,7 @@ def readings_only(evidence: Evidence) -> Evidence:
 
 def _readings(values: Floats) -> tuple[Flags | None, str]:
     """Which samples are readings of their own; None: all of them."""
-    if values.size < FEWEST or not np.isfinite(values).all() or values.min() == values.max():
+    if values.size < READINGS_FEWEST_SAMPLES or not np.isfinite(values).all() or values.min() == values.max():
         return None, ""
     held = _held(values)
     if held is not None:
@@ -68,12 +55,15 @@ def _readings(values: Floats) -> tuple[Flags | None, str]:
 def _held(values: Floats) -> Flags | None:
     """First sample of each hold, where changes come at multiples of one interval."""
     changes = np.flatnonzero(np.diff(values) != 0.0) + 1
-    if changes.size < FEWEST // SLOWEST or changes.size > 0.6 * values.size:
+    if (
+        changes.size < READINGS_FEWEST_SAMPLES // SLOW_SENSOR_MOST_SAMPLES
+        or changes.size > SLOW_SENSOR_MOST_CHANGES * values.size
+    ):
         return None
     gaps, counts = np.unique(np.diff(changes), return_counts=True)
     interval = int(gaps[np.argmax(counts)])
     regular = counts[gaps % interval == 0].sum() / counts.sum()
-    if not 2 <= interval <= SLOWEST or regular < REGULAR:
+    if not 2 <= interval <= SLOW_SENSOR_MOST_SAMPLES or regular < SLOW_SENSOR_REGULAR_SHARE:
         return None
     kept = np.zeros(values.size, dtype=bool)
     kept[changes[0] % interval :: interval] = True
@@ -85,14 +75,20 @@ def _knots(values: Floats) -> Flags | None:
     bend = np.abs(np.diff(values, 2))
     large = float(np.quantile(bend, 0.95))
     smallest = float(np.diff(np.unique(values)).min())
-    bent = bend > BENT * large
-    straight = [1.0 - part.mean() for part in np.array_split(bent, PARTS)]
-    if large < ROUNDED * smallest or min(straight) < STRAIGHT or max(straight) > 1.0 - 1.0 / SLOWEST:
+    bent = bend > STRAIGHT_BEND_RATIO * large
+    straight = [1.0 - part.mean() for part in np.array_split(bent, INTERPOLATED_PARTS)]
+    if (
+        large < ROUNDED_BEND_STEPS * smallest
+        or min(straight) < INTERPOLATED_SHARE
+        or max(straight) > 1.0 - 1.0 / SLOW_SENSOR_MOST_SAMPLES
+    ):
         return None
     at = np.flatnonzero(bent) + 1
     gaps = np.diff(at)
     gaps = gaps[gaps > 1]
-    if gaps.size < FEWEST // SLOWEST or np.quantile(gaps, 0.95) > SPREAD * np.quantile(gaps, 0.05):
+    if gaps.size < READINGS_FEWEST_SAMPLES // SLOW_SENSOR_MOST_SAMPLES:
+        return None
+    if np.quantile(gaps, 0.95) > KNOT_INTERVAL_RATIO * np.quantile(gaps, 0.05):
         return None
     kept = np.zeros(values.size, dtype=bool)
     kept[at] = True

@@ -7,6 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import (
+    DRIFT_DECAY_EXPONENT,
+    SHORT_WINDOW_PERIODS,
+    SHORTEST_WINDOW_PERIODS,
+    START_FEWEST_SAMPLES,
+    START_HALF_WIDTH,
+    START_PERIOD_SHARE,
+    WINDOW_FEWEST_SAMPLES,
+)
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_core.physical.laws import DOF, NONLINEAR
@@ -14,26 +23,6 @@ from rthm_core.physical.laws import DOF, NONLINEAR
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
-
-SHORT = 1.0
-"""Length of short windows, in periods of the recorded motion."""
-
-PERIODS = 0.015
-"""Length of the shortest windows, in periods of the recorded motion: a wrong model stays near for so long."""
-
-FEWEST_SAMPLES = 60
-
-DRIFT = 5.0
-"""A motion that decays by less than exp(-DRIFT) over the recording without swinging back drifts."""
-
-HALF_WIDTH = 12
-"""Samples on either side from which the state at the start of a window is estimated."""
-
-PARABOLA = 4
-"""Samples of which a state is estimated at least, also at the ends of a recording."""
-
-CURVED = 0.08
-"""Part of a period that these samples reach at most: over more of it no motion is a parabola."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +86,7 @@ def windows(
     duration = float(evidence.time[-1])
     length = None
     if short:
-        length = SHORT * period(evidence)
+        length = SHORT_WINDOW_PERIODS * period(evidence)
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
     instants = np.arange(0.0, duration, length) if length else np.zeros(1)
@@ -118,12 +107,15 @@ def _drifts(spec: Spec, duration: float) -> bool:
             row[arrays.wires[actuator, DOF]] = -arrays.stiffness[actuator, 0]
             a += np.outer(arrays.b[:, m + n + actuator], row)
     modes = np.linalg.eigvals(a)
-    return bool(np.any(np.abs(modes) * duration < DRIFT) or np.any(modes.real * duration > DRIFT))
+    return bool(
+        np.any(np.abs(modes) * duration < DRIFT_DECAY_EXPONENT)
+        or np.any(modes.real * duration > DRIFT_DECAY_EXPONENT)
+    )
 
 
 def _shortest(evidence: Evidence, duration: float) -> float:
-    shortest = FEWEST_SAMPLES * duration / evidence.time.size
-    return float(min(max(PERIODS * period(evidence), shortest), duration))
+    shortest = WINDOW_FEWEST_SAMPLES * duration / evidence.time.size
+    return float(min(max(SHORTEST_WINDOW_PERIODS * period(evidence), shortest), duration))
 
 
 def period(evidence: Evidence) -> float:
@@ -141,9 +133,9 @@ def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
     """Position and velocity at a sample, from parabolas through its neighbours."""
     assert spec.plant is not None
     dofs = spec.plant.dofs
-    width = min(HALF_WIDTH, max(2, int(CURVED * period(evidence) / _step(evidence))))
-    high = min(max(sample + width + 1, PARABOLA), evidence.time.size)
-    low = max(min(sample - width, high - PARABOLA), 0)
+    width = min(START_HALF_WIDTH, max(2, int(START_PERIOD_SHARE * period(evidence) / _step(evidence))))
+    high = min(max(sample + width + 1, START_FEWEST_SAMPLES), evidence.time.size)
+    low = max(min(sample - width, high - START_FEWEST_SAMPLES), 0)
     t = evidence.time[low:high] - evidence.time[sample]
     state = np.zeros(2 * len(dofs))
     for column, channel in enumerate(evidence.channels):
@@ -151,7 +143,7 @@ def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
             continue
         values = evidence.measured[low:high, column]
         known = np.isfinite(values)
-        if known.sum() < PARABOLA:
+        if known.sum() < START_FEWEST_SAMPLES:
             continue
         curve = np.polynomial.polynomial.polyfit(t[known], values[known], 2)
         i = dofs.index(channel.place)

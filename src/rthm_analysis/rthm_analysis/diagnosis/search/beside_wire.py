@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.search import BESIDE_WIRE_MOST_EFFECTS, BESIDE_WIRE_STEPS, PAIRED_KINDS
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.combining import combined
 from rthm_analysis.diagnosis.search.judging import (
     FittedCandidate,
@@ -16,15 +18,9 @@ from rthm_analysis.diagnosis.search.judging import (
     in_order,
     reduced_chi2,
 )
-from rthm_analysis.diagnosis.search.pairing import PAIRED, companions, let_go
+from rthm_analysis.diagnosis.search.pairing import companions, let_go
 from rthm_analysis.diagnosis.search.refining import finished, fit_further, unfitted
 from rthm_analysis.diagnosis.search.wire_from_force import wires_from_force
-
-BESIDE = 2
-"""Plain kinds that may stand beside the effect of a wire."""
-
-TOGETHER = 8
-"""Steps of a fit of two effects that were found apart."""
 
 
 def selected_from_wire(fitting: Fitting, base: Fitted) -> Selection | None:
@@ -39,7 +35,7 @@ def selected_from_wire(fitting: Fitting, base: Fitted) -> Selection | None:
         None where none was identified, the model is near without, one effect of another kind alone comes near
         the noise, or nothing that was found beside it is better than nothing.
     """
-    found = wires_from_force(fitting, base) if fitting.reduced_chi2 > WRONG else []
+    found = wires_from_force(fitting, base) if fitting.reduced_chi2 > POOR_FIT_CHI2 else []
     identified = [fit_further(fitting, unfitted(start, base, model), None, 1) for start, model in found]
     chains = sorted((_with_plain(fitting, base, one) for one in identified), key=_error)
     if chains and len(chains[0]) == 1 and _near(fitting, chains[0][-1]):
@@ -62,7 +58,7 @@ def _error(chain: list[FittedCandidate]) -> float:
 
 def _near(fitting: Fitting, tried: FittedCandidate) -> bool:
     """Whether a model is so near the recording that what it has may be trusted."""
-    return reduced_chi2(fitting, tried.fitted) < WRONG
+    return reduced_chi2(fitting, tried.fitted) < POOR_FIT_CHI2
 
 
 def _with_plain(fitting: Fitting, base: Fitted, wire: FittedCandidate) -> list[FittedCandidate]:
@@ -91,7 +87,7 @@ def _with_plain(fitting: Fitting, base: Fitted, wire: FittedCandidate) -> list[F
 def one_by_one(fitting: Fitting, wire: FittedCandidate) -> list[FittedCandidate]:
     """The effect of a wire, with one kind after the other until they come near the noise."""
     found = [wire]
-    while len(found) <= BESIDE and not _near(fitting, found[-1]):
+    while len(found) <= BESIDE_WIRE_MOST_EFFECTS and not _near(fitting, found[-1]):
         fitting.rebase(found[-1].fitted.model)
         beside = companions(fitting, found[-1].fitted)
         if not beside or beside[0].error > found[-1].error:
@@ -107,7 +103,7 @@ def _with_any(
     pairs = []
     for one in identified:
         fitting.progress(f"looking for what goes with {one.label[1]}")
-        beside = [_beside(fitting, base, one, single) for single in singles[:PAIRED]]
+        beside = [_beside(fitting, base, one, single) for single in singles[:PAIRED_KINDS]]
         if not any(_near(fitting, other) for other in beside):
             with fitting.identified_as(*one.label[1:]), fitting.based_on(one.fitted.model):
                 beside += companions(fitting, one.fitted)
@@ -133,7 +129,7 @@ def _beside(
     start = replace(single.start, added=added)
     model = start.added_to(wire.fitted.model.at(values))
     with fitting.based_on(model):
-        return fit_further(fitting, unfitted(start, wire.fitted, model), None, TOGETHER)
+        return fit_further(fitting, unfitted(start, wire.fitted, model), None, BESIDE_WIRE_STEPS)
 
 
 def _begun_with(fitting: Fitting, base: Fitted, found: list[FittedCandidate]) -> Selection:
@@ -142,6 +138,6 @@ def _begun_with(fitting: Fitting, base: Fitted, found: list[FittedCandidate]) ->
     fitting.identified |= {one.label[2]: one.label[1] for one in found if one.label[0] == "wire"}
     fitting.reduced_chi2 = reduced_chi2(fitting, last.fitted)
     fitting.rebase(last.fitted.model)
-    if fitting.reduced_chi2 < WRONG:
+    if fitting.reduced_chi2 < POOR_FIT_CHI2:
         last = finished(fitting, let_go(last, base))
     return Selection(base, last.fitted, [[one] for one in (*found[:-1], last)])

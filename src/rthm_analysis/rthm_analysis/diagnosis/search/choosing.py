@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.search import (
+    FINISHED_CHI2,
+    GIVEN_UP_LEFT_SHARE,
+    IMITATOR_GIVEN_UP_CHI2,
+    NEAR_NOISE_CHI2,
+    SEARCH_MOST_EFFECTS,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.beside_wire import selected_from_wire
 from rthm_analysis.diagnosis.search.combining import combined
-from rthm_analysis.diagnosis.search.judging import (
-    CLOSE,
-    UNFINISHED,
-    FittedCandidate,
-    Selection,
-    better,
-    reduced_chi2,
-    relevant,
-)
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, better, reduced_chi2, relevant
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import (
     promising,
@@ -30,14 +30,6 @@ from rthm_analysis.diagnosis.search.replacing import compared
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, screen
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_core.compiled import Floats
-
-MOST_EFFECTS = 3
-
-LOST = 0.3
-"""Part of a mismatch above the noise, left by what was found, from which the search is given up."""
-
-FAR = 30.0
-"""Reduced chi-squared from which kinds that can imitate others, and do not, are given up."""
 
 
 def never(reduced_chi2: float) -> bool:
@@ -68,7 +60,7 @@ def choose(
 def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bool]) -> Selection:
     """Explain what a selection leaves by more effects, then ask whether others do better, or fewer."""
     scores = selection.scores
-    while len(selection.rounds) < MOST_EFFECTS and not fitting.budget.spent:
+    while len(selection.rounds) < SEARCH_MOST_EFFECTS and not fitting.budget.spent:
         known = fitting.known(selection.best)
         scores = _scores(fitting, selection, known, scores)
         tried = _tried(fitting, selection, known, promising(scores))
@@ -92,18 +84,18 @@ def is_lost(fitting: Fitting, selection: Selection) -> bool:
     gained by making it simpler.
     """
     left, before = reduced_chi2(fitting, selection.best), reduced_chi2(fitting, selection.base)
-    if left < WRONG:
-        return fitting.budget.spent and left > CLOSE
-    if selection.imitates and left > FAR:
+    if left < POOR_FIT_CHI2:
+        return fitting.budget.spent and left > NEAR_NOISE_CHI2
+    if selection.imitates and left > IMITATOR_GIVEN_UP_CHI2:
         return True
-    return left - 1.0 > LOST * (before - 1.0)
+    return left - 1.0 > GIVEN_UP_LEFT_SHARE * (before - 1.0)
 
 
 def _together(fitting: Fitting, selection: Selection) -> Selection:
     """The same, or several effects at once where those that were found do not come near the noise."""
-    if fitting.reduced_chi2 > CLOSE:
+    if fitting.reduced_chi2 > NEAR_NOISE_CHI2:
         selection = combined(fitting, selection)
-    if len(selection.rounds) != 1 or fitting.reduced_chi2 < WRONG:
+    if len(selection.rounds) != 1 or fitting.reduced_chi2 < POOR_FIT_CHI2:
         return selection
     rounds = paired(fitting, selection.base, selection.rounds[0])
     return replace(selection, best=rounds[-1][0].fitted, rounds=rounds) if rounds else selection
@@ -116,7 +108,7 @@ def _scores(
     show now.
     """
     fitting.progress("looking for more" if selection.rounds else "looking for physics that was left out")
-    if before and fitting.reduced_chi2 <= CLOSE:
+    if before and fitting.reduced_chi2 <= NEAR_NOISE_CHI2:
         present = {tried[0].label for tried in selection.rounds}
         others = [s.start for s in still_promising(before) if s.start.label not in present]
         return screen(fitting, selection.best, known, [*others, *tones(fitting, selection.best)])
@@ -143,7 +135,7 @@ def _plain_first(
 
     A kind with the freedom to imitate others says something only where it explains everything.
     """
-    if not tried or not tried[0].law.flexible or reduced_chi2(fitting, tried[0].fitted) < CLOSE:
+    if not tried or not tried[0].law.flexible or reduced_chi2(fitting, tried[0].fitted) < NEAR_NOISE_CHI2:
         return tried
     plain = [one for one in tried if not one.law.flexible and better(one, selection.best)]
     plain = [one for one in plain if relevant(fitting, one, selection)]
@@ -152,12 +144,12 @@ def _plain_first(
 
 def _settled(fitting: Fitting, selection: Selection, best: FittedCandidate, known: Floats) -> FittedCandidate:
     """The effect that was chosen, fitted to its end where there may be more behind it."""
-    lost, fitting.reduced_chi2 = fitting.reduced_chi2 > WRONG, reduced_chi2(fitting, best.fitted)
+    lost, fitting.reduced_chi2 = fitting.reduced_chi2 > POOR_FIT_CHI2, reduced_chi2(fitting, best.fitted)
     if lost:
         fitting.rebase(best.fitted.model)
-    if fitting.identified and fitting.reduced_chi2 < WRONG:
+    if fitting.identified and fitting.reduced_chi2 < POOR_FIT_CHI2:
         best = finished(fitting, let_go(best, selection.base))
-    elif lost or fitting.reduced_chi2 > UNFINISHED:
+    elif lost or fitting.reduced_chi2 > FINISHED_CHI2:
         best = finished(fitting, best, None if lost else known)
     if fitting.experiment.sharpen(best.fitted.model.spec):
         best = finished(fitting, best)

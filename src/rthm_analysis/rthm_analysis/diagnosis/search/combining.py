@@ -12,17 +12,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    COMBINATION_BEHIND_RATIO,
+    COMBINATION_FIRST_STEPS,
+    COMBINATIONS_IN_TURN,
+    DISTINGUISHING_GAIN,
+    FINISHED_CHI2,
+    NEAR_NOISE_CHI2,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import (
-    CLEAR,
-    CLOSE,
-    UNFINISHED,
-    FittedCandidate,
-    Selection,
-    price,
-    reduced_chi2,
-)
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, price, reduced_chi2
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
 from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
@@ -30,19 +30,11 @@ from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.subsets import promised
 from rthm_analysis.diagnosis.search.tone_evidence import lasts
 
-AGAIN = 2
-"""How often a combination that did better is left for another."""
-
-FEW, BEHIND = 4, 3.0
-"""Steps of a fit after which a combination is given up, if its error above the noise is so many times the one
-that is to be beaten.
-"""
-
 
 def combined(fitting: Fitting, selection: Selection) -> Selection:
     """Leave what was found for another combination that predicts unseen data clearly better."""
-    for again in range(AGAIN):
-        spent = fitting.budget.spent and (again > 0 or fitting.reduced_chi2 > CLOSE)
+    for again in range(COMBINATIONS_IN_TURN):
+        spent = fitting.budget.spent and (again > 0 or fitting.reduced_chi2 > NEAR_NOISE_CHI2)
         asks = _questionable(fitting, selection) and not spent
         other = _other(fitting, selection) if asks else None
         if other is None:
@@ -56,7 +48,7 @@ def _questionable(fitting: Fitting, selection: Selection) -> bool:
 
     A draft leaves a little more, and is asked again with all samples.
     """
-    enough = CLOSE if fitting.experiment.is_draft else UNFINISHED
+    enough = NEAR_NOISE_CHI2 if fitting.experiment.is_draft else FINISHED_CHI2
     starts = [tried[0].start for tried in selection.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
     return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < enough)
@@ -71,7 +63,8 @@ def _cost(fitting: Fitting, selection: Selection, fitted: Fitted) -> float:
 def _other(fitting: Fitting, selection: Selection) -> Selection | None:
     """The best other combination; None where the present one is as good."""
     fitting.progress("looking for a combination that does better")
-    found, least = None, _cost(fitting, selection, selection.best) - CLEAR * fitting.reduced_chi2
+    least = _cost(fitting, selection, selection.best) - DISTINGUISHING_GAIN * fitting.reduced_chi2
+    found = None
     try:
         asked = promised(fitting, selection)
     except np.linalg.LinAlgError:
@@ -83,7 +76,7 @@ def _other(fitting: Fitting, selection: Selection) -> Selection | None:
         fitted = _fitted(fitting, selection, pieces, least)
         if fitted is not None and _cost(fitting, selection, fitted) < least:
             found, least = (pieces, fitted), _cost(fitting, selection, fitted)
-            if reduced_chi2(fitting, fitted) < CLOSE:
+            if reduced_chi2(fitting, fitted) < NEAR_NOISE_CHI2:
                 break
     try:
         return _chosen(fitting, selection, *found) if found else None
@@ -110,11 +103,11 @@ def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: 
     be absent, or a tone that does not last.
     """
     begun = unfitted(pieces[-1].start, selection.best, _model(selection, pieces))
-    begun = fit_further(fitting, begun, None, FEW, affordable=True)
+    begun = fit_further(fitting, begun, None, COMBINATION_FIRST_STEPS, affordable=True)
     ahead = least - fitting.expected
     if (
         not np.isfinite(begun.error)
-        or _cost(fitting, selection, begun.fitted) > least + (BEHIND - 1.0) * ahead
+        or _cost(fitting, selection, begun.fitted) > least + (COMBINATION_BEHIND_RATIO - 1.0) * ahead
     ):
         return None
     done = finished_by_itself(fitting, begun)
@@ -122,7 +115,8 @@ def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: 
     if not np.isfinite(done.error) or not all(lasts(fitting, done.fitted, i) for i in tones):
         return None
     plain = [i for i, one in enumerate(pieces) if is_plain(one.start)]
-    far = reduced_chi2(fitting, done.fitted) > CLOSE  # the standard deviations are then those of what is left
+    # Far from the noise, the standard deviations are those of what is left.
+    far = reduced_chi2(fitting, done.fitted) > NEAR_NOISE_CHI2
     return done.fitted if far or all(is_identified(done.fitted, i) for i in plain) else None
 
 

@@ -7,6 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    COMMAND_BINS,
+    DRIVE_FLAT_DELAY,
+    DRIVE_LONGEST_DELAY,
+    DRIVE_SHORTEST_DELAY,
+    ROUNDING_FEWEST_STEPS,
+    ROUNDING_LINE_TO_RMS,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
@@ -16,17 +24,6 @@ from rthm_core.compiled import Floats
 from rthm_core.effects.registry import changing, ranked
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
-
-LONGEST_DELAY = 0.1
-"""Seconds; a longer delay of a motor is not looked for."""
-
-SHORTEST_DELAY = 2e-4
-"""Seconds; where not even this much makes it better, no delay is looked for."""
-
-FLAT = 2e-3
-"""Seconds; between two samples no delay is looked for any further away."""
-
-BINS = 1 << 17
 
 
 def drive_starts(spec: Spec, fitting: Fitting) -> Iterator[InitialGuess]:
@@ -99,17 +96,19 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
     def best_of(row: Floats) -> float:
         return float(row[int(np.argmin(fitting.cores.each(error, row.tolist())))])
 
-    earlier = -np.geomspace(SHORTEST_DELAY, -earliest, 8) if -earliest > SHORTEST_DELAY else np.empty(0)
-    later = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, LONGEST_DELAY, 7)])
+    earlier = (
+        -np.geomspace(DRIVE_SHORTEST_DELAY, -earliest, 8) if -earliest > DRIVE_SHORTEST_DELAY else np.empty(0)
+    )
+    later = np.concatenate([np.linspace(0.0, 0.012, 13), np.geomspace(0.016, DRIVE_LONGEST_DELAY, 7)])
     best = best_of(np.concatenate([later, earlier]))
-    if best == 0.0 and min(error(SHORTEST_DELAY), error(-SHORTEST_DELAY)) >= error(0.0):
+    if best == 0.0 and min(error(DRIVE_SHORTEST_DELAY), error(-DRIVE_SHORTEST_DELAY)) >= error(0.0):
         return 0.0, 0.0
     width = max(0.001, 0.3 * abs(best))
     # Commands come in steps, so that a delay that is off by a microsecond already shows.
     for _ in range(10):
         best = best_of(best + width * np.linspace(-1.0, 1.0, 9))
         width *= 0.25
-    low, high = (_edge(error, best, best + side * FLAT) for side in (-1.0, 1.0))
+    low, high = (_edge(error, best, best + side * DRIVE_FLAT_DELAY) for side in (-1.0, 1.0))
     if low <= 0.0 <= high:
         return 0.0, 0.0
     return 0.5 * (low + high), 0.5 * (high - low)
@@ -139,11 +138,13 @@ def _step(evidence: Evidence, actuator: int, residual: Floats) -> float | None:
     low, high = float(command.min()), float(command.max())
     if high - low <= 0.0:
         return None
-    place = ((command - low) / (high - low) * (BINS - 1)).astype(int)
-    total = np.bincount(place, weights=residual[known] - residual[known].mean(), minlength=BINS)
-    spectrum = np.abs(np.fft.rfft(total))[1 : BINS // 3]
+    place = ((command - low) / (high - low) * (COMMAND_BINS - 1)).astype(int)
+    total = np.bincount(place, weights=residual[known] - residual[known].mean(), minlength=COMMAND_BINS)
+    spectrum = np.abs(np.fft.rfft(total))[1 : COMMAND_BINS // 3]
     best = int(np.argmax(spectrum)) + 1
-    if best < 6 or spectrum[best - 1] < 6.0 * np.sqrt(np.mean(np.square(spectrum))):
+    if best < ROUNDING_FEWEST_STEPS or spectrum[best - 1] < ROUNDING_LINE_TO_RMS * np.sqrt(
+        np.mean(np.square(spectrum))
+    ):
         return None
     return _sharpened((high - low) / best, command, residual[known])
 

@@ -8,42 +8,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    DISTINGUISHING_GAIN,
+    GAIN_OF_CHANCE,
+    GAIN_PER_PARAMETER,
+    NEAR_NOISE_CHI2,
+    RELEVANT_MAJOR_SHARE,
+    RELEVANT_SHARE_OF_FIRST,
+    RELEVANT_SHARE_OF_REST,
+    TRUSTED_ARITHMETIC,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects import Effect, effect
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.search.screening import ScoredCandidate
-
-ENOUGH = 16.0
-"""Gain of the cross-validated squared error, in units of the noise, that is no chance even for the best of
-some hundred candidates."""
-
-PER_PARAMETER = 4.0
-"""Further gain that every further parameter has to bring."""
-
-CLEAR = 6.0
-"""Difference of cross-validated squared errors by which the recording tells two kinds apart."""
-
-CLOSE = 1.2
-"""Reduced chi-squared below which a model is near the noise, so that what is still missing is small."""
-
-UNFINISHED = 1.02
-"""Reduced chi-squared above which something may be left: the fit of an effect goes on before more is looked
-for.
-"""
-
-FLOOR = 1.3
-"""Error on unseen data over the noise, up to which a model is at the noise (contract)."""
-
-RELEVANT = 0.03
-"""Part of the first mismatch that an effect must explain where no model reaches the noise."""
-
-PART = 0.05
-"""Part of what is left of a mismatch that an effect must explain to be what is missing."""
-
-NUMERICS = 1e-6
-"""Part of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +138,9 @@ def clear_gain(old: Fitted, new: Fitted, enough: float) -> bool:
 def better(new: FittedCandidate, old: Fitted) -> bool:
     """Whether an effect predicts unseen data clearly better, the more so the more parameters it has."""
     more = len(new.fitted.model.parameters) - len(old.model.parameters)
-    return clear_gain(old, new.fitted, ENOUGH + new.start.look_elsewhere + PER_PARAMETER * (more - 1))
+    return clear_gain(
+        old, new.fitted, GAIN_OF_CHANCE + new.start.look_elsewhere + GAIN_PER_PARAMETER * (more - 1)
+    )
 
 
 def relevant(fitting: Fitting, new: FittedCandidate, selection: Selection) -> bool:
@@ -167,25 +149,29 @@ def relevant(fitting: Fitting, new: FittedCandidate, selection: Selection) -> bo
     before, after = float(selection.best.left_out.sum()), new.error
     gain = before - after
     start = float(selection.base.left_out.sum()) - noise
-    if gain < max(_numerics(fitting), PART * (before - noise)):
+    if gain < max(_numerics(fitting), RELEVANT_SHARE_OF_REST * (before - noise)):
         return False
-    return after < CLOSE * noise or gain > RELEVANT * start or gain > 0.5 * (before - noise)
+    return (
+        after < NEAR_NOISE_CHI2 * noise
+        or gain > RELEVANT_SHARE_OF_FIRST * start
+        or gain > RELEVANT_MAJOR_SHARE * (before - noise)
+    )
 
 
 def _numerics(fitting: Fitting) -> float:
     """Squared error, in units of the noise, that a recording which was itself computed may have."""
-    spread = NUMERICS * np.nanstd(fitting.experiment.evidence.measured, axis=0)
+    spread = TRUSTED_ARITHMETIC * np.nanstd(fitting.experiment.evidence.measured, axis=0)
     return float(np.sum((fitting.weight * spread) ** 2))
 
 
 def price(effects: int, parameters: int) -> float:
     """What effects with so many parameters of their own have to bring together, in units of the noise."""
-    return ENOUGH * effects + PER_PARAMETER * (parameters - effects)
+    return GAIN_OF_CHANCE * effects + GAIN_PER_PARAMETER * (parameters - effects)
 
 
 def merit(fitted: Fitted) -> float:
     """Squared error on data left out, with the price of the parameters; the smaller the better."""
-    return float(fitted.left_out.sum()) + PER_PARAMETER * len(fitted.model.parameters)
+    return float(fitted.left_out.sum()) + GAIN_PER_PARAMETER * len(fitted.model.parameters)
 
 
 def best_of_labels(tried: list[FittedCandidate]) -> list[FittedCandidate]:
@@ -203,4 +189,4 @@ def in_order(tried: list[FittedCandidate]) -> list[FittedCandidate]:
 
 def distinguishable(best: Fitted, other: Fitted) -> bool:
     """Whether the recording tells two fits apart."""
-    return clear_gain(other, best, CLEAR)
+    return clear_gain(other, best, DISTINGUISHING_GAIN)

@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.search import PAIRED_KINDS
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.promising import promising, screened
 from rthm_analysis.diagnosis.search.refining import finished, refined
 from rthm_analysis.diagnosis.search.wire_from_force import released
-
-PAIRED = 3
-"""Plain kinds for which a companion is looked for where no single kind comes near the noise."""
 
 
 def companions(fitting: Fitting, fitted: Fitted) -> list[FittedCandidate]:
@@ -34,12 +33,12 @@ def paired(fitting: Fitting, base: Fitted, tried: list[FittedCandidate]) -> list
         All that the first was chosen from. A companion is looked for those that are plain: a flexible kind
         imitates both.
     """
-    for first in [one for one in tried if not one.law.flexible][:PAIRED]:
+    for first in [one for one in tried if not one.law.flexible][:PAIRED_KINDS]:
         if fitting.budget.spent:
             break
         fitting.progress(f"looking for what goes with {first.label[1]}")
         found = companions(fitting, first.fitted)
-        if found and reduced_chi2(fitting, found[0].fitted) < WRONG:
+        if found and reduced_chi2(fitting, found[0].fitted) < POOR_FIT_CHI2:
             fitting.reduced_chi2 = reduced_chi2(fitting, found[0].fitted)
             fitting.rebase(found[0].fitted.model)
             found[0] = finished(fitting, let_go(found[0], base))

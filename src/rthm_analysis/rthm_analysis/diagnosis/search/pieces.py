@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
-from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, looked_for
+from rthm_analysis.diagnosis.search.judging import Selection, looked_for
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
@@ -109,7 +110,7 @@ def _others(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
     every = candidates(selection.base.model.spec, experiment.evidence, motion, fitting.sigma)
     for start in looked_for(fitting, every):
         plain = is_plain(start)
-        if start.label not in there and start.amplitude and (plain or fitting.reduced_chi2 > CLOSE):
+        if start.label not in there and start.amplitude and (plain or fitting.reduced_chi2 > NEAR_NOISE_CHI2):
             starts.setdefault(start.label if plain else len(starts), start)
     changes = fitting.cores.each(lambda start: _change(fitting, selection, start), starts.values())
     for start, change in zip(starts.values(), changes, strict=True):

@@ -4,29 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    GAIN_OF_CHANCE,
+    KINDS_FROM_TWO_STARTS,
+    MOST_KINDS_REFINED,
+    MOST_KINDS_RESCREENED,
+    PROMISING_SHARE_OF_CHANCE,
+    SLOW_KIND_STARTS,
+    STILL_PROMISING_SHARE,
+    WORTH_A_FIT_SHARE,
+    WORTH_A_FIT_SHARE_OF_CHANCE,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.candidates import candidates
-from rthm_analysis.diagnosis.search.judging import ENOUGH, looked_for
+from rthm_analysis.diagnosis.search.judging import looked_for
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, best_of_each, screen
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.tones import harmonic_starts
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-
-NEAR = 0.15
-"""Part of the best candidate's gain that another must promise to be refined."""
-
-REFINED = 10
-"""Most kinds that are refined."""
-
-STARTS = 2
-"""Starts from which a kind is refined whose replays take many times as long as others'."""
-
-STILL = 0.1
-"""Part of `ENOUGH` that a candidate must have gained in the round before to be screened in the next."""
-
-AGAIN = 12
-"""Most kinds that are screened once more, with the size that was found."""
 
 
 def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCandidate]:
@@ -46,7 +42,11 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCand
     starts += tones(fitting, fitted)
     first = screen(fitting, fitted, known, starts)
     # A size far from the trial's was an extrapolation: look again from there.
-    again = [s.start for s in best_of_each(first, 1)[:AGAIN] if s.gain > ENOUGH and s.start.amplitude]
+    again = [
+        s.start
+        for s in best_of_each(first, 1)[:MOST_KINDS_RESCREENED]
+        if s.gain > GAIN_OF_CHANCE and s.start.amplitude
+    ]
     second = screen(fitting, fitted, known, again)
     both = sorted([*first, *second], key=lambda s: -s.gain)
     others = max((s.gain for s in both if s.start.added.block != "wire"), default=0.0)
@@ -75,16 +75,16 @@ def _denied(fitting: Fitting, fitted: Fitted, one: ScoredCandidate, worth: float
 def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """Candidates worth a fit: those near the best in gain, the best kinds from two starts."""
     best = screened[0].gain if screened else 0.0
-    if best < 0.7 * ENOUGH:
+    if best < PROMISING_SHARE_OF_CHANCE * GAIN_OF_CHANCE:
         return []
     near = [s for s in screened if s.gain > _worth_a_fit(best)]
-    firsts = best_of_each(near, 1)[:REFINED]
-    kinds = {s.start.label[:2] for s in firsts[:5]}
+    firsts = best_of_each(near, 1)[:MOST_KINDS_REFINED]
+    kinds = {s.start.label[:2] for s in firsts[:KINDS_FROM_TWO_STARTS]}
     chosen = list(firsts)
     for one in (*best_of_each(near, 2), *best_of_each(near, 1, "n")):
         label = one.start.label
         starts = sum(other.start.label == label for other in chosen)
-        enough = starts >= STARTS and one.start.added.law.cost > 1
+        enough = starts >= SLOW_KIND_STARTS and one.start.added.law.cost > 1
         if label[:2] in kinds and one not in chosen and not enough:
             chosen.append(one)
     return chosen
@@ -92,12 +92,12 @@ def promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
 
 def still_promising(screened: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """Best start of each kind at each place, of a round before, that may be worth a fit by now."""
-    return [one for one in best_of_each(screened, 1) if one.gain > STILL * ENOUGH]
+    return [one for one in best_of_each(screened, 1) if one.gain > STILL_PROMISING_SHARE * GAIN_OF_CHANCE]
 
 
 def _worth_a_fit(best: float) -> float:
     """Gain from which a candidate is fitted, given that of the best."""
-    return max(0.6 * ENOUGH, NEAR * best)
+    return max(WORTH_A_FIT_SHARE_OF_CHANCE * GAIN_OF_CHANCE, WORTH_A_FIT_SHARE * best)
 
 
 def smallest_seen(screened: list[ScoredCandidate]) -> dict[tuple[str, str, str], dict[str, float]]:
@@ -106,6 +106,6 @@ def smallest_seen(screened: list[ScoredCandidate]) -> dict[tuple[str, str, str],
     for one in screened:
         if one.start.amplitude and np.isfinite(one.std):
             name = one.start.amplitude[0]
-            seen = float(np.sqrt(ENOUGH + one.start.look_elsewhere) * one.std)
+            seen = float(np.sqrt(GAIN_OF_CHANCE + one.start.look_elsewhere) * one.std)
             limits.setdefault(one.start.label, {name: seen})
     return limits

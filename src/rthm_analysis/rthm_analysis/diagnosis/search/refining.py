@@ -8,11 +8,20 @@ from functools import partial
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import WRONG, Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.fitting import FIT_GAIN, POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.search import (
+    FINISHING_GAIN,
+    FINISHING_STEPS,
+    HEAT_ERROR_RATIO,
+    HEAT_ERROR_SHARE_OF_NOISE,
+    HEATS,
+    NEAR_NOISE_CHI2,
+    RELEVANT_SHARE_OF_FIRST,
+    STARTING_SIZE_SHARES,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import (
-    CLOSE,
-    RELEVANT,
     FittedCandidate,
     best_of_labels,
     distinguishable,
@@ -24,18 +33,6 @@ from rthm_analysis.diagnosis.search.tone_evidence import without_unproven_tones
 from rthm_core.compiled import Floats
 from rthm_core.effects import Plainer
 from rthm_core.errors import InputError
-
-HEATS = ((2, 0), (3, 6), (8, 2))
-"""Steps of the fits of one heat, and how many candidates get into it."""
-
-REACH = 10.0
-"""How much further from the noise than the best a candidate may be that is fitted any longer."""
-
-PARTS = (1.0, 0.5, 0.25, 0.1)
-"""Parts of a candidate's estimated size from which its fit may begin."""
-
-FINISHING, FINISHED = 24, 1e-5
-"""Steps for which the fit of an effect that was chosen goes on, and the part that each must bring."""
 
 
 def refined(
@@ -98,10 +95,10 @@ def _begun(fitting: Fitting, model: Model, one: ScoredCandidate) -> Model:
     The size was found as if everything were linear, so parts of it are tried as well.
     """
     whole = one.start.added_to(model)
-    if fitting.reduced_chi2 < WRONG or not one.shift.size:
+    if fitting.reduced_chi2 < POOR_FIT_CHI2 or not one.shift.size:
         return whole
     begun = []
-    for part in PARTS:
+    for part in STARTING_SIZE_SHARES:
         start = one.start.sized(part)
         moved = model.at(model.values + part * one.shift)
         begun.append(moved.plus(start.added, start.free, one.start.scales))
@@ -123,12 +120,12 @@ def _simplest_first(fitting: Fitting, tried: list[FittedCandidate], without: Fit
     What is then left is no noise, against which a further parameter could be weighed.
     """
     noise = fitting.expected
-    if not tried or tried[0].error < CLOSE * noise:
+    if not tried or tried[0].error < NEAR_NOISE_CHI2 * noise:
         return tried
     gain = float(without.left_out.sum()) - tried[0].error
     if gain <= 0.0:
         return tried
-    close = [t for t in tried if t.error - tried[0].error < RELEVANT * gain]
+    close = [t for t in tried if t.error - tried[0].error < RELEVANT_SHARE_OF_FIRST * gain]
     equal = [t for t in close if not distinguishable(tried[0].fitted, t.fitted)]
     first = min(equal, key=lambda t: len(t.fitted.model.parameters))
     return [first, *(t for t in tried if t is not first)]
@@ -138,7 +135,10 @@ def _within_reach(fitting: Fitting, tried: list[FittedCandidate]) -> int:
     """Of candidates in the order of their errors, how many may still become the best."""
     noise = fitting.expected
     best = tried[0].fitted.squares if tried else 0.0
-    return sum(t.fitted.squares - noise < max(REACH * (best - noise), 0.1 * noise) for t in tried)
+    return sum(
+        t.fitted.squares - noise < max(HEAT_ERROR_RATIO * (best - noise), HEAT_ERROR_SHARE_OF_NOISE * noise)
+        for t in tried
+    )
 
 
 def fit_further(
@@ -146,7 +146,7 @@ def fit_further(
     tried: FittedCandidate,
     known: Floats | None,
     steps: int,
-    least: float = 3e-4,
+    least: float = FIT_GAIN,
     *,
     affordable: bool = False,
 ) -> FittedCandidate:
@@ -167,7 +167,7 @@ def finished_by_itself(fitting: Fitting, tried: FittedCandidate) -> FittedCandid
     """
     before = fitting.reduced_chi2
     done = finished(fitting, tried, affordable=True)
-    if np.isfinite(done.error) and fitting.reduced_chi2 < WRONG:
+    if np.isfinite(done.error) and fitting.reduced_chi2 < POOR_FIT_CHI2:
         with fitting.based_on(done.fitted.model):
             whole = unfitted(done.start, done.fitted, done.fitted.model)
             done = finished(fitting, whole, affordable=True)
@@ -179,6 +179,6 @@ def finished(
     fitting: Fitting, tried: FittedCandidate, known: Floats | None = None, *, affordable: bool = False
 ) -> FittedCandidate:
     """Fit an effect that was chosen to its end, from columns that are still known."""
-    done = fit_further(fitting, tried, known, FINISHING, FINISHED, affordable=affordable)
+    done = fit_further(fitting, tried, known, FINISHING_STEPS, FINISHING_GAIN, affordable=affordable)
     fitting.reduced_chi2 = reduced_chi2(fitting, done.fitted)
     return done

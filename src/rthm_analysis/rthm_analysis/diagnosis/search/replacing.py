@@ -11,10 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    DISTINGUISHING_GAIN,
+    RIVALS_OF_A_ROUND,
+    STEPS_WITH_ANOTHER_KIND,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model, Parameter
 from rthm_analysis.diagnosis.search.judging import (
-    CLEAR,
     FittedCandidate,
     Selection,
     better,
@@ -26,12 +30,6 @@ from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects.possible import identified
 from rthm_core.errors import InputError
 from rthm_core.quantity import Quantity
-
-STEPS = 8
-"""Steps of a fit with another kind in the place of one."""
-
-RIVALS = 4
-"""Kinds of each round that are looked at again."""
 
 
 def model_of(selection: Selection, starts: list[tuple[int, InitialGuess]]) -> Model:
@@ -133,7 +131,7 @@ def compared(fitting: Fitting, selection: Selection) -> Selection:
         selection = Selection(selection.base, selection.best, rounds, selection.limits)
         beside = [whole for _, whole in rivals if whole is not None]
         winner = min(beside, key=lambda one: merit(one.fitted), default=None)
-        if winner is not None and merit(winner.fitted) < merit(selection.best) - CLEAR:
+        if winner is not None and merit(winner.fitted) < merit(selection.best) - DISTINGUISHING_GAIN:
             selection = _replaced(fitting, selection, index, winner.start, winner.fitted)
     return selection if selection.best is before else plainer(fitting, selection)
 
@@ -144,7 +142,7 @@ def _rivals(
     """Other kinds of a round: as they were, and beside all the others where it could not tell them apart."""
     first, *others = selection.rounds[index]
     rivals: list[tuple[FittedCandidate, FittedCandidate | None]] = []
-    for other in others[:RIVALS]:
+    for other in others[:RIVALS_OF_A_ROUND]:
         if fitting.budget.spent or distinguishable(first.fitted, other.fitted):
             rivals.append((other, None))
             continue
@@ -169,7 +167,7 @@ def _fitted_instead(
 def _fitted_with(fitting: Fitting, selection: Selection, index: int, start: InitialGuess) -> Fitted | None:
     """Fit with a start in the place of an effect; None where that cannot be."""
     try:
-        return fitting.fit(_with_another(selection, index, start), most=STEPS)
+        return fitting.fit(_with_another(selection, index, start), most=STEPS_WITH_ANOTHER_KIND)
     except (InputError, np.linalg.LinAlgError):  # two of a kind at one place, or it diverges
         return None
 

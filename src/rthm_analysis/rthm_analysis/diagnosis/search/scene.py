@@ -7,18 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import PEAK_STDS, PEAK_WIDTH
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_core.compiled import Floats
 from rthm_core.effects.guess import rms
 from rthm_core.effects.possible import Seen
 from rthm_core.spec import Spec
-
-PEAK = 2.0
-"""Width over which a spectrum is averaged before its peaks are taken, rad/s."""
-
-STANDS_OUT = 6.0
-"""Standard deviations by which a peak must rise above the noise of a spectrum."""
 
 
 @dataclass(frozen=True)
@@ -79,15 +74,15 @@ class Scene:
 def peaks(time: Floats, signal: Floats, lowest: float, most: int = 2) -> list[float]:
     """Frequencies above `lowest`, rad/s, at which a signal rings most, and more than noise would.
 
-    The spectrum is smoothed by PEAK.
+    The spectrum is smoothed by PEAK_WIDTH.
     """
     step = float(np.median(np.diff(time)))
     even = np.interp(np.arange(time[0], time[-1], step), time, signal)
     omega = 2.0 * np.pi * np.fft.rfftfreq(even.size, step)
-    width = max(int(PEAK / omega[1]), 1)
+    width = max(int(PEAK_WIDTH / omega[1]), 1)
     power = np.convolve(np.abs(np.fft.rfft(even - even.mean())) ** 2, np.ones(width), "same")
     power[omega < lowest] = 0.0
-    floor = float(np.median(power[power > 0.0])) * (1.0 + STANDS_OUT / np.sqrt(width)) if power.any() else 0.0
+    floor = float(np.median(power[power > 0.0])) * (1.0 + PEAK_STDS / np.sqrt(width)) if power.any() else 0.0
     found = []
     for _ in range(most):
         best = int(np.argmax(power))

@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import LARGEST_SIZE_FACTOR
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-
-LARGEST_FACTOR = 50.0
-"""A size that is further away from the trial's is tried again from nearer by."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,7 @@ def screen(
         factor = float(rest @ cleared) / size
         if factor < 0.0 and not start.signed:
             return ScoredCandidate(start, 0.0, start.trial * size**-0.5)
-        limited = min(max(factor, -LARGEST_FACTOR), LARGEST_FACTOR) or 1e-3
+        limited = min(max(factor, -LARGEST_SIZE_FACTOR), LARGEST_SIZE_FACTOR) or 1e-3
         shift = -limited * (inverse @ (known @ change)) if known.size else np.empty(0)
         return ScoredCandidate(start.sized(limited), factor * factor * size, start.trial * size**-0.5, shift)
 
@@ -106,7 +104,7 @@ def screen(
         std = start.trial * float(np.sqrt(max(np.linalg.pinv(matrix)[0, 0], 0.0)))
         if first <= 0.0:
             return ScoredCandidate(start, 0.0, std)
-        limited = min(max(float(first), 1e-3), LARGEST_FACTOR)
+        limited = min(max(float(first), 1e-3), LARGEST_SIZE_FACTOR)
         gain = float(first * right[0] + second * right[1])
         return ScoredCandidate(start.sized(limited).with_also(1.0 + float(second / first)), gain, std)
 

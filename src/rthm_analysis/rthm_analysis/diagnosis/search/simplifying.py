@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    DISTINGUISHING_GAIN,
+    FINISHING_STEPS,
+    NEAR_NOISE_CHI2,
+    STEPS_WITHOUT_KIND,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import (
-    CLEAR,
-    CLOSE,
-    FittedCandidate,
-    Selection,
-    better,
-    merit,
-    reduced_chi2,
-)
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, better, merit, reduced_chi2
 from rthm_analysis.diagnosis.search.pairing import companions
 from rthm_analysis.diagnosis.search.pieces import is_plain
-from rthm_analysis.diagnosis.search.refining import FINISHING
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of, plainer
 from rthm_core.errors import InputError
-
-PRUNING = 8
-"""Steps of a fit without an effect that may be needless."""
 
 
 def simplified(fitting: Fitting, selection: Selection) -> Selection:
@@ -39,11 +33,13 @@ def _without_the_needless(fitting: Fitting, selection: Selection) -> Selection:
             break  # nothing else could stand for it
         try:
             others = [(i, tried[0].start) for i, tried in enumerate(selection.rounds) if i != index]
-            alone = _by_itself(fitting, model_of(selection, others), FINISHING if index == 0 else PRUNING)
+            alone = _by_itself(
+                fitting, model_of(selection, others), FINISHING_STEPS if index == 0 else STEPS_WITHOUT_KIND
+            )
         except np.linalg.LinAlgError:  # without the effect the model diverges
             continue
         last = selection.rounds[index][0]
-        absent = reduced_chi2(fitting, alone) < CLOSE and is_plain(last.start)
+        absent = reduced_chi2(fitting, alone) < NEAR_NOISE_CHI2 and is_plain(last.start)
         absent = absent and not is_identified(selection.best, index)
         if not absent and better(FittedCandidate(last.start, selection.best, last.error), alone):
             continue
@@ -57,10 +53,10 @@ def _without_the_needless(fitting: Fitting, selection: Selection) -> Selection:
 def _by_itself(fitting: Fitting, model: Model, most: int) -> Fitted:
     """Fit of a model, with its own sensitivities to the initial states where it is near the noise."""
     fitted = fitting.fit(model, most=most)
-    if reduced_chi2(fitting, fitted) > CLOSE:
+    if reduced_chi2(fitting, fitted) > NEAR_NOISE_CHI2:
         return fitted
     with fitting.based_on(fitted.model):
-        return fitting.fit(fitted.model, most=PRUNING)
+        return fitting.fit(fitted.model, most=STEPS_WITHOUT_KIND)
 
 
 def _reconsidered(fitting: Fitting, selection: Selection) -> Selection:
@@ -84,7 +80,7 @@ def _reconsidered(fitting: Fitting, selection: Selection) -> Selection:
             tried = companions(fitting, alone)
         except (InputError, np.linalg.LinAlgError):
             continue
-        if tried and merit(tried[0].fitted) < merit(best.best) - CLEAR:
+        if tried and merit(tried[0].fitted) < merit(best.best) - DISTINGUISHING_GAIN:
             first = FittedCandidate(kept.start, alone, float(alone.left_out.sum()))
             best = Selection(selection.base, tried[0].fitted, [[first], tried], selection.limits)
             fitting.reduced_chi2 = reduced_chi2(fitting, best.best)

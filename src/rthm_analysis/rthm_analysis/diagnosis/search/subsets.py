@@ -8,29 +8,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    COMBINATION_REACH,
+    COMBINATION_REACH_NEAR_NOISE,
+    COMBINATION_RIDGE,
+    COMBINATIONS_ANY,
+    COMBINATIONS_PLAIN,
+    COMBINED_MOST_EFFECTS,
+    NEAR_NOISE_CHI2,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
-from rthm_analysis.diagnosis.search.judging import CLOSE, Selection, price
+from rthm_analysis.diagnosis.search.judging import Selection, price
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain, pieces_of
 from rthm_core.compiled import Floats
 
 Labels = frozenset[tuple[str, str, str]]
 """Block, kind and place of the effects of a combination."""
-
-MOST = 3
-"""Most effects of a combination."""
-
-PLAIN, ANY = 2, 3
-"""Combinations of plain kinds that are worth a fit, which is soon done, and others."""
-
-REACH, NEAR = 0.3, 0.1
-"""Part of the squared error, beside what the present effects leave, up to which a combination may become the
-best: what it would leave is counted as if everything were linear, and is less once it is fitted. Near the
-noise, of a plain combination that stands for what could imitate it.
-"""
-
-
-RIDGE = 1e-9
-"""Part by which products of columns with themselves are larger, so that equal columns share a size."""
 
 
 class Left(NamedTuple):
@@ -54,15 +47,17 @@ def promised(fitting: Fitting, selection: Selection) -> dict[Labels, list[Piece]
     pieces = pieces_of(fitting, selection, columns)
     here = fitting.projected(best.residual)
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
-    reach = REACH if fitting.reduced_chi2 > CLOSE else NEAR if _may_imitate(selection) else 0.0
+    near = COMBINATION_REACH_NEAR_NOISE if _may_imitate(selection) else 0.0
+    reach = COMBINATION_REACH if fitting.reduced_chi2 > NEAR_NOISE_CHI2 else near
     least: dict[Labels, Left] = {}
     for one in sorted(_worth_it(tables, fitting.reduced_chi2, reach), key=lambda one: one.error):
         labels = frozenset(pieces[i].start.label for i in one.some)
         if labels not in fitting.asked:
             least.setdefault(labels, one)
-    plain = [key for key, one in least.items() if all(is_plain(pieces[i].start) for i in one.some)][:PLAIN]
-    rest = [key for key in least if key not in plain][:ANY]
-    others = rest if fitting.reduced_chi2 > CLOSE or not plain else []
+    plain = [key for key, one in least.items() if all(is_plain(pieces[i].start) for i in one.some)]
+    plain = plain[:COMBINATIONS_PLAIN]
+    rest = [key for key in least if key not in plain][:COMBINATIONS_ANY]
+    others = rest if fitting.reduced_chi2 > NEAR_NOISE_CHI2 or not plain else []
     return {key: _largest_first(pieces, least[key]) for key in (*plain, *others)}
 
 
@@ -79,12 +74,12 @@ def _worth_it(tables: _Tables, reduced_chi2: float, reach: float) -> Iterator[Le
     present = tuple(i for i, one in enumerate(pieces) if one.index is not None)
     count = sum(len(pieces[i].columns) for i in present)
     now = (1.0 + reach) * (tables.left(present)[0] + reduced_chi2 * price(len(present), count))
-    for count in range(1, MOST + 1):
+    for count in range(1, COMBINED_MOST_EFFECTS + 1):
         for some in combinations(range(len(pieces)), count):
             if some != present and _can_be(pieces, some):
                 left, sizes = tables.left(some)
                 left += reduced_chi2 * price(count, sum(len(pieces[i].columns) for i in some))
-                anyway = reduced_chi2 > CLOSE and all(is_plain(pieces[i].start) for i in some)
+                anyway = reduced_chi2 > NEAR_NOISE_CHI2 and all(is_plain(pieces[i].start) for i in some)
                 if sizes is not None and (left < now or anyway):
                     yield Left(left, some, sizes)
 
@@ -124,7 +119,7 @@ class _Tables:
         shared = columns @ known.T
         whole = known @ known.T + np.diag(precision)
         self.products = columns @ columns.T - shared @ np.linalg.pinv(whole, hermitian=True) @ shared.T
-        self.products[np.diag_indices_from(self.products)] *= 1.0 + RIDGE
+        self.products[np.diag_indices_from(self.products)] *= 1.0 + COMBINATION_RIDGE
 
     def left(self, some: tuple[int, ...]) -> tuple[float, list[Floats] | None]:
         """Squared error that a combination leaves, and the factors on the columns of each of its pieces.

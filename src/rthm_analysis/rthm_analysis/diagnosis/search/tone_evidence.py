@@ -9,6 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import (
+    LOAD_LINE_SHARE,
+    RINGING_SHARE,
+    TONE_AGREEMENT,
+    TONE_AGREEMENT_AT_RIG,
+    TONE_AGREEMENT_STDS,
+    TONE_PARTS,
+    TONE_RESOLUTION,
+    TONE_RIVAL_SHARE,
+    TONE_RIVAL_SHARE_AT_RIG,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
@@ -16,24 +27,6 @@ from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_core.compiled import Floats
-
-PARTS = 5
-"""Parts of the training data that have to agree on a tone; each has some periods of all but the slowest."""
-
-AGREE, AGREE_WELL = 0.5, 0.25
-"""Relative change of size, or of phase in rad, by which a part may differ beside three standard deviations;
-for a tone at a frequency of its own, and for one at a frequency of the rig or beside another tone."""
-
-INSTEAD, INSTEAD_WELL = 0.5, 0.25
-"""Part of a tone's gain from which another kind is named before it, in the same two cases: the tone, if there
-is one, is found beside that kind."""
-
-NEAR, LINE = 2.0, 0.3
-"""Distance of two frequencies that a recording hardly tells apart, in 2 pi over its duration; part of the
-largest line of a load from which another counts."""
-
-RINGS = 0.05
-"""Part of a natural frequency of the rig within which a tone may be its free motion."""
 
 
 def without_unproven_tones(
@@ -53,7 +46,9 @@ def without_unproven_tones(
     if not lasting or not lasting[0].law.is_tone:
         return lasting
     before = float(without.left_out.sum())
-    share = INSTEAD_WELL if _says_little(fitting, lasting[0].fitted.model, -1) else INSTEAD
+    share = (
+        TONE_RIVAL_SHARE_AT_RIG if _says_little(fitting, lasting[0].fitted.model, -1) else TONE_RIVAL_SHARE
+    )
     enough = share * (before - lasting[0].error)
     instead = [one for one in lasting if not one.law.is_tone and before - one.error > enough]
     return [*instead[:1], *(one for one in lasting if one is not (instead or [None])[0])]
@@ -62,7 +57,7 @@ def without_unproven_tones(
 def lasts(fitting: Fitting, fitted: Fitted, index: int) -> bool:
     """Whether all parts of the data agree on size and phase of an added tone; -1: of the last."""
     index %= len(fitted.model.added)
-    allowed = AGREE_WELL if _says_little(fitting, fitted.model, index) else AGREE
+    allowed = TONE_AGREEMENT_AT_RIG if _says_little(fitting, fitted.model, index) else TONE_AGREEMENT
     return bool(np.all(_differences(fitting, fitted, index) < allowed))
 
 
@@ -73,12 +68,12 @@ def _differences(fitting: Fitting, fitted: Fitted, index: int) -> Floats:
     own = [places["amplitude"], places["phase"]]
     scale = np.array([model.parameters[own[0]].value, 1.0])
     found = []
-    for part in np.array_split(np.arange(sums.squares.size), PARTS):
+    for part in np.array_split(np.arange(sums.squares.size), TONE_PARTS):
         matrix = sums.hessian[part].sum(0)[np.ix_(own, own)] * np.outer(scale, scale)
         inverse = np.linalg.pinv(matrix, hermitian=True)
         wanted = inverse @ (scale * sums.gradient[part].sum(0)[own])
         std = np.sqrt(reduced_chi2(fitting, fitted) * np.maximum(np.diag(inverse), 0.0))
-        found.append(float(np.max(np.abs(wanted) - 3.0 * std)))
+        found.append(float(np.max(np.abs(wanted) - TONE_AGREEMENT_STDS * std)))
     return np.array(found)
 
 
@@ -88,10 +83,10 @@ def _says_little(fitting: Fitting, model: Model, index: int) -> bool:
         return True
     frequency = float(model.effect_values(index % len(model.added))["frequency"])
     evidence = fitting.experiment.evidence
-    width = NEAR * seen_in(evidence.time).frequencies[0]
+    width = TONE_RESOLUTION * seen_in(evidence.time).frequencies[0]
     rig = np.abs(np.linalg.eigvals(mechanics(fitting.base.spec).a))
     driven = np.abs(load_lines(evidence) - frequency) < width
-    return bool(driven.any() or (np.abs(rig - frequency) < np.maximum(RINGS * rig, width)).any())
+    return bool(driven.any() or (np.abs(rig - frequency) < np.maximum(RINGING_SHARE * rig, width)).any())
 
 
 def load_lines(evidence: Evidence) -> Floats:
@@ -103,5 +98,5 @@ def load_lines(evidence: Evidence) -> Floats:
     found = []
     for load in evidence.load.T:
         size = np.abs(np.fft.rfft(np.interp(even, time, load - load.mean())))
-        found.append(omega[size > LINE * size.max()] if size.max() > 0.0 else omega[:0])
+        found.append(omega[size > LOAD_LINE_SHARE * size.max()] if size.max() > 0.0 else omega[:0])
     return np.concatenate(found)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.search import TONE_HIGHEST, TONE_HIGHEST_TO_MOTION, TONE_PADDING
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
 from rthm_analysis.diagnosis.replay.model import EffectInstance
@@ -18,13 +19,6 @@ from rthm_core.effects.registry import ranked
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-PADDING = 4
-FASTER = 10.0
-"""Highest tone over the frequency of the recorded motion, where that is fast."""
-
-HIGHEST = 400.0
-"""rad/s; faster tones are not looked for."""
 
 
 def harmonic_starts(
@@ -43,14 +37,16 @@ def harmonic_starts(
     time = evidence.time
     step = float(np.median(np.diff(time)))
     even = np.arange(0.0, time[-1], step)
-    count = PADDING * even.size
+    count = TONE_PADDING * even.size
     omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
-    band = (omega > 2.0 * np.pi / time[-1]) & (omega < max(HIGHEST, FASTER * 2.0 * np.pi / period(evidence)))
+    band = (omega > 2.0 * np.pi / time[-1]) & (
+        omega < max(TONE_HIGHEST, TONE_HIGHEST_TO_MOTION * 2.0 * np.pi / period(evidence))
+    )
     spectra = []
     for column in residual.T:
         known = np.isfinite(column)
         spectra.append(np.fft.rfft(np.interp(even, time[known], column[known]), count)[band])
-    look_elsewhere = 2.0 * np.log(max(np.count_nonzero(band) / PADDING, 1.0))
+    look_elsewhere = 2.0 * np.log(max(np.count_nonzero(band) / TONE_PADDING, 1.0))
     gains = _gains(mechanics(spec, experiment.first), spec, experiment, omega[band], sigma)
     tone = next(law for law in ranked("plant") if law.is_tone)
     for d, dof in enumerate(spec.plant.dofs):
@@ -71,7 +67,7 @@ def harmonic_starts(
             scales = {"amplitude": float(np.abs(force)), "frequency": 1.0 / float(time[-1]), "phase": 0.3}
             added = EffectInstance("plant", tone.kind, dof, values, seen_in(time))
             yield InitialGuess(added, tuple(values), ("amplitude",), scales, look_elsewhere=look_elsewhere)
-            score[max(best - 3 * PADDING, 0) : best + 3 * PADDING] = 0.0
+            score[max(best - 3 * TONE_PADDING, 0) : best + 3 * TONE_PADDING] = 0.0
 
 
 def _gains(arrays: Mechanics, spec: Spec, experiment: Experiment, omega: Floats, sigma: Floats) -> np.ndarray:

@@ -11,30 +11,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.fitting.fitting import DIVERGED, Fitted, Fitting, bounded
+from rthm_analysis.diagnosis.criteria.fitting import DIVERGED_ERROR
+from rthm_analysis.diagnosis.criteria.search import (
+    WIRE_FINE_RUNS,
+    WIRE_LEFT_SHARE,
+    WIRE_MOST_ALIKE,
+    WIRE_NOISE_TO_WHITE,
+    WIRE_RIVAL_ERROR_RATIO,
+    WIRE_ROUGH_RUNS,
+    WIRE_SETTLED_SHARE,
+    WIRE_STD_FACTOR,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting, bounded
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.candidates import candidates
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
-
-LEFT, APART = 0.25, 4.0
-"""Part of the squared error of a wire's force that may be left along the recorded motion, and how many times
-as much a kind leaves that explains it less well; what is noise counts on neither side.
-"""
-
-TELLING = 2
-"""Kinds at most that may explain a force alike: of more it tells nothing."""
-
-SETTLED, WHITE = 0.02, 1.5
-"""Part that is as good as nothing, and how many times its white part something may be that is only noise."""
-
-ROUGH, FINE = 6, 40
-"""Runs along the recorded motion for a first fit of every kind, and for the fit of the best."""
-
-TRUSTED = 3.0
-"""Factor on a standard deviation for the noise of the recorded motion, which is not in it."""
 
 
 def wires_from_force(fitting: Fitting, fitted: Fitted) -> list[tuple[InitialGuess, Model]]:
@@ -46,15 +40,17 @@ def wires_from_force(fitting: Fitting, fitted: Fitted) -> list[tuple[InitialGues
     if not alone.forces:
         return []
     nothing = _alone(alone, without, alone.residual(without), np.empty(0))
-    if nothing.left < WHITE * nothing.white:
+    if nothing.left < WIRE_NOISE_TO_WHITE * nothing.white:
         return []
     found = _best_fits(fitting, nothing)
     least = min((one.beyond(nothing) for _, one in found), default=np.inf)
-    little = max(SETTLED * nothing.left, (WHITE - 1.0) * nothing.white)
-    if least > min(LEFT * nothing.beyond(nothing), little):
+    little = max(WIRE_SETTLED_SHARE * nothing.left, (WIRE_NOISE_TO_WHITE - 1.0) * nothing.white)
+    if least > min(WIRE_LEFT_SHARE * nothing.beyond(nothing), little):
         return []
-    alike = [(start, one) for start, one in found if one.beyond(nothing) < APART * least]
-    return [(start, _held(one, len(without.parameters))) for start, one in alike if len(alike) <= TELLING]
+    alike = [(start, one) for start, one in found if one.beyond(nothing) < WIRE_RIVAL_ERROR_RATIO * least]
+    return [
+        (start, _held(one, len(without.parameters))) for start, one in alike if len(alike) <= WIRE_MOST_ALIKE
+    ]
 
 
 class _Alone(NamedTuple):
@@ -74,7 +70,7 @@ class _Alone(NamedTuple):
 
         An effect that makes the noise of the recorded motion larger excuses no more than a little of it.
         """
-        noise = min(self.white, WHITE * nothing.white)
+        noise = min(self.white, WIRE_NOISE_TO_WHITE * nothing.white)
         return float(max(self.left - noise, np.sqrt(2.0 * self.residual.size)))
 
 
@@ -88,9 +84,11 @@ def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[InitialGuess, _A
     """The kinds that explain the force best, fitted to their end, best first."""
     alone, without = fitting.wires_alone, nothing.model
     starts = _best_starts(fitting, without)
-    rough = fitting.cores.each(lambda start: _fitted(alone, without, start.added_to(without), ROUGH), starts)
-    order = sorted(range(len(starts)), key=lambda i: rough[i].beyond(nothing))[: TELLING + 1]
-    fine = [(starts[i], _fitted(alone, without, rough[i].model, FINE)) for i in order]
+    rough = fitting.cores.each(
+        lambda start: _fitted(alone, without, start.added_to(without), WIRE_ROUGH_RUNS), starts
+    )
+    order = sorted(range(len(starts)), key=lambda i: rough[i].beyond(nothing))[: WIRE_MOST_ALIKE + 1]
+    fine = [(starts[i], _fitted(alone, without, rough[i].model, WIRE_FINE_RUNS)) for i in order]
     return sorted(fine, key=lambda one: one[1].beyond(nothing))
 
 
@@ -99,7 +97,7 @@ def _left(alone: WiresAlone, model: Model) -> Floats:
     try:
         return bounded(alone.residual(model))
     except InputError:
-        return np.full(alone.size, DIVERGED)
+        return np.full(alone.size, DIVERGED_ERROR)
 
 
 def _best_starts(fitting: Fitting, model: Model) -> list[InitialGuess]:
@@ -131,7 +129,7 @@ def _fitted(alone: WiresAlone, without: Model, model: Model, most: int) -> _Alon
     done = least_squares(
         lambda values: _left(alone, at(values)), np.ones(len(own)), diff_step=1e-3, max_nfev=most
     )
-    stds = TRUSTED * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
+    stds = WIRE_STD_FACTOR * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
     return _alone(alone, at(done.x), done.fun, stds)
 
 

@@ -1,0 +1,124 @@
+"""How exactly the physical side is simulated again, how long a search may, and which samples it may use."""
+
+# Accuracy.
+
+REPLAY_RESOLUTION = 2e-5
+"""Share of a signal's standard deviation below which a replay does not claim to be right."""
+
+LONGEST_STEP_RADIANS = 0.2
+SHORTEST_STEP_RADIANS = 0.05
+DRAFT_STEP_RADIANS = 0.5
+"""Longest step of a replay, in radians of a motion of the mechanics: where it soon dies, at least, and in a
+draft."""
+
+GATHERED_ERROR_SHARE = 1e-4
+"""Share of a motion by which the errors of all its steps may move it."""
+
+STEP_ERROR_DIVISOR = 120.0
+"""A step of h radians is wrong by h^5 over this (Runge-Kutta of fourth order)."""
+
+MOST_SUBSTEPS = 50
+"""Steps of a replay in one interval of the grid, at most."""
+
+AFFORDED_STEPS = 20_000
+"""Steps of a replay up to which they are as short as long motions need: a search repeats it by thousands."""
+
+LONGEST_GRID_INTERVAL_NS = 5_000_000
+"""Longest interval of the grid, ns."""
+
+TURN_GRID_RADIANS = 1.5
+SHARP_GRID_RADIANS = 0.35
+DRAFT_GRID_RADIANS = 4.0
+"""Longest interval, in radians of the fastest motor, where a wire has a motion of its own or remembers its
+path: between the points of the grid the motor moves along parabolas, which shake the one, and turn the other
+where nothing turned it if they overshoot. For a wire that remembers, the second is as good as exact; the
+third is enough for a draft."""
+
+# Work.
+
+BUDGET_STEPS = 1.5e8
+"""Steps of replays with wires after which a search winds down; on a slow host about 40 s of one core."""
+
+WIRELESS_STEP_COST = 0.75
+"""What a step of a plant without wires takes, over one with them."""
+
+SECOND_QUESTION_STEPS = 3e7
+"""Steps that a second question, which is asked of a few kinds only, may take in any case."""
+
+REPLAY_OVERHEAD_STEPS = 5e3
+"""Steps that what a replay needs beside its steps takes as long as."""
+
+MOTIONS_KEPT = 3
+"""Motions that are kept for who asks again."""
+
+# Windows: stretches of a recording, each with a start of its own.
+
+SHORT_WINDOW_PERIODS = 1.0
+"""Length of short windows, in periods of the recorded motion."""
+
+SHORTEST_WINDOW_PERIODS = 0.015
+"""Length of the shortest windows, in periods of the recorded motion: a wrong model stays near for so long."""
+
+WINDOW_FEWEST_SAMPLES = 60
+"""Samples of a window at least, each of which has a state of its own to be estimated."""
+
+DRIFT_DECAY_EXPONENT = 5.0
+"""A motion that decays by less than exp of minus this over the recording without swinging back drifts."""
+
+START_HALF_WIDTH = 12
+"""Samples on either side from which the state at the start of a window is estimated."""
+
+START_FEWEST_SAMPLES = 4
+"""Samples of which a state is estimated at least, also at the ends of a recording."""
+
+START_PERIOD_SHARE = 0.08
+"""Share of a period that these samples reach at most: over more of it no motion is a parabola."""
+
+# Which samples are readings of a sensor.
+
+STRAY_COMMANDS_SHARE = 0.01
+"""Share of the uses of commands that may be stamped wrongly."""
+
+CHANNEL_FEWEST_SHARE = 0.5
+"""Share of the samples above which a signal counts as measured."""
+
+ROUNDING_STEP_TO_NOISE = 2.5
+"""Step, over the noise, from which readings show the steps of their rounding."""
+
+LATTICE_MOST_VALUES = 0.9
+"""Different values over samples above which they lie on no lattice: a sensor that rounds repeats some."""
+
+LATTICE_TOLERANCE = 1e-3
+"""Share of a step within which all values must lie on the lattice."""
+
+NOISE_MEDIAN_TO_RMS = 0.3
+NOISE_RMS_TO_MEDIAN = 3.0
+"""Noise by the median of the differences, over that by their rms, above which the median is right; where it
+is below, few samples hold most of the power, and the noise is at most so many times the median."""
+
+SLOW_SENSOR_MOST_SAMPLES = 50
+"""Samples from one reading of a sensor to the next, at most."""
+
+SLOW_SENSOR_REGULAR_SHARE = 0.95
+"""Share of the changes that must come at multiples of one interval to be readings of a slower sensor."""
+
+SLOW_SENSOR_MOST_CHANGES = 0.6
+"""Share of the samples with a change above which a sensor is not slow: it would repeat every other one."""
+
+INTERPOLATED_SHARE = 0.3
+"""Share of the samples on straight lines between others from which a recording was interpolated."""
+
+STRAIGHT_BEND_RATIO = 0.02
+"""Second difference, over the larger ones of the recording, below which samples lie on a straight line."""
+
+KNOT_INTERVAL_RATIO = 3.0
+"""Longest interval between two knots of an interpolated recording over the shortest."""
+
+INTERPOLATED_PARTS = 10
+"""Parts of a recording that must all show it: a rig at rest is straight for a while only."""
+
+ROUNDED_BEND_STEPS = 4.0
+"""Second difference in steps of the readings below which rounding makes the straight lines."""
+
+READINGS_FEWEST_SAMPLES = 200
+"""Samples from which readings can be told from what lies between them."""

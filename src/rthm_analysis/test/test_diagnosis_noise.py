@@ -16,6 +16,7 @@ from rthm_analysis.diagnosis.fitting.noise import Noise, white_noise
 from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.readings import noise_level
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
 from .plain import recorded
@@ -106,6 +107,16 @@ def test_noise_of_a_force_does_not_foretell_itself(monkeypatch: pytest.MonkeyPat
     fitting = SimpleNamespace(cores=Cores(), experiment=SimpleNamespace(evidence=evidence), windows=runs)
     found = colours.coloured(fitting, None, white_noise(np.ones(1)))  # type: ignore[arg-type]
     assert found.is_white and found.level[0] == 1.0
+
+
+def test_noise_whose_tails_are_heavy_throughout_is_as_large_as_its_standard_deviation() -> None:
+    rng = np.random.default_rng(8)
+    heavy = rng.standard_t(3, size=20_000) / np.sqrt(3.0)
+    assert 0.9 < noise_level(heavy, heavy + 100.0) < 1.1
+    normal = rng.normal(size=20_000)
+    assert abs(noise_level(normal, normal + 100.0) - 1.0) < 0.03
+    once = normal + 6.0 * (np.arange(20_000) % 10 == 0) * (np.arange(20_000) < 4_000)
+    assert noise_level(once, once + 100.0) < 1.15
 
 
 def test_whitening_starts_anew_with_each_run() -> None:

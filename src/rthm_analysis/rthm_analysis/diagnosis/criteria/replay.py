@@ -91,6 +91,14 @@ LATTICE_MOST_VALUES = 0.9
 LATTICE_TOLERANCE = 1e-3
 """Share of a step within which all values must lie on the lattice."""
 
+TAILS_PARTS, TAILS_FEWEST_SAMPLES = 12, 100
+"""Parts of a recording in most of which a noise has tails if it has any, and samples in each."""
+
+TAILS_LEAST, TAILS_MOST = 1.1, 1.5
+"""Standard deviation of a noise over the typical size of its errors, from which it has tails, and the most
+that is taken for them: 1 in normal noise, 1.3 in third differences of Student's with three degrees of
+freedom; more is left by the steps of commands."""
+
 NOISE_MEDIAN_TO_RMS = 0.3
 NOISE_RMS_TO_MEDIAN = 3.0
 """Noise by the median of the differences, over that by their rms, above which the median is right; where it

@@ -11,6 +11,10 @@ from rthm_analysis.diagnosis.criteria.replay import (
     NOISE_RMS_TO_MEDIAN,
     REPLAY_RESOLUTION,
     ROUNDING_STEP_TO_NOISE,
+    TAILS_FEWEST_SAMPLES,
+    TAILS_LEAST,
+    TAILS_MOST,
+    TAILS_PARTS,
 )
 from rthm_core.compiled import Floats
 
@@ -31,11 +35,23 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     typical = 1.4826 * float(np.median(np.abs(third)))
     spread = float(np.sqrt(np.mean(np.square(third))))
     if typical > NOISE_MEDIAN_TO_RMS * spread:
-        level = typical
+        level = typical * _tails(third)
     else:
         level = min(spread, NOISE_RMS_TO_MEDIAN * typical) if typical > 0.0 else spread
     floor = REPLAY_RESOLUTION * (float(np.nanstd(measured)) or _largest(residual))
     return max(level, _rounding(lattice(measured), level), floor, 1e-300)
+
+
+def _tails(errors: Floats) -> float:
+    """Standard deviation over the typical size of errors that are far off now and then in every part of a
+    recording; 1 where they are not: what happens in some parts alone is no noise.
+    """
+    parts = np.array_split(errors, TAILS_PARTS)
+    typical = np.array([1.4826 * float(np.median(np.abs(part))) for part in parts])
+    if parts[-1].size < TAILS_FEWEST_SAMPLES or not typical.all():
+        return 1.0
+    ratio = float(np.median([part.std() for part in parts] / typical))
+    return min(ratio, TAILS_MOST) if ratio > TAILS_LEAST else 1.0
 
 
 def _largest(residual: Floats) -> float:

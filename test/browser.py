@@ -91,10 +91,10 @@ class Tab:
             time.sleep(0.05)
         return found
 
-    def press(self, key: str) -> None:
+    def press(self, key: str, *, shift: bool = False) -> None:
         """Press and release a key."""
-        codes = {"Tab": 9, "Enter": 13}
-        pressed = {"key": key, "code": key, "windowsVirtualKeyCode": codes[key]}
+        codes = {"Tab": 9, "Enter": 13, "ArrowLeft": 37, "ArrowRight": 39}
+        pressed = {"key": key, "code": key, "windowsVirtualKeyCode": codes[key], "modifiers": 8 * shift}
         text = {"text": "\r"} if key == "Enter" else {}
         self.call("Input.dispatchKeyEvent", type="keyDown", **pressed, **text)
         self.call("Input.dispatchKeyEvent", type="keyUp", **pressed)
@@ -106,6 +106,26 @@ class Tab:
             self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": 200, "y": y}])
         self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
         self.value("new Promise(done => setTimeout(done, 200))")
+
+    def drag(self, x: float, y: float, by: float, *, finger: bool = False) -> None:
+        """Draw what is at a place of the window sideways, px, by mouse or with a finger."""
+        move = self._touch if finger else self._mouse
+        for k in range(11):
+            move("begin" if k == 0 else "move", x + 0.1 * k * by, y)
+            self.value("new Promise(requestAnimationFrame)")
+        move("end", x + by, y)
+        self.value("new Promise(requestAnimationFrame)")
+
+    def _mouse(self, what: str, x: float, y: float) -> None:
+        kind = {"begin": "mousePressed", "move": "mouseMoved", "end": "mouseReleased"}[what]
+        if what == "begin":
+            self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
+    def _touch(self, what: str, x: float, y: float) -> None:
+        kind = {"begin": "touchStart", "move": "touchMove", "end": "touchEnd"}[what]
+        points = [] if what == "end" else [{"x": x, "y": y}]
+        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
     def printed(self) -> bytes:
         """The page as PDF, A4."""

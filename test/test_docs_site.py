@@ -44,6 +44,15 @@ def test_the_site_has_every_page_and_every_function_and_asks_nobody_else_for_any
     ]
     loaded = re.compile(r'(?:src|rel="stylesheet"[^>]*href)="(https?:[^"]*)"')
     assert not [found for page in made.rglob("*.html") for found in loaded.findall(page.read_text("utf-8"))]
+    for page, heading in linked_by_pages():
+        assert f'id="{heading}"' in (made / f"{page}.html").read_text(encoding="utf-8"), (page, heading)
+
+
+def linked_by_pages() -> set[tuple[str, str]]:
+    """Pages and headings to which reports and diagnoses link."""
+    sources = (ROOT / "src" / "rthm_analysis" / "rthm_analysis" / "report").glob("*.py")
+    named = re.compile(r'"((?:how-to/|reference/)?[a-z-]+)#([a-z-]+)"')
+    return {found for source in sources for found in named.findall(source.read_text(encoding="utf-8"))}
 
 
 @pytest.mark.long

@@ -116,3 +116,7 @@ def test_words_are_shown_as_text_and_the_page_needs_no_network(page: str) -> Non
     assert "Dry friction <of>" not in page.split("application/json")[0]
     assert "0.118" in page and "93 %" in page
     assert "<script src=" not in page and "<link" not in page
+
+
+def test_every_heading_has_a_link_to_what_explains_it(page: str) -> None:
+    assert page.count('</h2><a class="about" href="') == page.count("<section ") > 5

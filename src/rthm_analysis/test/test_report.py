@@ -11,7 +11,7 @@ import pytest
 from bokeh.models import CrosshairTool, Line, Range1d, Scatter
 
 from rthm_analysis.bag_analysis import analyse_bag, to_json, write_beside
-from rthm_analysis.report import verdict, write_report
+from rthm_analysis.report import documentation, verdict, write_report
 from rthm_analysis.report.colours import COLOURS
 from rthm_analysis.report.figures import Curves, is_sparse
 from rthm_analysis.report.thinning import extremes
@@ -22,6 +22,7 @@ from .conftest import START, joint_state, mcap_file, plant_samples, text
 from .loop import recorded
 
 SPEC = shipped_spec("paper")
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -143,3 +144,43 @@ def test_plots_over_one_axis_of_time_share_their_cursor() -> None:
     plots = [Curves(name, "m", span).plot for name in "ab"]
     one, other = (tool.overlay for plot in plots for tool in plot.tools if isinstance(tool, CrosshairTool))
     assert one is other
+
+
+LINKED = re.compile(r'"((?:how-to/|reference/)?[a-z-]+)#([a-z-]+)"')
+"""Part of the documentation, as a section names it."""
+
+
+def test_every_part_of_the_documentation_that_a_section_names_exists() -> None:
+    sources = (ROOT / "src" / "rthm_analysis" / "rthm_analysis" / "report").glob("*.py")
+    named = {found for source in sources for found in LINKED.findall(source.read_text(encoding="utf-8"))}
+    assert len(named) >= 12
+    for page, heading in named:
+        text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        headings = re.findall(r"^#+ ([A-Za-z ]+)$", text, re.MULTILINE)
+        assert heading in {one.lower().replace(" ", "-") for one in headings}, (page, heading)
+
+
+def test_every_heading_links_to_the_site_that_the_environment_names(
+    loop_bag: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RTHM_DOCS", "https://docs.example/rthm/")
+    write_report(loop_bag, tmp_path / "linked.html")
+    page = (tmp_path / "linked.html").read_text(encoding="utf-8")
+    links = re.findall(r'</h2><a class="about" href="https://docs.example/rthm/([^"]+)"', page)
+    assert len(links) == page.count("<section ") and "how-to/read-a-report.html#motion" in links
+    monkeypatch.setenv("RTHM_DOCS", "")
+    write_report(loop_bag, tmp_path / "bare.html")
+    assert 'class="about"' not in (tmp_path / "bare.html").read_text(encoding="utf-8")
+
+
+def test_without_a_name_the_documentation_is_the_site_of_the_checkout_or_the_pages_it_is_made_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("RTHM_DOCS", raising=False)
+    monkeypatch.setattr(documentation, "CHECKOUT", tmp_path)
+    assert documentation.address("time#at-one-instant") == ""
+    for folder, name in (("docs", "time.md"), ("out/docs", "time.html")):
+        (tmp_path / folder).mkdir(parents=True)
+        (tmp_path / folder / name).touch()
+        expected = f"{(tmp_path / folder / name).as_uri()}#at-one-instant"
+        assert documentation.address("time#at-one-instant") == expected

@@ -81,18 +81,35 @@ def _sections(comparison: Comparison) -> list[Section]:
                 f"Aligned at their starts, over {one.begin:.4g} to {one.end:.4g} s. Time offset:"
                 f" {_shown(rows.seconds(one.offset))}.",
                 [_table(rows.difference_rows(one))],
+                "how-to/compare-tests#measures",
             )
             for one in comparison.against
         ),
-        Section("Signals", "Each in all tests, and what is between them.", overlays(comparison)),
+        Section(
+            "Signals",
+            "Each in all tests, and what is between them.",
+            overlays(comparison),
+            "how-to/compare-tests#signals",
+        ),
         Section(
             "Tracking",
             "How well the actuators tracked their commands, in each test.",
             [_table(rows.tracking_rows(comparison))],
+            "how-to/compare-tests#measures",
         ),
-        Section("Delays", "As they acted, holds included.", [_table(rows.delay_rows(comparison))]),
-        Section("Energy", "Work on the moving masses until the end.", [_table(rows.energy_rows(comparison))]),
-        Section("What is measured", "", [_definitions()]),
+        Section(
+            "Delays",
+            "As they acted, holds included.",
+            [_table(rows.delay_rows(comparison))],
+            "how-to/compare-tests#measures",
+        ),
+        Section(
+            "Energy",
+            "Work on the moving masses until the end.",
+            [_table(rows.energy_rows(comparison))],
+            "how-to/compare-tests#measures",
+        ),
+        Section("What is measured", "", [_definitions()], "how-to/compare-tests#measures"),
         Section("Notes", "", [note_list(list(notes))] if notes else []),
     ]
 

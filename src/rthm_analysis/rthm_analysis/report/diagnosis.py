@@ -75,9 +75,20 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "Each block is predicted from what really went into it. 1 x noise: the prediction is as near as "
             "can be. A block without a frame is off only because of a framed one.",
             [drawing(diagnosis, recording, spec), tables.mismatches(diagnosis)],
+            "diagnosis#how-to-read-the-answer",
         ),
-        Section("Wrong with the recording or its spec", "", [lists.faults(diagnosis)]),
-        Section("What", "", [tables.physics(diagnosis), tables.retuned(diagnosis), lists.traces(diagnosis)]),
+        Section(
+            "Wrong with the recording or its spec",
+            "",
+            [lists.faults(diagnosis)],
+            "diagnosis#faults-of-the-recording",
+        ),
+        Section(
+            "What",
+            "",
+            [tables.physics(diagnosis), tables.retuned(diagnosis), lists.traces(diagnosis)],
+            "diagnosis#how-to-read-the-answer",
+        ),
         Section(
             "Forces without a name",
             "The data show them; no known kind fits.",
@@ -85,12 +96,14 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
                 lists.described(diagnosis),
                 *([figures.curve_plot(figures.curve_of(one))] for one in diagnosis.described if one.at.size),
             ],
+            "diagnosis#how-it-works",
         ),
         Section(
             "The force that the model lacks",
             "Large dots: averages over the recording, with one standard deviation. "
             "Small dots: what was named, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
+            "diagnosis#how-it-works",
         ),
         Section(
             "Before and after, on data that no fit has seen",
@@ -100,22 +113,40 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
                 lists.free_runs(diagnosis),
                 *([plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit)),
             ],
+            "diagnosis#how-to-read-the-answer",
         ),
         Section(
             "Energy",
             "Over the whole recording: what was found"
             + (", beside what the delays of the loop did." if delays else "."),
             [[figures.energy_plot(found, delays)]] if found or delays else [],
+            "diagnosis#how-to-read-the-answer",
         ),
-        Section("What else it could be", "", [tables.alternatives(diagnosis), lists.refused(diagnosis)]),
-        Section("What to do next", "", lists.next_test(diagnosis)),
+        Section(
+            "What else it could be",
+            "",
+            [tables.alternatives(diagnosis), lists.refused(diagnosis)],
+            "diagnosis#how-to-read-the-answer",
+        ),
+        Section("What to do next", "", lists.next_test(diagnosis), "diagnosis#how-to-read-the-answer"),
         Section(
             "What would have been seen",
             "The smallest effects that this recording would have shown.",
             [tables.limits(diagnosis)],
+            "diagnosis#how-to-read-the-answer",
         ),
-        Section("Notes", "", [note_list(diagnosis.notes)] if diagnosis.notes else []),
-        Section("Spec that behaves as recorded", "", [patched] if diagnosis.patched else []),
+        Section(
+            "Notes",
+            "",
+            [note_list(diagnosis.notes)] if diagnosis.notes else [],
+            "diagnosis#what-it-cannot-do",
+        ),
+        Section(
+            "Spec that behaves as recorded",
+            "",
+            [patched] if diagnosis.patched else [],
+            "diagnosis#how-to-read-the-answer",
+        ),
     ]
 
 

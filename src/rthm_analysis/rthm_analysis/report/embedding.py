@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 COLUMNS = {1: "", 2: "two", 3: "three", 4: "four"}
 
 
-SCRIPT = ("plots", "colours", "fitting", "drawing", "files", "controls", "paper")
+SCRIPT = ("plots", "colours", "fitting", "drawing", "files", "controls", "cursors", "paper")
 """Parts of the script of a page, in their order."""
 
 

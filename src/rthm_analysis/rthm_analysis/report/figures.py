@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
-from bokeh.models import CrosshairTool, HoverTool, Legend, Range1d, Span
+from bokeh.models import HoverTool, Legend, Range1d
 from bokeh.plotting import figure
 
 from rthm_analysis.report.colours import AXIS, COLOURS, GRID, INK, MUTED, PAPER
+from rthm_analysis.report.cursors import add_cursors
 from rthm_analysis.report.gathered import Gathered
 from rthm_analysis.report.thinning import SPANS, extremes
 from rthm_core.compiled import Floats
@@ -59,7 +59,7 @@ class Curves:
     def __init__(self, title: str, label: str, span: Range1d, height: int = 300) -> None:
         self.plot = plain_plot(title, "time (s)", label, height)
         self.plot.x_range = span
-        self.plot.add_tools(CrosshairTool(overlay=_cursor(span)))
+        add_cursors(self.plot, span)
         self._entries: list[tuple[str, list[object]]] = []
         self._hovered: list[object] = []
 
@@ -90,12 +90,6 @@ class Curves:
         tips = [("", "$name"), ("time", "$x{0.0000} s"), ("value", "$y{0.000000}")]
         self.plot.add_tools(HoverTool(renderers=self._hovered, tooltips=tips, mode="mouse"))
         return self.plot
-
-
-@lru_cache(1)
-def _cursor(span: Range1d) -> Span:
-    """Line at the time under the mouse, in all plots over one axis of time."""
-    return Span(dimension="height", line_color=MUTED, line_dash="2 3", line_width=1)
 
 
 def is_sparse(values: Floats) -> bool:

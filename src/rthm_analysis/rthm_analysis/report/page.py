@@ -16,6 +16,7 @@ import numpy as np
 from rthm_analysis.bag_analysis import to_json
 from rthm_analysis.recording import Recording
 from rthm_analysis.report import tables
+from rthm_analysis.report.documentation import address
 from rthm_analysis.report.embedding import Embedding, script_safe
 from rthm_analysis.report.gathered import Gathered, gather
 from rthm_analysis.report.loop_drawing import draw_loop
@@ -34,11 +35,15 @@ USE_LINKED = f"{USE} All time axes move together."
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a page: a heading, a line of explanation, and rows of plots or pieces of HTML."""
+    """Part of a page: a heading, a line of explanation, and rows of plots or pieces of HTML.
+
+    `about` is the part of the documentation that explains it (`documentation.address`).
+    """
 
     title: str
     words: str
     parts: Sequence[str | list[figure]]
+    about: str = ""
 
 
 def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) -> Gathered:
@@ -120,18 +125,33 @@ def _sections(gathered: Gathered) -> list[Section]:
     delays = [*figures.rows(figures.ages(gathered)), *figures.rows(figures.excesses(gathered))]
     clocks = [tables.clocks(timing), *figures.rows(figures.periods(gathered))] if timing.clocks else []
     return [
-        Section("The loop", "Delays as asked for, and how old samples were when they were used.", loop),
-        Section("Motion", "", single),
-        Section("Force", "", force),
-        Section("Energy", _closing(gathered), energy),
+        Section(
+            "The loop",
+            "Delays as asked for, and how old samples were when they were used.",
+            loop,
+            "how-to/read-a-report#the-loop",
+        ),
+        Section("Motion", "", single, "how-to/read-a-report#motion"),
+        Section("Force", "", force, "how-to/read-a-report#force"),
+        Section("Energy", _closing(gathered), energy, "how-to/read-a-report#energy"),
         Section(
             "Delays",
             "Age of each sample at its use, holds included; excess: what it has beyond the exact schedule.",
             [tables.links(timing), *delays] if timing.links else [],
+            "how-to/read-a-report#delays",
         ),
-        Section("Clocks", "Time from tick to tick, as the ticks were done.", clocks),
-        Section("Notes", "", [note_list(gathered.notes)] if gathered.notes else []),
-        Section("Spec", "The test, as it is in the recording.", [_spec(gathered)] if spec else []),
+        Section(
+            "Clocks", "Time from tick to tick, as the ticks were done.", clocks, "how-to/read-a-report#clocks"
+        ),
+        Section(
+            "Notes", "", [note_list(gathered.notes)] if gathered.notes else [], "how-to/read-a-report#notes"
+        ),
+        Section(
+            "Spec",
+            "The test, as it is in the recording.",
+            [_spec(gathered)] if spec else [],
+            "how-to/read-a-report#spec",
+        ),
     ]
 
 
@@ -146,8 +166,19 @@ def _closing(gathered: Gathered) -> str:
 def _section(section: Section, embedding: Embedding) -> str:
     words = f"<p>{escape(section.words)}</p>" if section.words else ""
     parts = [part if isinstance(part, str) else embedding.row(part) for part in section.parts]
-    head = f"<h2>{escape(section.title)}</h2>{words}"
+    head = f"<h2>{escape(section.title)}</h2>{_explained(section)}{words}"
     return f'<section id="{anchor(section.title)}">{head}{"".join(parts)}</section>'
+
+
+def _explained(section: Section) -> str:
+    """Link from a heading to the documentation."""
+    href = address(section.about) if section.about else ""
+    label = escape(f"{section.title}: explained in the documentation", quote=True)
+    return (
+        f'<a class="about" href="{escape(href, quote=True)}" aria-label="{label}">explained</a>'
+        if href
+        else ""
+    )
 
 
 def _title(gathered: Gathered) -> str:

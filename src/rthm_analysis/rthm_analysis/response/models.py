@@ -74,14 +74,28 @@ def delayed(loop: LinearLoop, ways: Paths, omega: Floats) -> Complex:
     return np.stack([_delayed_at(loop, ways, 1j * w) for w in omega])
 
 
+def once_round(loop: LinearLoop, ways: Paths, s: complex) -> Complex:
+    """What becomes of the commands once round the loop (m, m), in the model of `delayed`."""
+    late = [np.exp(-s * delay) for delay in ways]
+    command = _command_of_state(loop, late, _transfer(loop.a2, loop.b2, s))
+    return np.asarray(command @ loop.sampled @ _transfer(loop.a1, loop.b1, s))
+
+
+def _command_of_state(loop: LinearLoop, late: list[complex], by_held: Complex) -> Complex:
+    """Command (m, 2 m) that the controller makes of what is sampled; `by_held`: z2 of the held motion."""
+    m = loop.actuators
+    from_state = late[2] * loop.force_held + late[3] * late[0] * loop.force_state @ by_held
+    command = loop.flexibility[:, None] * from_state
+    command[:, :m] += late[1] * np.eye(m)
+    return np.asarray(command)
+
+
 def _delayed_at(loop: LinearLoop, ways: Paths, s: complex) -> Complex:
     m, n1, n2 = loop.actuators, loop.position1.shape[0], loop.position2.shape[0]
     late = [np.exp(-s * delay) for delay in ways]
     by_command, by_load1 = np.split(_transfer(loop.a1, np.hstack([loop.b1, loop.l1]), s), [m], axis=1)
     by_held, by_load2 = np.split(_transfer(loop.a2, np.hstack([loop.b2, loop.l2]), s), [2 * m], axis=1)
-    from_state = late[2] * loop.force_held + late[3] * late[0] * loop.force_state @ by_held
-    command = loop.flexibility[:, None] * from_state
-    command[:, :m] += late[1] * np.eye(m)
+    command = _command_of_state(loop, late, by_held)
     command_of_load = loop.flexibility[:, None] * (late[3] * loop.force_state @ by_load2)
     outside = loop.sampled @ np.hstack([by_load1, by_command @ command_of_load])
     state = np.linalg.solve(np.eye(2 * m) - loop.sampled @ by_command @ command, outside)

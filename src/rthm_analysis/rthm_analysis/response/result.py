@@ -11,6 +11,7 @@ from rthm_analysis.lifted.commensurate import period_of
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import linear_loop
+from rthm_analysis.response.margins import LoopTransfer, Margins, margins_of
 from rthm_analysis.response.models import Complex, coupled, delayed, paths
 from rthm_analysis.response.sampled import sampled
 from rthm_core.compiled import Floats
@@ -40,6 +41,11 @@ class Response:
         Relative error of the periods of clocks that never tick together; 0: exact.
     left_out : tuple of str
         What is not linear and was left out, a sentence each.
+    margins : tuple of Margins
+        Of the way ``delays_and_holds``, cut at the command of each motor; without figures where that is not
+        stable.
+    loop_transfer : (W, m) array or None
+        What becomes of each motor's command once round the loop, in the same way.
     """
 
     omega: Floats
@@ -48,6 +54,8 @@ class Response:
     stable: bool
     period_error: float
     left_out: tuple[str, ...]
+    margins: tuple[Margins, ...] = ()
+    loop_transfer: Complex | None = None
 
     def as_dict(self) -> dict[str, object]:
         """Contract, section 5: keys of ``rthm response --json``."""
@@ -67,6 +75,7 @@ class Response:
             "stable": self.stable,
             "period_error": self.period_error,
             "left_out": list(self.left_out),
+            "margins": [one.as_dict() for one in self.margins],
         }
 
 
@@ -96,17 +105,22 @@ def response(spec: Spec, omega: Floats) -> Response:
         )
     linear, left_out = linear_part(spec)
     loop, (cycle, error) = linear_loop(linear), period_of(linear)
-    lifted = Lifted(loop, cycle)
+    lifted, held = Lifted(loop, cycle), paths(linear, holds=True)
+    transfer = LoopTransfer(loop, held)
     ways = {
         "ideal": coupled(linear, "ideal", omega),
         "delays": delayed(loop, paths(linear, holds=False), omega),
-        "delays_and_holds": delayed(loop, paths(linear, holds=True), omega),
+        "delays_and_holds": delayed(loop, held, omega),
         "taylor": coupled(linear, "taylor", omega),
         "sampled": sampled(lifted, omega),
     }
     if loop.predictor is not None:
         how = spec.loop().actuator.compensator
-        left_out = (*left_out, f"The compensator ({how}) is in the column sampled alone.")
+        left_out = (
+            *left_out,
+            f"The compensator ({how}) is in the column sampled alone, and not in the margins.",
+        )
     stable = bool(np.abs(np.linalg.eigvals(lifted.monodromy())).max() < 1.0)
     dofs = (*spec.plant.dofs, *spec.loop().numerical.dofs)
-    return Response(omega, dofs, ways, stable, error, left_out)
+    margins = margins_of(transfer, spec.loop().actuator.names)
+    return Response(omega, dofs, ways, stable, error, left_out, margins, transfer(omega))

@@ -6,7 +6,7 @@ addEventListener("beforeprint", () => {
     const sheet = document.createElement("div");
     sheet.className = "on-paper";
     sheet.attachShadow({ mode: "open" }).append(drawn(view)); // names inside a figure stay its own
-    view.el.closest("figure").append(sheet);
+    view.el.closest(".live").after(sheet);
     sheets.push(sheet);
   }
   document.body.classList.add("drawn");

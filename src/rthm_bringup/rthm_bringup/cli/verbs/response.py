@@ -31,7 +31,10 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """Compare the frequency response of the ideal system, of delays, and of the sampled loop."""
+    """Compare the frequency response of the ideal system, of delays, and of the sampled loop.
+
+    Below it: gain, phase and delay margin of the loop, cut at the command of each motor.
+    """
     import numpy as np
 
     from rthm_analysis.response import response
@@ -70,4 +73,9 @@ def _lines(result: Response) -> list[str]:
         cells = [f"{one[way]['amplitude']:.5g} m/N {one[way]['phase_deg']:+.2f} deg" for way in WAYS]
         rows.append((f"{one['input']}, {one['output']}", f"{one['omega']:g}", *cells))
     unstable = [] if result.stable else ["the sampled loop is not stable: it never settles to its column."]
-    return [*result.left_out, *unstable, *table(rows)]
+    return [*result.left_out, *unstable, *table(rows), "", *table(_margins(result))]
+
+
+def _margins(result: Response) -> list[tuple[str, ...]]:
+    head = ("loop cut at the command of", "gain margin", "phase margin", "delay margin")
+    return [head, *((one.actuator, *one.words) for one in result.margins)]

@@ -64,6 +64,8 @@ class Response(Result, responses.Response):
         m/N.
     stable : bool
         Whether the sampled loop is.
+    margins : tuple of Margins
+        Gain, phase and delay margin at the command of each motor.
     """
 
     def columns(self) -> dict[str, Column]:

@@ -15,6 +15,7 @@ from rthm_analysis.report.colours import COLOURS
 from rthm_analysis.report.figures import Curves, steps
 from rthm_analysis.report.page import Section, assemble, write_page
 
+LONG = "/data/2026/november/shaking_table/second_series/late.mcap"
 READY = "document.readyState == 'complete' && document.documentElement.dataset.ready"
 TOGGLE = "[...document.querySelectorAll('.bar button')].find(one => one.textContent === 'cursors').click()"
 PLOTS = "[...Bokeh.index.roots].filter(one => one.model.toolbar)"
@@ -37,7 +38,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
         Curves("a", "position (m)", one), Curves("b", "force (N)", one), Curves("c", "age (s)", other),
     )  # fmt: skip
     position.add("line", t, 2.0 * t, COLOURS[0])
-    position.add("late", t, np.where(t < 5.0, np.nan, np.sin(t)), COLOURS[1])
+    position.add(LONG, t, np.where(t < 5.0, np.nan, np.sin(t)), COLOURS[1])
     force.add("held", *steps(np.arange(11.0), np.arange(11.0) ** 2), COLOURS[2])
     late.add("other", t / 2.0, t, COLOURS[3])
     path = tmp_path_factory.mktemp("cursors") / "page.html"
@@ -93,13 +94,15 @@ def test_the_text_tells_times_their_difference_its_inverse_and_every_curve_with_
     head, line, late = tab.value(CELLS.format(0))
     assert head == ["", "at t1 (m)", "at t2 (m)", "difference (m)"]
     assert line == ["line", "5", "13", "8"]
-    assert late == ["late", "–", f"{math.sin(6.5):.4g}", "–"]
+    assert late == [LONG, "–", f"{math.sin(6.5):.4g}", "–"]
     assert tab.value(CELLS.format(1))[1:] == [["held", "4", "36", "32"]]
 
 
 def test_a_curve_that_is_hidden_is_not_told(tab: Tab, page: Path) -> None:
     opened(tab, page)
-    tab.value("[...document.querySelectorAll('.bar button')].find(one => one.textContent === 'late').click()")
+    tab.value(
+        f"[...document.querySelectorAll('.bar button')].find(one => one.textContent === '{LONG}').click()"
+    )
     assert [row[0] for row in tab.value(CELLS.format(0))] == ["", "line"]
 
 
@@ -169,3 +172,11 @@ def test_the_line_under_the_mouse_is_the_same_in_plots_over_one_axis(tab: Tab, p
     tab.wait_for(f"{overlays}[0] > 0")
     first, second, third = tab.value(overlays)
     assert first == second != third
+
+
+def test_a_long_name_leaves_room_for_its_numbers_on_a_phone(tab: Tab, page: Path) -> None:
+    opened(tab, page, 390, phone=True)
+    right = "[...document.querySelectorAll('.cursors td')].map(one => one.getBoundingClientRect().right)"
+    assert max(tab.value(right)) <= tab.value(
+        "document.querySelector('figure').getBoundingClientRect().right"
+    )

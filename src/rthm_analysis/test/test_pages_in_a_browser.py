@@ -108,6 +108,16 @@ def test_every_figure_is_whole_on_paper_however_wide_the_window_was(
     assert tab.value("document.querySelectorAll('.on-paper').length") == 0
 
 
+def test_a_heading_stays_with_what_follows_it_on_paper(tab: Tab, pages: dict[str, Path]) -> None:
+    opened(tab, pages["diagnosis"])
+    tab.call("Emulation.setEmulatedMedia", media="print")
+    style = (
+        "(({ display, breakAfter }) => [display, breakAfter])(getComputedStyle(document.querySelector('h2')))"
+    )
+    assert tab.value(style) == ["block", "avoid"]  # a break can be avoided after blocks alone
+    tab.call("Emulation.setEmulatedMedia", media="")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_the_keyboard_reaches_every_control(tab: Tab, pages: dict[str, Path], name: str) -> None:
     opened(tab, pages[name])

@@ -163,6 +163,19 @@ def test_what_matters_little_is_told_unless_another_kind_would_do_nearly_as_well
     assert [_has_rivals(cast(Selection, selection), i) for i in range(3)] == [True, False, True]
 
 
+def test_a_stiffness_that_drifts_is_described_over_position_and_time() -> None:
+    part = part_of(recorded(lambda t, x, v: -1.0 * x * t / 24.0))
+    assert not part.physics and part.described[0].depends_on == ("x", "t")
+    assert part.described[0].held_out_gain > 0.95
+
+
+def test_a_position_that_drifts_is_described_over_time_alone() -> None:
+    seen = recorded()
+    drifting = seen.measured + np.arange(seen.measured.shape[0])[:, None] * np.array([3e-3 / 4800, 0.0])
+    part = part_of(replace(seen, measured=drifting))
+    assert not part.physics and [one.depends_on for one in part.described] == [("t",)]
+
+
 def test_a_drift_of_one_sensor_is_named_as_that() -> None:
     seen = recorded()
     drifting = seen.measured + np.arange(seen.measured.shape[0])[:, None] * np.array([0.0, 1e-2 / 4800])

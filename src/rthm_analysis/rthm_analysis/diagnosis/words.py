@@ -207,7 +207,7 @@ def verdict_words(
         answer = [_where(verdict, located), *(one.words for one in physics)]
         answer += [f"Besides, {new_values}."] if new_values and verdict != "unexplained" else []
     answer += [one.words for one in described]
-    answer += [ABOVE] if verdict == "improved" else []
+    answer += [ABOVE] if verdict == "improved" and (physics or new_values) else []
     answer += [f"Also detectable, though it matters little: {one.words}" for one in traces]
     answer += [f"({SPREAD})"] if any("+-" in said for said in answer) else []
     return " ".join([*answer, *(one.words for one in faults)])

@@ -167,6 +167,8 @@ def _answer(diagnosis: Diagnosis) -> str:
     differ = f"Simulation and recording differ in {where}"
     if diagnosis.verdict == "explained":
         return f"{differ}; the physics that was left out is named below."
+    if diagnosis.verdict == "improved" and not diagnosis.physics and diagnosis.described:
+        return f"{differ}; the force that is missing has no name and is described below."
     if diagnosis.verdict == "improved":
         return f"{differ}; what is named below explains a part of it, and the rest is above the noise."
     if diagnosis.verdict == "unexplained":

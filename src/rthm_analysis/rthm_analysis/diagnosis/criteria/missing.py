@@ -7,6 +7,9 @@ CURVE_GAIN = 25.0
 """Gain in squared error, in units of the noise, that a curve must bring both cross-validated and on unseen
 data: five standard deviations of chance."""
 
+SIMPLER_CURVE_LEFT_RATIO = 4.0
+"""Mismatch that a curve over fewer variables may leave, over what the best one leaves."""
+
 SIMPLER_CURVE_GAIN_SHARE = 0.85
 """Share of the best curve's gain with which one over fewer variables is taken instead."""
 

@@ -9,6 +9,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_UNSEEN_SHARE,
     DISSIPATED_SHARE,
     SIMPLER_CURVE_GAIN_SHARE,
+    SIMPLER_CURVE_LEFT_RATIO,
     SYMMETRIC_SHARE,
 )
 from rthm_analysis.diagnosis.missing.binned import binned
@@ -42,9 +43,14 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     confirmed = [one for one in curves if is_confirmed(one)]
     if not confirmed:
         return None
-    best = max(one.gain for one in confirmed)
-    good = [one for one in confirmed if one.gain >= SIMPLER_CURVE_GAIN_SHARE * best]
-    return min(good, key=lambda one: (len(one.feature.depends_on), -one.gain))
+    best = max(confirmed, key=lambda one: one.gain)
+    left = max(SIMPLER_CURVE_LEFT_RATIO * (best.excess - best.gain), CURVE_GAIN)
+    good = [
+        one
+        for one in confirmed
+        if one.gain >= SIMPLER_CURVE_GAIN_SHARE * best.gain and one.excess - one.gain <= left
+    ]
+    return min([best, *good], key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
 def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bool) -> Described:

@@ -34,19 +34,26 @@ class Feature:
 
 
 def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
-    """Curves over one variable, surfaces over motion, coefficients that change with time."""
+    """Curves over one variable, surfaces over motion, coefficients that change with time.
+
+    What grows steadily with time is told by straight lines: they alone say what follows.
+    """
     x, v = hats(at.x, knots(at.x, CURVE_KNOTS)), hats(at.v, knots(at.v, CURVE_KNOTS))
     slow = hats(time, np.linspace(time[0], time[-1], TIME_CURVE_KNOTS))
     sign = np.sign(at.v)[:, None]
+    line = np.column_stack([np.ones_like(time), (time - time[0]) / (time[-1] - time[0])])
     yield Feature(("x",), x)
     yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), PERIODIC_CURVE_KNOTS)))
     yield Feature(("v",), np.hstack([v, sign]))
     yield Feature(("t",), slow)
+    yield Feature(("t",), line)
     coarse = hats(at.x, knots(at.x, SURFACE_KNOTS)), hats(at.v, knots(at.v, SURFACE_KNOTS))
     yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
     yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * CURVE_KNOTS)) * sign)
     yield Feature(("x", "t"), slow * at.x[:, None])
     yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
+    yield Feature(("x", "t"), line * at.x[:, None])
+    yield Feature(("v", "t"), np.hstack([line * at.v[:, None], line * sign]))
     if np.any(load):
         yield Feature(("load",), hats(load, knots(load, CURVE_KNOTS)))
 

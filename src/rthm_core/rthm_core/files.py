@@ -49,6 +49,22 @@ def check_place(option: str, path: str | Path) -> None:
         )
 
 
+def check_new(option: str, path: str | Path) -> None:
+    """Refuse the path of a file that is there already, or that cannot be written.
+
+    Raises
+    ------
+    InputError
+        Also if it is empty or a folder, or its folder is not there.
+    """
+    check_place(option, path)
+    if Path(path).exists() or Path(path).is_symlink():
+        raise InputError(
+            f"{path} is there already, but {option} must be a new file, as nothing is overwritten; name "
+            "another one, or remove it first."
+        )
+
+
 def write_whole(path: str | Path, text: str) -> None:
     """Write a text file that appears at once, so that nobody ever finds half of it.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.criteria.verdict import PATCHED_ERROR_RATIO, RUNAWAY_ERROR_RATIO
+from rthm_analysis.diagnosis.replay.entries import MATRICES, entry_of
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_core.spec import Spec, apply, write_spec
@@ -82,7 +83,17 @@ def patched_spec(parts: list[Part], spec: Spec) -> Spec:
         ]
         changes["effects"] = [*(e.name for e in spec.effects), *names[: len(sections)]]
         changes |= dict(zip(names, sections, strict=False))
-    return apply(spec, changes) if changes else spec
+    return apply(spec, _both_halves(changes, spec)) if changes else spec
+
+
+def _both_halves(changes: dict[str, object], spec: Spec) -> dict[str, object]:
+    """Changes with those of the other half of symmetric matrices, of which only one is fitted."""
+    n, whole = len(spec.plant.dofs), dict(changes)
+    for key, value in changes.items():
+        name, place = entry_of(key) or ("", 0)
+        if name in MATRICES:
+            whole.setdefault(f"{name}[{place % n * n + place // n}]", value)
+    return whole
 
 
 def _flat(section: dict[str, object]) -> dict[str, object]:

@@ -6,7 +6,8 @@ Numbers are always floats with a dot, names are quoted, and empty lists are left
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 from rthm_core.spec.building import nested
 from rthm_core.spec.catalogue import sections
@@ -16,23 +17,39 @@ from rthm_core.spec.schema import Spec
 KEYS = {name for _, section in sections() for name in section.model_fields}
 
 
+HEAD = ("/**:", "  ros__parameters:")
+"""Lines with which every file begins."""
+
+
+class Line(NamedTuple):
+    """Line of a file: the dotted name that it is about, and its text; a section begins or has a value."""
+
+    name: str
+    text: str
+    is_section: bool
+
+
 def write_spec(spec: Spec) -> str:
     """Return the spec as YAML text with every default written out; `read_spec` of it gives the same spec."""
-    tree = nested(values(spec))
-    return "\n".join(["/**:", "  ros__parameters:", *_lines(tree, "    ")]) + "\n"
+    return "\n".join([*HEAD, *(line.text for line in lines(spec))]) + "\n"
 
 
-def _lines(tree: dict[str, Any], indent: str) -> list[str]:
-    lines: list[str] = []
+def lines(spec: Spec) -> Iterator[Line]:
+    """Lines of the file below its head."""
+    return _lines(nested(values(spec)), "    ", "")
+
+
+def _lines(tree: dict[str, Any], indent: str, within: str) -> Iterator[Line]:
     for key, value in tree.items():
+        dotted = f"{within}.{key}" if within else key
         if isinstance(value, dict):
             name = (
                 key if key in KEYS else json.dumps(key)
             )  # an effect may be called "on", which is true in YAML
-            lines += [f"{indent}{name}:", *_lines(value, indent + "  ")]
+            yield Line(dotted, f"{indent}{name}:", is_section=True)
+            yield from _lines(value, indent + "  ", dotted)
         else:
-            lines.append(f"{indent}{key}: {_text(value)}")
-    return lines
+            yield Line(dotted, f"{indent}{key}: {_text(value)}", is_section=False)
 
 
 def _text(value: Any) -> str:

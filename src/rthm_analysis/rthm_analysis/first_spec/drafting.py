@@ -1,0 +1,304 @@
+"""Put a first spec together from what a recording says, with a word on whatever it does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rthm_analysis.diagnosis.replay.evidence import gather
+from rthm_analysis.first_spec.computed import (
+    EXACT,
+    connections,
+    controller_stiffness,
+    numerical_matrices,
+    ticks_of,
+)
+from rthm_analysis.first_spec.motion import beginning, plant_of, with_steps_between
+from rthm_analysis.first_spec.names import Parts, parts_of
+from rthm_analysis.first_spec.timing import timing_of
+from rthm_analysis.identification import Figure, identify, motions_of
+from rthm_core.errors import InputError
+from rthm_core.spec import spec_from_parameters
+from rthm_core.spec.first import SPREAD, UNCERTAINTY, first_text
+from rthm_core.topics import NUMERICAL_STATE
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.replay.evidence import Evidence
+    from rthm_analysis.first_spec.matrices import Matrices
+    from rthm_analysis.recording import Recording
+    from rthm_core.spec import Spec
+
+MATRICES = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
+LEAST, MOST = 1e-3, 100.0
+"""Relative standard deviations between which an uncertainty is: no estimate is better than the assumption
+that the plant is linear."""
+DIGITS, COMPUTED_DIGITS = 6, 9
+"""Digits of numbers that were estimated, and of those that were computed with."""
+SMALL = 1e-6
+"""Entry of a matrix that was computed with, over its largest one, that is zero."""
+UNTOLD = "Not told by the recording, and a placeholder: put in what your rig has."
+
+ONE_KG = (
+    "No known force drives the motion, and twice the mass with twice the damping and stiffness moves in the "
+    "same way: so the mass of {dof} is taken as 1 kg, and exact; weigh it, and give it by --mass."
+)
+
+
+@dataclass
+class Draft:
+    """A first spec in the making.
+
+    Attributes
+    ----------
+    parameters : dict
+        Entries by dotted name.
+    notes : dict of str
+        What to say of them in the file.
+    figures : list of Figure
+        Numbers of the plant, with their standard deviations.
+    told : list of str
+        What the recording does not say, one sentence each.
+    """
+
+    parameters: dict[str, Any] = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    figures: list[Figure] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+
+    @property
+    def spec(self) -> Spec:
+        """The spec."""
+        return spec_from_parameters(self.parameters)
+
+    def text(self, source: str) -> str:
+        """Text of the spec, with comments."""
+        head = f"First spec of the recording {source}: look it through, and put right what you know better."
+        return first_text(self.spec, head, self.notes)
+
+    def untold(self, what: str, *keys: str) -> None:
+        """Note that some entries are placeholders."""
+        self.told.append(what)
+        self.notes |= dict.fromkeys(keys, UNTOLD)
+
+
+def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[float] = ()) -> Draft:
+    """Draft a spec from a recording of a plant alone, or of a hybrid test.
+
+    Parameters
+    ----------
+    recording : Recording
+    dofs : sequence of str
+        Which names of the plant are dofs; none: told by what was recorded.
+    masses : sequence of float
+        Masses that were weighed, one for each dof, kg; none: to be found.
+
+    Raises
+    ------
+    InputError
+        If the names do not tell what is what, or there is not a mass for each dof.
+    """
+    parts = parts_of(recording, dofs)
+    if masses and (len(masses) != len(parts.dofs) or not min(masses) > 0.0):
+        raise InputError(
+            f"--mass is {', '.join(f'{mass:g}' for mass in masses)} kg, but must be one number above 0 for "
+            f"each of {', '.join(parts.dofs)}; give {len(parts.dofs)}."
+        )
+    draft = Draft()
+    _placeholders(draft, parts)
+    timing, missing = timing_of(recording, is_loop=parts.is_loop)
+    draft.parameters |= {f"timing.{name}": value for name, value in timing.items()}
+    draft.told += missing
+    if parts.is_loop:
+        _computed(draft, recording, parts)
+        _actuators(draft, recording)
+    else:
+        draft.notes["timing"] = "Of a plant alone td1 is all that counts; the others have no meaning."
+    _plant(draft, recording, parts, masses)
+    return draft
+
+
+def _placeholders(draft: Draft, parts: Parts) -> None:
+    """Names, and numbers that the schema allows."""
+    for side, dofs in (("plant", parts.dofs), ("numerical", parts.numerical)):
+        if dofs:
+            n = len(dofs)
+            draft.parameters |= {
+                f"{side}.dofs": list(dofs),
+                f"{side}.mass": np.eye(n).ravel().tolist(),
+                f"{side}.damping": [0.0] * n**2,
+                f"{side}.stiffness": [0.0] * n**2,
+                f"{side}.initial_position": [0.0] * n,
+                f"{side}.initial_velocity": [0.0] * n,
+            }
+    if parts.is_loop:
+        m = len(parts.actuators)
+        draft.parameters |= {
+            "interface.plant_dof": [parts.dofs[min(k, len(parts.dofs) - 1)] for k in range(m)],
+            "interface.numerical_dof": [parts.numerical[min(k, len(parts.numerical) - 1)] for k in range(m)],
+            "interface.stiffness": [0.0] * m,
+            "interface.damping": [0.0] * m,
+            "actuator.names": list(parts.actuators),
+            "actuator.stiffness": [1.0] * m,
+            "uncertainty.actuator.stiffness": SPREAD["stiffness"],
+        }
+    draft.parameters |= {f"uncertainty.plant.{name}": size for name, size in SPREAD.items()}
+    draft.notes["uncertainty"] = UNCERTAINTY
+
+
+def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
+    """Interface, numerical substructure and the controller's stiffness."""
+    own = recording.tables[NUMERICAL_STATE]
+    draft.parameters["numerical.initial_position"] = np.nan_to_num(own.position[0]).tolist()
+    draft.parameters["numerical.initial_velocity"] = np.nan_to_num(own.velocity[0]).tolist()
+    numbers = [f"numerical.{name}" for name in MATRICES]
+    ticks = ticks_of(recording, parts.dofs, parts.actuators)
+    found = connections(ticks, parts.dofs, parts.numerical, parts.actuators) if ticks else []
+    if ticks is None or not all(one.left < EXACT for one in found):
+        draft.untold(
+            "Which force references follow from which motion is not recorded, so interface and numerical are "
+            "placeholders.",
+            "interface.stiffness",
+            "interface.damping",
+            *numbers,
+        )
+        return
+    draft.parameters["interface.plant_dof"] = [one.plant_dof for one in found]
+    draft.parameters["interface.numerical_dof"] = [one.numerical_dof for one in found]
+    draft.parameters["interface.stiffness"] = [_digits(one.stiffness, COMPUTED_DIGITS) for one in found]
+    draft.parameters["interface.damping"] = [_digits(one.damping, COMPUTED_DIGITS) for one in found]
+    matrices = numerical_matrices(ticks, [parts.numerical.index(one.numerical_dof) for one in found])
+    if matrices is None or not (np.diag(matrices.value["mass"]) > 0.0).all():
+        draft.untold("The motion of the numerical substructure is not that of a linear one.", *numbers)
+    else:
+        draft.parameters |= {f"numerical.{name}": _exact(matrices, name) for name in MATRICES}
+    stiffness = controller_stiffness(recording, parts.actuators, draft.parameters["interface.plant_dof"])
+    for k, (name, value) in enumerate(zip(parts.actuators, stiffness, strict=True)):
+        if value is None:
+            draft.untold(
+                f"The controller of {name} does more than the contract's law: say which compensator it has.",
+                "actuator.stiffness",
+                "actuator.compensator",
+            )
+        else:
+            draft.parameters["actuator.stiffness"][k] = _digits(value, COMPUTED_DIGITS)
+
+
+def _exact(matrices: Matrices, name: str) -> list[float]:
+    """A matrix that was computed with, without what rounding left of zeros."""
+    size = {key: float(np.abs(values).max()) for key, values in matrices.value.items()}
+    largest = max(size[name], np.sqrt(size["mass"] * size["stiffness"]) if name == "damping" else 0.0)
+    values = matrices.value[name].ravel()
+    return [_digits(one, COMPUTED_DIGITS) if abs(one) > SMALL * largest else 0.0 for one in values]
+
+
+def _actuators(draft: Draft, recording: Recording) -> None:
+    """Motors and wires, as far as they were measured."""
+    spec = draft.spec
+    motions = motions_of(recording, spec)
+    blind = [one.actuator for one in motions if not np.isfinite(one.motor).any()]
+    if blind:
+        draft.told.append(
+            f"The position of the motor of {', '.join(blind)} is not recorded: whether it lags behind its "
+            "commands (actuator.motor_poles) is not told."
+        )
+    found = identify(motions, spec)
+    poles, measured = (found.changes.get(f"actuator.{name}") for name in ("motor_poles", "stiffness"))
+    draft.told += found.wrong
+    if poles:
+        draft.parameters["actuator.motor_poles"] = poles
+    if measured is None:
+        return
+    believed, known = np.array(spec.k_tot), "actuator.stiffness" not in draft.notes
+    spread = float(found.changes["uncertainty.actuator.stiffness"])
+    if known:
+        spread = max(spread, float(np.abs(np.array(measured) / believed - 1.0).max()))
+        draft.notes["actuator.stiffness"] = (
+            f"What the controller computes with; measured: {', '.join(f'{one:.6g}' for one in measured)} N/m."
+        )
+    else:
+        draft.parameters["actuator.stiffness"] = measured
+        draft.notes["actuator.stiffness"] = "As measured."
+    draft.parameters["uncertainty.actuator.stiffness"] = _uncertainty(spread)
+
+
+def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[float]) -> None:
+    """Matrices of the plant, how well they are known, and where its motion began."""
+    evidence = gather(recording, draft.spec)
+    wires = dict(zip(parts.actuators, draft.parameters.get("interface.plant_dof", ()), strict=False))
+    commanded = wires if evidence.driven_by == "command" else {}
+    positions, velocities = beginning(evidence, parts.dofs, tuple(commanded))
+    draft.parameters |= {"plant.initial_position": positions, "plant.initial_velocity": velocities}
+    if commanded and "actuator.motor_poles" not in draft.parameters:
+        evidence = with_steps_between(evidence, draft.parameters["actuator.stiffness"])
+    matrices, driven = plant_of(evidence, parts.dofs, commanded, masses)
+    if matrices is None or not (np.diag(matrices.value["mass"]) > 0.0).all():
+        if masses:
+            draft.parameters["plant.mass"] = np.diag(masses).ravel().tolist()
+        draft.untold(
+            "The recording does not tell mass, damping and stiffness of the plant: that needs the positions "
+            f"of all dofs ({', '.join(parts.dofs)}) over several swings.",
+            *(f"plant.{name}" for name in MATRICES if not (masses and name == "mass")),
+        )
+        return
+    _add_unseen_steps(matrices, evidence, parts.dofs, commanded, draft.parameters)
+    for name, unit in MATRICES.items():
+        _matrix(draft, matrices, name, unit, parts.dofs)
+    if masses:
+        draft.notes["plant.mass"] = "As weighed (--mass)."
+    elif not driven:
+        sentence = ONE_KG.format(dof=parts.dofs[0])
+        draft.told.append(sentence)
+        draft.notes["plant.mass"] = sentence
+    if not parts.is_loop and driven:
+        draft.notes["load"] = (
+            "The known force of the recording is in the bag, and rthm diagnose takes it from there; for a "
+            "simulation give it here, as kind file."
+        )
+
+
+def _add_unseen_steps(
+    matrices: Matrices, evidence: Evidence, dofs: Sequence[str], wires: dict[str, str], known: dict[str, Any]
+) -> None:
+    """Add what is not known of the dampings where motors were not measured: whether they jump with their
+    commands, or lag, shifts the forces by part of a sample.
+    """
+    step = float(np.median(np.diff(evidence.time)))
+    seen = {channel.place for channel in evidence.channels if channel.family == "motor"}
+    for (actuator, dof), stiffness in zip(wires.items(), known.get("actuator.stiffness", ()), strict=False):
+        if actuator not in seen:
+            i = dofs.index(dof)
+            matrices.std["damping"][i, i] = np.hypot(
+                matrices.std["damping"][i, i], stiffness * step / np.sqrt(12.0)
+            )
+
+
+def _matrix(draft: Draft, matrices: Matrices, name: str, unit: str, dofs: Sequence[str]) -> None:
+    """One matrix of the plant with its uncertainty."""
+    value, std = matrices.value[name].copy(), matrices.std[name]
+    for i in range(len(dofs)):
+        if name == "damping" and abs(value[i, i]) < std[i, i]:
+            value[i, i] = std[i, i]  # a relative uncertainty needs a size
+    draft.parameters[f"plant.{name}"] = [_digits(one, DIGITS) for one in value.ravel()]
+    sizes, spread = np.abs(np.diag(value)), np.diag(std)
+    known = (spread > 0.0) & (sizes > 0.0)
+    relative = float((spread[known] / sizes[known]).max(initial=0.0))
+    draft.parameters[f"uncertainty.plant.{name}"] = _uncertainty(relative) if known.any() else 0.0
+    found = [
+        Figure(f"{name} of {dof}", unit, float(value[i, i]), float(std[i, i]))
+        for i, dof in enumerate(dofs)
+        if std[i, i] > 0.0
+    ]
+    draft.figures += found
+    if found:
+        draft.notes[f"plant.{name}"] = "From the recording: " + "; ".join(one.line for one in found) + "."
+
+
+def _uncertainty(relative: float) -> float:
+    return _digits(min(max(relative, LEAST), MOST), 3)
+
+
+def _digits(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")

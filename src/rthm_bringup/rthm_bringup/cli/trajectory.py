@@ -116,7 +116,8 @@ def check_room(path: Path, spec: Spec, duration: float, sample: float | None) ->
     if needed > free and total:
         raise InputError(
             f"A trajectory of {rows:.3g} rows needs {bytes_words(needed)} while it is written, but "
-            f"{path.parent} has {bytes_words(free)} free; take a larger --sample, a shorter --duration or another disk."
+            f"{path.parent} has {bytes_words(free)} free; take a larger --sample, a shorter --duration or "
+            "another disk."
         )
 
 

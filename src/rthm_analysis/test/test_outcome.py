@@ -80,7 +80,7 @@ def test_a_recording_and_a_simulation_tell_the_energy_per_cycle(tmp_path: Path) 
     for block in simulate_blocks(PAPER, 10.0):
         beside.add(block)
     assert beside.energy_per_cycle() == pytest.approx(found.energy_per_cycle, rel=0.02)
-    assert any("J out in each cycle" in line for line in found.lines())
+    assert any("J out of each cycle" in line for line in found.lines())
 
 
 def test_a_loop_whose_stability_is_not_known_says_why() -> None:

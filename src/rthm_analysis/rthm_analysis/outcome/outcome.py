@@ -122,10 +122,10 @@ def cycle_words(work: float) -> str:
     Examples
     --------
     >>> cycle_words(-0.0315)
-    'Delays, holds and actuator take 0.0315 J out in each cycle of the motion, on average.'
+    'Delays, holds and actuator take 0.0315 J out of each cycle of the motion, on average.'
     """
-    verb = f"take {abs(work):.3g} J out" if work < 0.0 else f"put {work:.3g} J in"
-    return f"Delays, holds and actuator {verb} in each cycle of the motion, on average."
+    verb = f"take {abs(work):.3g} J out of" if work < 0.0 else f"put {work:.3g} J into"
+    return f"Delays, holds and actuator {verb} each cycle of the motion, on average."
 
 
 def _percent(part: float) -> str:

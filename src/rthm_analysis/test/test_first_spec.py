@@ -110,6 +110,18 @@ def test_a_loop_is_found_from_what_its_parts_computed(tmp_path: Path, name: str)
     assert diagnose(recording, spec).verdict in ("match", "retuned")
 
 
+def test_ticks_that_are_late_in_real_time_hide_nothing(tmp_path: Path) -> None:
+    true = shipped_spec("paper")
+    whole, rng = loop(tmp_path, true), np.random.default_rng(0)
+    for name in ("tau1", "tau2", "tau3"):
+        link = whole.links[name]
+        late = 2_000 + np.rint(rng.exponential(20_000.0, len(link))).astype(np.int64)
+        whole = replace(whole, links=whole.links | {name: replace(link, use_ns=link.use_ns + late)})
+    spec = draft_of(whole).spec
+    assert spec.timing == true.timing
+    assert spec.numerical.stiffness == pytest.approx([6.0]) and spec.k_tot == pytest.approx([40.0])
+
+
 def test_a_loop_of_several_dofs_and_actuators_is_found(tmp_path: Path) -> None:
     true = shipped_spec("three_mass")
     recording = loop(tmp_path, apply(true, {"noise": NOISE}))
@@ -140,6 +152,9 @@ def test_what_is_not_recorded_is_a_placeholder_and_told(tmp_path: Path) -> None:
     draft = draft_of(replace(whole, links={}))
     assert {"The uses of link tau2 are not recorded: its delay is taken as 0."} < set(draft.told)
     assert any("interface and numerical are placeholders" in sentence for sentence in draft.told)
+    assert draft_of(replace(whole, links={"tau4": whole.links["tau4"]})).spec.k_tot == pytest.approx(
+        [40.0], rel=0.01
+    )
     assert "a placeholder" in draft.text("bag") and draft.spec.is_loop
     only = plain()
     table = replace(only.plant, position=np.full_like(only.plant.position, np.nan))
@@ -147,6 +162,27 @@ def test_what_is_not_recorded_is_a_placeholder_and_told(tmp_path: Path) -> None:
     assert "does not tell mass, damping and stiffness" in draft.told[0]
     assert "a placeholder" in draft.text("bag")
     assert parameters(draft.spec)
+
+
+@pytest.mark.parametrize("what", ["noise", "no load", "another load", "no force", "one swing"])
+def test_no_number_is_made_up(what: str, tmp_path: Path) -> None:
+    """Where the recording does not tell the plant, its numbers are placeholders."""
+    rng, recording = np.random.default_rng(0), plain()
+    table = recording.plant
+    if what == "noise":
+        table = replace(table, position=1e-4 * rng.normal(size=table.position.shape))
+    elif what == "no load":
+        table = replace(plain(duration=4.0).plant, effort=np.full((801, 1), np.nan))
+    elif what == "another load":
+        table = replace(table, effort=rng.normal(size=table.effort.shape))
+    elif what == "one swing":
+        table = table.rows(slice(0, 200))
+    else:
+        recording = loop(tmp_path, shipped_spec("paper"), 4.0)
+        table = replace(recording.plant, effort=np.full_like(recording.plant.effort, np.nan))
+    draft = draft_of(replace(recording, tables=recording.tables | {"plant/state": table}))
+    assert not draft.figures and "does not tell mass, damping and stiffness" in draft.told[-1]
+    assert draft.spec.plant.mass == (1.0,)
 
 
 def test_names_that_say_nothing_are_refused() -> None:
@@ -165,7 +201,15 @@ def test_names_that_say_nothing_are_refused() -> None:
         InputError, match="--dof is y, but must be one of the names in plant/state, x1, x2, drive"
     ):
         draft_of(recording, ["y"])
+    with pytest.raises(
+        InputError, match="--dof is drive, of which neither position nor velocity is recorded"
+    ):
+        draft_of(recording, ["drive"])
     assert draft_of(recording, ["x1"]).spec.plant.dofs == ("x1",)
+    with pytest.raises(
+        InputError, match="has 50 samples of plant/state, but a first spec needs at least 100"
+    ):
+        draft_of(replace(recording, tables={"plant/state": two.rows(slice(0, 50))}))
     with pytest.raises(InputError, match="--mass is 1, 2 kg, but must be one number above 0 for each of x1"):
         draft_of(plain(duration=2.0), masses=[1.0, 2.0])
     still = replace(

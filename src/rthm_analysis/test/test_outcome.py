@@ -66,7 +66,7 @@ def test_energy_per_cycle_is_that_of_a_damper_that_moves_to_and_fro() -> None:
     assert energy_per_cycle(t[:200], work[:200], np.sin(omega * t[:200])) is None
 
 
-def test_a_recording_tells_the_energy_per_cycle_and_a_simulation_does_not(tmp_path: Path) -> None:
+def test_a_recording_and_a_simulation_tell_the_energy_per_cycle(tmp_path: Path) -> None:
     recording = read_recording(mcap_file(tmp_path / "loop.mcap", recorded(PAPER, 10.0)))
     energy = energy_of(recording, PAPER)
     found = outcome_of(recording, None, energy)
@@ -76,6 +76,11 @@ def test_a_recording_tells_the_energy_per_cycle_and_a_simulation_does_not(tmp_pa
         fact.label for fact in verdict(energy, timing_of(recording, PAPER), found)
     }
     assert Outcome("no loop").as_dict()["energy_per_cycle"] is None
+    beside = IdealComparison(PAPER, 10.0)
+    for block in simulate_blocks(PAPER, 10.0):
+        beside.add(block)
+    assert beside.energy_per_cycle() == pytest.approx(found.energy_per_cycle, rel=0.02)
+    assert any("J out of each cycle" in line for line in found.lines())
 
 
 def test_a_loop_whose_stability_is_not_known_says_why() -> None:

@@ -49,4 +49,15 @@ def test_a_simulated_test_is_drawn_with_units(tmp_path: Path) -> None:
     drawn = (tmp_path / "run.svg").read_text()
     for words in ("position (m)", "force (N)", "energy (J)", "E_fx", "time (s)"):
         assert words in drawn
-    assert "reference" not in drawn
+    assert "reference" not in drawn and "ideal" not in drawn
+
+
+def test_the_ideal_system_is_drawn_beside_the_test(tmp_path: Path) -> None:
+    import matplotlib
+
+    run, ideal = simulate(PAPER, 2.0, 0.01), simulate(PAPER, 2.0, 0.05, "ideal")
+    columns = {"t": run.t, "plant_position": run.plant_position, "numerical_position": run.numerical_position}
+    with matplotlib.rc_context({"svg.fonttype": "none"}):
+        draw_trajectory(columns, tmp_path / "run.svg", ideal)
+    drawn = (tmp_path / "run.svg").read_text()
+    assert "plant, ideal" in drawn and "numerical, ideal" in drawn

@@ -20,8 +20,8 @@ from typer.main import get_command
 
 from rthm_bringup.cli.colour import GREEN, PLAIN, RED, YELLOW, coloured, is_coloured
 from rthm_bringup.cli.main import application
-from rthm_bringup.cli.output import plain, table
-from rthm_bringup.cli.pace import Pace
+from rthm_bringup.cli.output import plain, progress_bar, table
+from rthm_bringup.cli.pace import Pace, size_in
 from rthm_bringup.cli.reference import reference
 from rthm_core.effects import BLOCKS, effect, kinds
 from rthm_core.effects.blocks import family
@@ -185,6 +185,37 @@ def test_work_of_hours_is_announced_once_and_not_begun_against_a_no() -> None:
     assert said == ["About 3.3 hours to go at this pace."]
     with pytest.raises(Abort):
         refused.told(1.0)
+
+
+def test_what_was_done_before_says_nothing_about_the_pace_and_the_size_is_told(tmp_path: Path) -> None:
+    now, said = [0.0], []
+    (tmp_path / "batch").write_bytes(bytes(2000))
+    resumed = Pace(
+        1000.0,
+        lambda sentence: not said.append(sentence),
+        lambda: now[0],
+        size_in(tmp_path, "1000 loops"),
+        resumes=True,
+    )
+    resumed.told(900.0)  # by an earlier start
+    now[0] = 100.0
+    resumed.told(901.0)
+    assert said == [f"About 2.8 hours to go at this pace: 1000 loops, 2.22 kB in {tmp_path} at the end."]
+
+
+def test_who_says_yes_is_told_and_not_asked(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setattr("rthm_bringup.cli.pace.LOOKED", 0.0)
+    monkeypatch.setattr("rthm_bringup.cli.pace.LONG", 0.0)
+    monkeypatch.setattr("typer.confirm", lambda *words, **options: False)
+    with progress_bar("loops", 2.0, yes=True) as report:
+        report(1.0)
+    assert "to go at this pace." in capsys.readouterr().err
+    with pytest.raises(Abort), progress_bar("loops", 2.0) as report:
+        report(1.0)
 
 
 def test_help_is_there_before_anything_is_installed(tmp_path: Path) -> None:

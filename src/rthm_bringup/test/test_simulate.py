@@ -96,7 +96,9 @@ def test_the_verdict_is_told_in_words_and_in_json(tmp_path: Path) -> None:
     told = json.loads((tmp_path / "a.json").read_text())["verdict"]
     assert told["stable"] and told["delay_margin"] == pytest.approx(21.1688, abs=1e-3)
     assert told["error"]["x1"]["nrmse"] == pytest.approx(0.4475, abs=1e-4)
-    assert "differs from the ideal system by 44.8 %" in done.stdout.splitlines()[-1]
+    error, energy = done.stdout.splitlines()[-2:]
+    assert "differs from the ideal system by 44.8 %" in error and "J out of each cycle" in energy
+    assert told["energy_per_cycle"] == pytest.approx(-0.0967, abs=1e-4)
     assert not done.stderr
 
 

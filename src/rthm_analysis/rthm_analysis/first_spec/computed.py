@@ -23,6 +23,10 @@ EXACT = 1e-3
 """Part of a signal that a law leaves which is not the one that was computed with."""
 
 
+LATE = 0.5
+"""Part of its period by which a tick may be late for a use to be one of it."""
+
+
 @dataclass(frozen=True)
 class Connection:
     """One actuator's connection of the substructures.
@@ -94,13 +98,18 @@ def ticks_of(recording: Recording, dofs: tuple[str, ...], actuators: tuple[str, 
 
 
 def _used(recording: Recording, link: str, receiver: Table) -> tuple[Integers, Integers] | None:
-    """Rows of a receiver's table, and of the plant's samples that it used there."""
+    """Rows of a receiver's table, and of the plant's samples that it used there.
+
+    In real time a tick is a little late, but stamped as what it is.
+    """
     uses, plant = recording.links.get(link), recording.plant
     if uses is None or not len(uses):
         return None
-    at = np.minimum(np.searchsorted(receiver.stamp_ns, uses.use_ns), len(receiver) - 1)
+    at = np.maximum(np.searchsorted(receiver.stamp_ns, uses.use_ns, side="right") - 1, 0)
+    late = uses.use_ns - receiver.stamp_ns[at]
     sample = np.minimum(np.searchsorted(plant.stamp_ns, uses.sample_ns), len(plant) - 1)
-    known = (receiver.stamp_ns[at] == uses.use_ns) & (plant.stamp_ns[sample] == uses.sample_ns)
+    period = np.median(np.diff(receiver.stamp_ns)) if len(receiver) > 1 else 1.0
+    known = (late >= 0) & (late < LATE * period) & (plant.stamp_ns[sample] == uses.sample_ns)
     return (at[known], sample[known]) if known.any() else None
 
 
@@ -144,7 +153,7 @@ def controller_stiffness(
     return found
 
 
-def numerical_matrices(ticks: Ticks, at: Sequence[int]) -> Matrices | None:
+def numerical_matrices(ticks: Ticks, connected: Sequence[int]) -> Matrices | None:
     """Matrices of the numerical substructure; None where its motion is not that of a linear structure.
 
     Between two ticks it sees the plant held: its motion from tick to tick is a matrix, and the rate of that
@@ -153,7 +162,7 @@ def numerical_matrices(ticks: Ticks, at: Sequence[int]) -> Matrices | None:
     Parameters
     ----------
     ticks : Ticks
-    at : sequence of int
+    connected : sequence of int
         Number of the numerical dof that each actuator is connected to.
     """
     from scipy.linalg import logm
@@ -162,8 +171,9 @@ def numerical_matrices(ticks: Ticks, at: Sequence[int]) -> Matrices | None:
     period = int(np.median(np.diff(ticks.stamp_ns)))
     next_one = np.flatnonzero(np.diff(ticks.stamp_ns) == period)
     loads = ticks.load[:, np.ptp(ticks.load, axis=0) > 0.0]
-    state, inputs = np.hstack([ticks.x2, ticks.v2]), np.hstack([ticks.x1, ticks.v1, loads])
-    columns = np.hstack([state, inputs])
+    growth = np.diff(loads, axis=0, append=loads[-1:])
+    state, inputs = np.hstack([ticks.x2, ticks.v2]), np.hstack([ticks.x1, ticks.v1])
+    columns = np.hstack([state, inputs, loads, growth])
     known = next_one[np.isfinite(columns[next_one]).all(axis=1)]
     if known.size < 3 * columns.shape[1]:
         return None
@@ -174,10 +184,13 @@ def numerical_matrices(ticks: Ticks, at: Sequence[int]) -> Matrices | None:
         return None
     whole = np.eye(columns.shape[1])
     whole[: 2 * n] = step
+    if loads.size:  # loads grow along straight lines from tick to tick
+        at = np.arange(-2 * loads.shape[1], -loads.shape[1])
+        whole[at, at + loads.shape[1]] = 1.0
     rate = np.real(logm(whole))[n : 2 * n] / (period * 1e-9)
     acceleration = columns[known] @ rate.T
     force = ticks.load[known].copy()
-    for k, dof in enumerate(at):
+    for k, dof in enumerate(connected):
         force[:, dof] -= ticks.force[known, k]
     return fitted_matrices((acceleration, ticks.v2[known], ticks.x2[known]), force, [None] * n)
 

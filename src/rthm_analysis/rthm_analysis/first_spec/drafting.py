@@ -16,7 +16,7 @@ from rthm_analysis.first_spec.computed import (
     numerical_matrices,
     ticks_of,
 )
-from rthm_analysis.first_spec.motion import beginning, plant_of, with_steps_between
+from rthm_analysis.first_spec.motion import beginning, plant_of, wire_stiffness, with_steps_between
 from rthm_analysis.first_spec.names import Parts, parts_of
 from rthm_analysis.first_spec.timing import timing_of
 from rthm_analysis.identification import Figure, identify, motions_of
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 MATRICES = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
+FEWEST = 100
+"""Samples of the plant from which a spec is drafted, as for a diagnosis."""
 LEAST, MOST = 1e-3, 100.0
 """Relative standard deviations between which an uncertainty is: no estimate is better than the assumption
 that the plant is linear."""
@@ -100,8 +102,13 @@ def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[fl
     InputError
         If the names do not tell what is what, or there is not a mass for each dof.
     """
+    if len(recording.plant) < FEWEST:
+        raise InputError(
+            f"{recording.path} has {len(recording.plant)} samples of plant/state, but a first spec needs at "
+            f"least {FEWEST}; record longer, or sample faster."
+        )
     parts = parts_of(recording, dofs)
-    if masses and (len(masses) != len(parts.dofs) or not min(masses) > 0.0):
+    if masses and (len(masses) != len(parts.dofs) or not all(0.0 < mass < np.inf for mass in masses)):
         raise InputError(
             f"--mass is {', '.join(f'{mass:g}' for mass in masses)} kg, but must be one number above 0 for "
             f"each of {', '.join(parts.dofs)}; give {len(parts.dofs)}."
@@ -113,6 +120,7 @@ def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[fl
     draft.told += missing
     if parts.is_loop:
         _computed(draft, recording, parts)
+        _controller(draft, recording, parts)
         _actuators(draft, recording)
     else:
         draft.notes["timing"] = "Of a plant alone td1 is all that counts; the others have no meaning."
@@ -149,7 +157,7 @@ def _placeholders(draft: Draft, parts: Parts) -> None:
 
 
 def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
-    """Interface, numerical substructure and the controller's stiffness."""
+    """Interface and numerical substructure."""
     own = recording.tables[NUMERICAL_STATE]
     draft.parameters["numerical.initial_position"] = np.nan_to_num(own.position[0]).tolist()
     draft.parameters["numerical.initial_velocity"] = np.nan_to_num(own.velocity[0]).tolist()
@@ -169,16 +177,24 @@ def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
     draft.parameters["interface.numerical_dof"] = [one.numerical_dof for one in found]
     draft.parameters["interface.stiffness"] = [_digits(one.stiffness, COMPUTED_DIGITS) for one in found]
     draft.parameters["interface.damping"] = [_digits(one.damping, COMPUTED_DIGITS) for one in found]
+    if np.any(ticks.load):
+        draft.told.append("A load acts on the numerical substructure; say which (load.numerical).")
+        draft.notes["load"] = "A load was recorded in numerical/state: say which, under numerical."
     matrices = numerical_matrices(ticks, [parts.numerical.index(one.numerical_dof) for one in found])
     if matrices is None or not (np.diag(matrices.value["mass"]) > 0.0).all():
         draft.untold("The motion of the numerical substructure is not that of a linear one.", *numbers)
     else:
         draft.parameters |= {f"numerical.{name}": _exact(matrices, name) for name in MATRICES}
+
+
+def _controller(draft: Draft, recording: Recording, parts: Parts) -> None:
+    """The stiffness that the controller computes with."""
     stiffness = controller_stiffness(recording, parts.actuators, draft.parameters["interface.plant_dof"])
     for k, (name, value) in enumerate(zip(parts.actuators, stiffness, strict=True)):
         if value is None:
             draft.untold(
-                f"The controller of {name} does more than the contract's law: say which compensator it has.",
+                f"The commands of {name} are not those of a controller without a compensator, as far as is "
+                "recorded: say which it has, and k_tot.",
                 "actuator.stiffness",
                 "actuator.compensator",
             )
@@ -231,15 +247,17 @@ def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[fl
     commanded = wires if evidence.driven_by == "command" else {}
     positions, velocities = beginning(evidence, parts.dofs, tuple(commanded))
     draft.parameters |= {"plant.initial_position": positions, "plant.initial_velocity": velocities}
+    if commanded:
+        _wires(draft, wire_stiffness(evidence, parts.dofs, commanded))
     if commanded and "actuator.motor_poles" not in draft.parameters:
         evidence = with_steps_between(evidence, draft.parameters["actuator.stiffness"])
     matrices, driven = plant_of(evidence, parts.dofs, commanded, masses)
-    if matrices is None or not (np.diag(matrices.value["mass"]) > 0.0).all():
+    if matrices is None:
         if masses:
             draft.parameters["plant.mass"] = np.diag(masses).ravel().tolist()
         draft.untold(
             "The recording does not tell mass, damping and stiffness of the plant: that needs the positions "
-            f"of all dofs ({', '.join(parts.dofs)}) over several swings.",
+            f"of all dofs ({', '.join(parts.dofs)}), and the forces of actuators, over several swings.",
             *(f"plant.{name}" for name in MATRICES if not (masses and name == "mass")),
         )
         return
@@ -257,6 +275,13 @@ def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[fl
             "The known force of the recording is in the bag, and rthm diagnose takes it from there; for a "
             "simulation give it here, as kind file."
         )
+
+
+def _wires(draft: Draft, found: Sequence[float | None]) -> None:
+    """Stiffness of wires that neither the controller nor measured motors told."""
+    if draft.notes.get("actuator.stiffness") == UNTOLD and None not in found:
+        draft.parameters["actuator.stiffness"] = [_digits(one, DIGITS) for one in found if one is not None]
+        draft.notes["actuator.stiffness"] = "From the jumps of the forces at commands."
 
 
 def _add_unseen_steps(

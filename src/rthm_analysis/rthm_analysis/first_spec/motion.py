@@ -14,16 +14,23 @@ import numpy as np
 from rthm_analysis.diagnosis.faults.smooth import Smooth, channel_at, smoothed
 from rthm_analysis.first_spec.matrices import Matrices, fitted_matrices
 from rthm_analysis.first_spec.timing import simplest
+from rthm_analysis.recording import hold
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_core.compiled import Floats
 
-CERTAIN = 3.0
-"""Standard deviations that a mass has to be above zero to be told by the known forces."""
+CERTAIN = 10.0
+"""Standard deviations that a number has to be away from zero to be told by the recording."""
+
+ZERO = 3.0
+"""Standard deviations below which a start is one at zero."""
 
 BETTER = 0.8
 """Ratio of what two readings of the known forces leave from which the better one is taken."""
+
+JUMPS = 0.1
+"""Part of the power of a force's steps that those of an elastic wire may leave."""
 
 FEWEST = 8
 """Samples through which the beginning of a motion is drawn."""
@@ -32,7 +39,7 @@ FEWEST = 8
 def plant_of(
     evidence: Evidence, dofs: tuple[str, ...], wires: dict[str, str], masses: Sequence[float]
 ) -> tuple[Matrices | None, bool]:
-    """Matrices of the plant, and whether known forces tell its masses.
+    """Matrices of the plant, and whether a known force drives it.
 
     Parameters
     ----------
@@ -46,25 +53,30 @@ def plant_of(
     Returns
     -------
     Matrices or None
-        None where a dof has no recorded position, or the recording is too short. Where no known force tells
-        the masses, the first one is 1 kg.
+        None where a position or a force is not recorded, or too little moves to tell them. Where no known
+        force drives the plant and nothing was weighed, the first mass is 1 kg.
     """
     seen = _seen(evidence, dofs, wires)
     if seen is None:
         return None, False
     motion, force = seen
-    driven, given = bool(np.any(force)), list(masses)
-    if driven or masses:
-        fits = [
-            fitted_matrices(motion, one, given or [None] * len(dofs))
-            for one in (force, *_held(evidence, dofs, wires))
-        ]
-        sampled, between = fits[0], fits[-1]
-        better = np.sum(np.square(between.left)) < BETTER**2 * np.sum(np.square(sampled.left))
-        best = between if better else sampled
-        if masses or (np.diag(best.value["mass"]) > CERTAIN * np.diag(best.std["mass"])).all():
-            return best, driven
-    return fitted_matrices(motion, force, [1.0, *[None] * (len(dofs) - 1)]), False
+    driven = bool(np.any(force))
+    given: list[float | None] = list(masses) or [None if driven else 1.0, *[None] * (len(dofs) - 1)]
+    forces = [force, *(_held(evidence, dofs, wires) if driven else [])]
+    sampled, between = (fitted_matrices(motion, one, given) for one in (forces[0], forces[-1]))
+    better = np.sum(np.square(between.left)) < BETTER**2 * np.sum(np.square(sampled.left))
+    best = between if better else sampled
+    return (best if _is_told(best, given) else None), driven
+
+
+def _is_told(found: Matrices, given: Sequence[float | None]) -> bool:
+    """Whether the masses that were not given are certain, and of each dof also something beside its mass."""
+    size, std = ({name: np.diag(one) for name, one in of.items()} for of in (found.value, found.std))
+    certain = {name: np.abs(size[name]) > CERTAIN * std[name] for name in size}
+    free = np.array([mass is None for mass in given])
+    heavy = (size["mass"] > 0.0) & (certain["mass"] | ~free)
+    moving = certain["damping"] | certain["stiffness"] | free
+    return bool(np.all(heavy & moving))
 
 
 def _held(evidence: Evidence, dofs: tuple[str, ...], wires: dict[str, str]) -> list[Floats]:
@@ -79,7 +91,8 @@ def _seen(
 ) -> tuple[tuple[Floats, Floats, Floats], Floats] | None:
     """Motion and known forces through the window."""
     smooth = smoothed(evidence, dofs, tuple(wires))
-    if smooth is None or any(("position", dof) not in smooth.values for dof in dofs):
+    needed = [("position", dof) for dof in dofs] + [("force", name) for name in wires]
+    if smooth is None or any(one not in smooth.values for one in needed):
         return None
     places = [("position", dof) for dof in dofs]
     motion = tuple(
@@ -91,8 +104,7 @@ def _seen(
 def _forces(smooth: Smooth, dofs: tuple[str, ...], wires: dict[str, str]) -> Floats:
     forces = [smooth.values["load", dof].copy() for dof in dofs]
     for actuator, dof in wires.items():
-        if ("force", actuator) in smooth.values:
-            forces[dofs.index(dof)] += smooth.values["force", actuator]
+        forces[dofs.index(dof)] += smooth.values["force", actuator]
     return _apart(forces)
 
 
@@ -125,6 +137,27 @@ def with_steps_between(evidence: Evidence, stiffness: Sequence[float]) -> Eviden
     for column, jump, k in zip(columns, jumps.T, stiffness, strict=False):
         np.add.at(measured[:, column], later, k * jump * share)
     return replace(evidence, measured=measured)
+
+
+def wire_stiffness(evidence: Evidence, dofs: tuple[str, ...], wires: dict[str, str]) -> list[float | None]:
+    """The k_tot of each wire, N/m, from the jumps of its force at commands; None where there are none."""
+    found: list[float | None] = []
+    for k, (actuator, dof) in enumerate(wires.items()):
+        force, position = (channel_at(evidence, *at) for at in (("force", actuator), ("position", dof)))
+        if force is None or position is None:
+            found.append(None)
+            continue
+        motor = hold(evidence.due_ns, evidence.commands[:, k], evidence.stamps_ns)
+        stretched = np.diff(motor - evidence.measured[:, position])
+        pulled = np.diff(evidence.measured[:, force])
+        known = np.isfinite(stretched) & np.isfinite(pulled)
+        known &= evidence.stamps_ns[:-1] >= evidence.due_ns[0]
+        jumps, pulled = stretched[known], pulled[known]
+        power = float(jumps @ jumps)
+        value = float(jumps @ pulled) / power if power else 0.0
+        left = float(np.sum(np.square(pulled - value * jumps)))
+        found.append(value if value > 0.0 and left < JUMPS * float(pulled @ pulled) else None)
+    return found
 
 
 def beginning(
@@ -161,6 +194,6 @@ def _start(evidence: Evidence, family: str, dof: str, count: int) -> tuple[float
 
 
 def _rounded(value: float, std: float) -> float:
-    if abs(value) < CERTAIN * std:
+    if abs(value) < ZERO * std:
         return 0.0
     return simplest(value - std, value + std, value)

@@ -72,6 +72,10 @@ def parts_of(recording: Recording, dofs: Sequence[str] = ()) -> Parts:
                 f"--dof is {name}, but must be one of the names in plant/state, {', '.join(plant.names)}; "
                 "correct it."
             )
+        if not any(_is_known(plant.columns(field, [name])) for field in ("position", "velocity")):
+            raise InputError(
+                f"--dof is {name}, of which neither position nor velocity is recorded; name one that moves."
+            )
     if all(topic in recording.tables for topic in LOOP):
         actuators = recording.tables[COMMAND].names
         found = tuple(dofs) or tuple(name for name in plant.names if name not in actuators)

@@ -19,6 +19,9 @@ CLOCKS = 2e-4
 SAME = 0.01
 """Relative difference of two periods that are the same all the same."""
 
+ALWAYS = 1e-5
+"""Time by which every use in real time may be late, s."""
+
 DIGITS = 9
 
 
@@ -104,5 +107,6 @@ def _at_once(link: LinkTable | None) -> float:
     if link is None or not len(link):
         return 0.0
     age = (link.use_ns - link.sample_ns) / NS
-    least = float(age.min())
-    return max(simplest(2.0 * least - float(np.median(age)), least, least), 0.0)
+    least, usual = float(age.min()), float(np.median(age))
+    late = max(3.0 * (usual - least), ALWAYS) if usual > least else 0.0
+    return max(simplest(least - late, least, least), 0.0)

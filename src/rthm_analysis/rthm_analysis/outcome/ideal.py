@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.outcome.cycles import energy_per_cycle
 from rthm_core.clock import NS, to_ns
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.engine.simulate import checked_step
@@ -51,6 +52,11 @@ class IdealComparison:
         s.
     sample : float, optional
         Distance of the rows of the test, s.
+
+    Attributes
+    ----------
+    motion : Trajectory
+        Of the ideal system.
     """
 
     def __init__(self, spec: Spec, duration: float, sample: float | None = None) -> None:
@@ -58,8 +64,10 @@ class IdealComparison:
         self._every = max(1, math.ceil(to_ns(duration) // step / ROWS))
         self._dofs = spec.plant.dofs if spec.plant else ()
         ideal = simulate(spec, duration, step * self._every / NS, "ideal", energies=False)
+        self.motion = ideal
         self._ideal = ideal.plant_position
         self._error = np.zeros_like(self._ideal)
+        self._work = np.full(len(ideal.t), np.nan)
         self._rows = 0
 
     def add(self, block: Trajectory) -> None:
@@ -70,11 +78,19 @@ class IdealComparison:
         kept = slice(at, min(at + len(seen), len(self._ideal)))
         with np.errstate(over="ignore", invalid="ignore"):
             self._error[kept] = seen[: kept.stop - kept.start] - self._ideal[kept]
+        if "E_fx" in block.energies:
+            work = block.all_energies()["E_err"][first :: self._every]
+            self._work[kept] = work[: kept.stop - kept.start]
         self._rows += len(block.t)
 
     def errors(self) -> dict[str, IdealError]:
         """Error of every dof of the plant."""
         return {dof: error_of(self._error[:, i], self._ideal[:, i]) for i, dof in enumerate(self._dofs)}
+
+    def energy_per_cycle(self) -> float | None:
+        """Mean work of the errors of the loop in each cycle of the first dof's motion, J; None: not known."""
+        moved = self._error[:, 0] + self._ideal[:, 0]
+        return energy_per_cycle(self.motion.t, self._work, moved)
 
 
 def error_of(error: Floats, ideal: Floats) -> IdealError:

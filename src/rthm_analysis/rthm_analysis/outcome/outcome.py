@@ -82,9 +82,11 @@ class Outcome:
         return f"Whether the loop is stable is not known: {self.margin}"
 
     def lines(self) -> list[str]:
-        """For the terminal: stability first, then the error of every dof, timing and limits."""
+        """For the terminal: stability first, then the error of every dof, its energy, timing and limits."""
         left_out = self.margin.left_out if isinstance(self.margin, Margin) else ()
         said = [self.stability, *left_out, *(error_words(*one) for one in self.error.items())]
+        if self.energy_per_cycle is not None:
+            said.append(cycle_words(self.energy_per_cycle))
         if self.lateness is not None:
             said.append(self.lateness.words)
         if self.limits_touched:
@@ -112,6 +114,18 @@ def error_words(dof: str, error: IdealError) -> str:
         f"{dof} differs from the ideal system by {_percent(error.nrmse)} (rms of the ideal motion), by "
         f"{error.largest:.3g} m at most."
     )
+
+
+def cycle_words(work: float) -> str:
+    """The energy per cycle in a sentence.
+
+    Examples
+    --------
+    >>> cycle_words(-0.0315)
+    'Delays, holds and actuator take 0.0315 J out of each cycle of the motion, on average.'
+    """
+    verb = f"take {abs(work):.3g} J out of" if work < 0.0 else f"put {work:.3g} J into"
+    return f"Delays, holds and actuator {verb} each cycle of the motion, on average."
 
 
 def _percent(part: float) -> str:

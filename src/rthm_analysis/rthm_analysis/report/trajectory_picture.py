@@ -1,16 +1,19 @@
-"""A simulated test as a picture: positions, forces and energies over time."""
+"""A simulated test as a picture: positions beside the ideal system's, forces and energies over time."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rthm_analysis.report.colours import COLOURS, INK
 from rthm_analysis.report.thinning import extremes
 from rthm_core.compiled import Floats
+
+if TYPE_CHECKING:
+    from rthm_core.engine import Trajectory
 
 PANELS = {
     "position (m)": {"plant_position": "plant", "numerical_position": "numerical"},
@@ -19,13 +22,16 @@ PANELS = {
 """Columns of a trajectory by the axis that they are drawn over, and their names."""
 
 
-def draw(columns: Mapping[str, Floats], path: Path) -> None:
+def draw(columns: Mapping[str, Floats], path: Path, ideal: Trajectory | None = None) -> None:
     """Write a PNG, SVG or PDF file.
 
     Parameters
     ----------
     columns : mapping of arrays
         As in the file of ``rthm simulate``: ``t`` (N,), motions and forces (N, n), energies ``E_...`` (N,).
+    path : Path
+    ideal : Trajectory, optional
+        Motion of the ideal system, drawn beside that of the loop.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -39,7 +45,10 @@ def draw(columns: Mapping[str, Floats], path: Path) -> None:
     axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axis, (label, curves) in zip(axes, shown.items(), strict=True):
         _panel(axis, t, curves)
+        if ideal is not None and label in PANELS:
+            _beside(axis, ideal, PANELS[label], curves)
         axis.set_ylabel(label)
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False, fontsize=8)
     axes[-1].set_xlabel("time (s)")
     figure.savefig(path, dpi=150)
 
@@ -60,4 +69,22 @@ def _panel(axis: Any, t: Floats, curves: Mapping[str, Floats]) -> None:
             axis.plot(t[rows], values[rows], color=colour, linewidth=1.1, label=name)
     axis.grid(color="#e3e7eb", linewidth=0.6)
     axis.margins(x=0.0)
-    axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False, fontsize=8)
+
+
+def _beside(axis: Any, ideal: Trajectory, names: Mapping[str, str], shown: Mapping[str, Floats]) -> None:
+    """Draw positions of the ideal system, below those of the loop and in their colours."""
+    positions = {name: getattr(ideal, name) for name in names if name.endswith("position")}
+    curves = _curves(positions, names)
+    for (name, values), colour in zip(curves.items(), COLOURS * 4, strict=False):
+        if name in shown and np.any(values):
+            rows = extremes(values)
+            axis.plot(
+                ideal.t[rows],
+                values[rows],
+                color=colour,
+                linewidth=1.0,
+                linestyle=(0, (4, 2)),
+                alpha=0.75,
+                label=f"{name}, ideal",
+                zorder=1.5,
+            )

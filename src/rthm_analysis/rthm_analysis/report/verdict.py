@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rthm_analysis.energy import EnergyResult
 from rthm_analysis.outcome import Margin, Outcome
-from rthm_analysis.outcome.outcome import UNSEEN, error_words
+from rthm_analysis.outcome.outcome import UNSEEN, cycle_words, error_words
 from rthm_analysis.timing import TimingResult
 
 GOOD, NOTED, BAD = "good", "noted", "bad"
@@ -69,8 +69,7 @@ def _outcome(outcome: Outcome) -> list[Fact]:
 
 def _per_cycle(work: float) -> Fact:
     verb = "taken out" if work < 0.0 else "put in"
-    words = f"Delays, holds and actuator: {abs(work):.3g} J {verb} in each cycle of the motion, on average."
-    return Fact(f"Energy {verb} per cycle", f"{abs(work):.3g} J", words)
+    return Fact(f"Energy {verb} per cycle", f"{abs(work):.3g} J", cycle_words(work))
 
 
 def _energies(energy: EnergyResult) -> list[Fact]:

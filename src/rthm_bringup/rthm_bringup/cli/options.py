@@ -57,6 +57,7 @@ Effects = Annotated[
         help="Python file that declares kinds of effects; it is executed. Can be repeated.",
     ),
 ]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before hours of work; only tell.")]
 PICTURES = (".png", ".svg", ".pdf")
 """Endings of a picture."""
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rthm_bringup.cli.colour import coloured, is_coloured
-from rthm_bringup.cli.pace import Pace, asked
+from rthm_bringup.cli.pace import Pace, asked, told
 from rthm_core.files import write_whole
 
 if TYPE_CHECKING:
@@ -60,13 +60,20 @@ def plain(value: Any) -> Any:
 
 
 @contextmanager
-def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
+def progress_bar(
+    words: str,
+    total: float,
+    size: Callable[[float], str] | None = None,
+    *,
+    yes: bool = False,
+    resumes: bool = False,
+) -> Iterator[Callable[[float], None]]:
     """Bar on standard error, if that is a terminal; what it gives is told how much is done.
 
-    What will take hours is announced (`pace`).
+    What will take hours is announced (`pace`), with its `size`; and asked about, but for `yes`.
     """
     if not sys.stderr.isatty():
-        yield Pace(total).told
+        yield Pace(total, told if yes else asked, size=size, resumes=resumes).told
         return
     from rich.console import Console
     from rich.progress import Progress
@@ -76,11 +83,11 @@ def progress_bar(words: str, total: float) -> Iterator[Callable[[float], None]]:
 
         def ask(sentence: str) -> bool:
             bar.stop()  # the bar and the question share a line
-            answer = asked(sentence)
+            answer = (told if yes else asked)(sentence)
             bar.start()
             return answer
 
-        pace = Pace(total, ask)
+        pace = Pace(total, ask, size=size, resumes=resumes)
 
         def report(done: float) -> None:
             bar.update(task, completed=done)

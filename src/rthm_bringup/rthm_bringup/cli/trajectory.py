@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shutil
 import zipfile
 from collections.abc import Iterator
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_bringup.cli.pace import bytes_words
 from rthm_core.clock import to_ns
 from rthm_core.energy import TERMS
 from rthm_core.errors import InputError
@@ -36,8 +36,6 @@ MOTION = (
 
 ENERGIES = len(TERMS) + 2
 """Energies beside the motion, each a column: of every term, and their two sums."""
-
-UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
 class TrajectoryFile:
@@ -117,15 +115,10 @@ def check_room(path: Path, spec: Spec, duration: float, sample: float | None) ->
     needed, (total, _, free) = 2 * 8 * rows * columns, shutil.disk_usage(path.parent)
     if needed > free and total:
         raise InputError(
-            f"A trajectory of {rows:.3g} rows needs {_size(needed)} while it is written, but {path.parent} "
-            f"has {_size(free)} free; take a larger --sample, a shorter --duration or another disk."
+            f"A trajectory of {rows:.3g} rows needs {bytes_words(needed)} while it is written, but "
+            f"{path.parent} has {bytes_words(free)} free; take a larger --sample, a shorter --duration or "
+            "another disk."
         )
-
-
-def _size(count: float) -> str:
-    """Bytes in words: ``3.2 GB``."""
-    power = min(max(0, int(math.log10(max(count, 1.0))) // 3), len(UNITS) - 1)
-    return f"{count / 1000.0**power:.3g} {UNITS[power]}"
 
 
 @contextmanager

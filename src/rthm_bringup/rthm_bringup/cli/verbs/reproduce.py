@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Json
+from rthm_bringup.cli.options import Json, Yes
 
 EXAMPLES = ("rthm reproduce --out paper",)
 
@@ -18,13 +18,16 @@ def verb(
         list[str] | None,
         typer.Option(metavar="FIGURE", help="Draw this figure alone, such as figure08; can be repeated."),
     ] = None,
+    yes: Yes = False,
     json: Json = None,
 ) -> int:
     """Compute every figure and table of the paper, and a page that shows them."""
     from rthm_analysis.reproduce import reproduce
     from rthm_bringup.cli.output import progress_bar, put
+    from rthm_bringup.cli.pace import size_in
 
-    with progress_bar("reproducing", 1.0) as report:
+    figures = f"{len(only)} of the figures, and the tables" if only else "every figure and table"
+    with progress_bar("reproducing", 1.0, size_in(out, figures), yes=yes) as report:
         result = reproduce(out, only or (), report)
     put(result.as_dict(), [str(result.page)], json)
     return 0

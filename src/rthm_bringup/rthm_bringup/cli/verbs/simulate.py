@@ -57,7 +57,10 @@ def verb(
     amplitude: Amplitude = 1.0,
     plot: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Also draw motion, force and energy, as .png, .svg or .pdf."),
+        typer.Option(
+            metavar="FILE",
+            help="Also draw motion beside the ideal system, force, energy; .png, .svg or .pdf.",
+        ),
     ] = None,
     effects: Effects = None,
     json: Json = None,
@@ -106,7 +109,7 @@ def verb(
     result["lost_at"] = lost
     lines = [str(out), *table((name, _joules(value)) for name, value in file.energies.items())]
     if beside is not None:
-        outcome = Outcome(margin, beside.errors())
+        outcome = Outcome(margin, beside.errors(), energy_per_cycle=beside.energy_per_cycle())
         result["verdict"] = outcome.as_dict()
         lines += ["", *outcome.lines()]
     if lost is not None:
@@ -114,7 +117,7 @@ def verb(
             f"The motion left every bound {lost:.4g} s after the start; from there on there is none."
         )
     if plot is not None:
-        _draw(out, plot)
+        _draw(out, plot, beside.motion if beside else None)
         result["picture"] = str(plot)
         lines.insert(1, str(plot))
     put(result, lines, json)
@@ -129,13 +132,13 @@ def _lost_at(block: Trajectory) -> float | None:
     return float(block.t[lost[0]]) if lost.size else None
 
 
-def _draw(out: Path, plot: Path) -> None:
+def _draw(out: Path, plot: Path, ideal: Trajectory | None) -> None:
     import numpy as np
 
     from rthm_analysis.report.trajectory_picture import draw
 
     with np.load(out) as columns:
-        draw(columns, plot)
+        draw(columns, plot, ideal)
 
 
 def _joules(value: float) -> str:

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Json, SpecName
+from rthm_bringup.cli.options import Json, SpecName, Yes
 
 if TYPE_CHECKING:
     from rthm_analysis.sweep.sweep import Sweep
 
-EXAMPLES = ("rthm sweep paper --set timing.tau4=0:0.03:20 --set plant.damping=0.05,0.1 --duration 20",)
+EXAMPLES = (
+    "rthm sweep paper --set timing.tau4=0:0.03:20 --set plant.damping=0.05,0.1 --duration 20",
+    "rthm sweep paper --set timing.scale=1:20:100000 --duration 60 --yes",
+)
 
 
 def verb(
@@ -42,19 +45,27 @@ def verb(
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://host:8786.")
     ] = None,
+    yes: Yes = False,
     json: Json = None,
 ) -> int:
-    """Run many loops; interrupted, the same command goes on where it stopped."""
+    """Run many loops; interrupted, the same command goes on where it stopped.
+
+    What will take hours says so after ten seconds: how long, how many loops, how much of the disk; and asks,
+    where somebody can answer.
+    """
     from rthm_analysis.sweep.picture import draw as draw_picture
     from rthm_analysis.sweep.points import value_of
     from rthm_analysis.sweep.ranges import given_range
     from rthm_analysis.sweep.run import sweep_over, values_of
     from rthm_bringup.cli.options import spec_named
     from rthm_bringup.cli.output import progress_bar, put
+    from rthm_bringup.cli.pace import size_in
 
     test, ranges = spec_named(spec), [given_range(text) for text in given]
     values = values_of(test, ranges, draw, seed)
-    with progress_bar("loops", values.shape[0]) as report:
+    count = values.shape[0]
+    size = size_in(out, f"{count} loops of {duration:g} s" if duration else f"{count} loops")
+    with progress_bar("loops", count, size, yes=yes, resumes=True) as report:
         done = sweep_over(test, ranges, values, out, duration, workers, scheduler, report)
     picture = out / "sweep.png"
     nominal = [value_of(test, one.key) for one in ranges]

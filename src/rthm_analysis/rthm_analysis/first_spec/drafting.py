@@ -261,7 +261,7 @@ def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[fl
             *(f"plant.{name}" for name in MATRICES if not (masses and name == "mass")),
         )
         return
-    _add_unseen_steps(matrices, evidence, parts.dofs, commanded, draft.parameters)
+    _add_unseen_steps(draft, matrices, evidence, parts.dofs, commanded)
     for name, unit in MATRICES.items():
         _matrix(draft, matrices, name, unit, parts.dofs)
     if masses:
@@ -285,19 +285,21 @@ def _wires(draft: Draft, found: Sequence[float | None]) -> None:
 
 
 def _add_unseen_steps(
-    matrices: Matrices, evidence: Evidence, dofs: Sequence[str], wires: dict[str, str], known: dict[str, Any]
+    draft: Draft, matrices: Matrices, evidence: Evidence, dofs: Sequence[str], wires: dict[str, str]
 ) -> None:
     """Add what is not known of the dampings where motors were not measured: whether they jump with their
     commands, or lag, shifts the forces by part of a sample.
     """
     step = float(np.median(np.diff(evidence.time)))
     seen = {channel.place for channel in evidence.channels if channel.family == "motor"}
-    for (actuator, dof), stiffness in zip(wires.items(), known.get("actuator.stiffness", ()), strict=False):
-        if actuator not in seen:
-            i = dofs.index(dof)
-            matrices.std["damping"][i, i] = np.hypot(
-                matrices.std["damping"][i, i], stiffness * step / np.sqrt(12.0)
-            )
+    for (actuator, dof), stiffness in zip(
+        wires.items(), draft.parameters.get("actuator.stiffness", ()), strict=False
+    ):
+        i, damping = dofs.index(dof), matrices.std["damping"]
+        if draft.notes.get("actuator.stiffness") == UNTOLD:
+            damping[i, i] = np.hypot(damping[i, i], matrices.value["damping"][i, i])
+        elif actuator not in seen:
+            damping[i, i] = np.hypot(damping[i, i], stiffness * step / np.sqrt(12.0))
 
 
 def _matrix(draft: Draft, matrices: Matrices, name: str, unit: str, dofs: Sequence[str]) -> None:

@@ -2,7 +2,7 @@
 
 # Spectra: a colour is a second part of the noise, with a memory.
 
-SPECTRUM_FEWEST_SAMPLES = 400
+SPECTRUM_FEWEST_SAMPLES = 200
 """Samples from which a spectrum says anything."""
 
 SPECTRUM_BANDS = 40

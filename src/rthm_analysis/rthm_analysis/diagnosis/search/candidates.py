@@ -60,16 +60,19 @@ def _finite(starts: Iterator[InitialGuess]) -> Iterator[InitialGuess]:
 def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[InitialGuess]:
     """What can be wrong with every sensor whose signal another channel can check.
 
-    In a recording with one channel alone a sensor cannot be told from what it measures; of a plant alone, a
-    position that is off may be a force, but not a velocity that the position does not follow.
+    In a recording with one channel alone a sensor cannot be told from what it measures. Of a plant alone, a
+    position that is off may be a force, and a velocity that is late a position that is early; but no plant
+    has a velocity of which a part goes nowhere.
     """
     if len(evidence.channels) < 2:
         return
-    checked = ("velocity",) if evidence.driven_by == "force" else ("position", "velocity", "force")
+    alone = evidence.driven_by == "force"
+    checked = ("velocity",) if alone else ("position", "velocity", "force")
     seen = seen_in(evidence.time)
     for channel, noise, column in zip(evidence.channels, sigma, evidence.measured.T, strict=True):
         if channel.family not in checked:
             continue
         block, scene = f"sensor.{channel.family}", sensor_scene(evidence.time, column, float(noise))
         for law in ranked(block):
-            yield from guessed(law, block, channel.place, scene, seen)
+            if not alone or law.changes in ("offset", "growth"):
+                yield from guessed(law, block, channel.place, scene, seen)

@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 
 from rthm_analysis.bag_analysis import analyse_bag, write_beside
 from rthm_analysis.energy import rehearse
-from rthm_analysis.live import JOINT_STATE, TOPICS, LiveLedger
+from rthm_analysis.live import TOPICS, LiveLedger
 from rthm_analysis.report.verdict import BAD, verdict
 from rthm_core.errors import InputError
 from rthm_core.ros import system
@@ -33,7 +33,7 @@ from rthm_core.ros.polling import Mailbox
 from rthm_core.ros.process import run
 from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
-from rthm_core.topics import link_topic
+from rthm_core.topics import JOINT_STATE, link_topic
 
 PERIOD = 0.1
 """Between two messages on ``energy``, s."""

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from rthm_analysis.energy import energy_of
-from rthm_analysis.recording import LINKS, Recording, read_recording
+from rthm_analysis.recording import Recording, read_recording
 from rthm_analysis.recording.synchronised import synchronised
 from rthm_analysis.timing import TimingResult, timing_of
 from rthm_core.spec import shipped_spec
+from rthm_core.topics import LINKS
 
 from .conftest import START, Message, joint_state, mcap_file
 from .loop import empty_states, links, recorded, stamps

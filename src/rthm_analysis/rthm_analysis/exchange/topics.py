@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.exchange.columns import Column, Columns
-from rthm_analysis.recording import LINKS, LinkTable, Recording, Table
+from rthm_analysis.recording import LinkTable, Recording, Table
 from rthm_analysis.recording.cdr import FIELDS
 from rthm_analysis.recording.reading import STATES
 from rthm_core.errors import InputError
+from rthm_core.topics import LINKS
 
 UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
 STAMP, RECEIVED, SENT, SAMPLE = "stamp", "received", "sent", "sample"

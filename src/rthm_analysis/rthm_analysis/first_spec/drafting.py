@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.first_spec.computed import (
     EXACT,
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 MATRICES = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
-FEWEST = 100
-"""Samples of the plant from which a spec is drafted, as for a diagnosis."""
 LEAST, MOST = 1e-3, 100.0
 """Relative standard deviations between which an uncertainty is: no estimate is better than the assumption
 that the plant is linear."""
@@ -102,10 +101,10 @@ def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[fl
     InputError
         If the names do not tell what is what, or there is not a mass for each dof.
     """
-    if len(recording.plant) < FEWEST:
+    if len(recording.plant) < FEWEST_RECORDED_SAMPLES:
         raise InputError(
             f"{recording.path} has {len(recording.plant)} samples of plant/state, but a first spec needs at "
-            f"least {FEWEST}; record longer, or sample faster."
+            f"least {FEWEST_RECORDED_SAMPLES}; record longer, or sample faster."
         )
     parts = parts_of(recording, dofs)
     if masses and (len(masses) != len(parts.dofs) or not all(0.0 < mass < np.inf for mass in masses)):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_core.clock import NS
-from rthm_core.topics import COMMAND, NUMERICAL_STATE
+from rthm_core.topics import COMMAND, LINKS, NUMERICAL_STATE
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import LinkTable, Recording
@@ -38,9 +38,7 @@ def timing_of(recording: Recording, *, is_loop: bool) -> tuple[dict[str, float],
     """
     td1 = period(recording.plant.stamp_ns)
     if not is_loop:
-        return {"td1": td1, "td2": td1, "td3": td1} | dict.fromkeys(
-            ("td4", "tau1", "tau2", "tau3", "tau4"), 0.0
-        ), []
+        return {"td1": td1, "td2": td1, "td3": td1} | dict.fromkeys(("td4", *LINKS), 0.0), []
     links = recording.links
     td2 = period(recording.tables[NUMERICAL_STATE].stamp_ns)
     ticks = links["tau1"].use_ns if "tau1" in links else recording.tables[COMMAND].stamp_ns
@@ -52,7 +50,7 @@ def timing_of(recording: Recording, *, is_loop: bool) -> tuple[dict[str, float],
         if abs(own - td2) > SAME * td2:
             found["td4"], found["tau3"] = own, _kept(links["tau3"], td2)
     found = {"tau3": _at_once(links.get("tau3"))} | found | {"tau4": _at_once(links.get("tau4"))}
-    missing = [name for name in ("tau1", "tau2", "tau3", "tau4") if name not in links]
+    missing = [name for name in LINKS if name not in links]
     return found, [f"The uses of link {name} are not recorded: its delay is taken as 0." for name in missing]
 
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.recording import Recording
 from rthm_analysis.timing.links import clock_of, ticks_of
 from rthm_core.clock import NS, to_ns
 from rthm_core.compiled import Integers
 from rthm_core.errors import InputError
 from rthm_core.link import NEVER, Link
 from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newest
-from rthm_core.topics import COMMAND
+from rthm_core.topics import COMMAND, LINKS
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

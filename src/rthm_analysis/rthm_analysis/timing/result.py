@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.recording import Recording
 from rthm_analysis.recording.host_clocks import HostClocks
 from rthm_analysis.timing.clocks import ClockTiming, clock_timing
 from rthm_analysis.timing.host_stalls import HostStalls, host_stalls, stall_statistics
 from rthm_analysis.timing.links import LinkTiming, link_timing
 from rthm_core.schedule import Schedule
 from rthm_core.spec import Spec
+from rthm_core.topics import LINKS
 
 
 @dataclass(frozen=True)

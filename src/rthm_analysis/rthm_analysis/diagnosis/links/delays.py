@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 from rthm_analysis.diagnosis.criteria.links import LINK_KIND_GAIN
 from rthm_analysis.diagnosis.links.evidence import LinkEvidence, link_evidence
 from rthm_analysis.diagnosis.links.fitting import counted, fitted, grain
-from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.recording import Recording
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
+from rthm_core.topics import LINKS
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers

@@ -15,11 +15,12 @@ from rthm_analysis.diagnosis.links.selection import Selection, choose, is_exact
 from rthm_analysis.diagnosis.links.times import wrong_times
 from rthm_analysis.diagnosis.links.words import stall_words
 from rthm_analysis.diagnosis.result import Mismatch, Part
-from rthm_analysis.recording import LINKS, Recording
+from rthm_analysis.recording import Recording
 from rthm_analysis.timing.host_stalls import host_stalls, stall_statistics
 from rthm_core.clock import to_ns
 from rthm_core.schedule import Schedule
 from rthm_core.spec import apply
+from rthm_core.topics import LINKS
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers

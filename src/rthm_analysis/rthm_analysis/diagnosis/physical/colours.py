@@ -72,10 +72,9 @@ def in_common(errors: Floats, colours: Sequence[Colour], starts: Integers) -> li
     """
     white = whitened_from(np.nan_to_num(errors), colours, starts)
     lines = np.fft.rfft(white - white.mean(axis=0), axis=0)[1:]
-    counts = [
-        COHERENT_FREQUENCIES * 2**i
-        for i in range(int(np.log2(max(lines.shape[0] / (4 * COHERENT_FREQUENCIES), 1.0))) + 1)
-    ]
+    counts = [COHERENT_FREQUENCIES]
+    while 8 * counts[-1] <= lines.shape[0]:  # up to a quarter of all
+        counts.append(2 * counts[-1])
     return [
         not colour.is_white
         and any(_coherent(lines[:n, [k, j]], n) for j in range(len(colours)) if j != k for n in counts)

@@ -53,7 +53,7 @@ def _left_by(physical: Physical, fitted: Fitted) -> float:
 def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without the effects found last that can imitate others: above the noise they say nothing."""
     selection = physical.selection
-    refused = [_refused(label, IMITATES) for label in selection.imitating]
+    refused = [because(label, IMITATES) for label in selection.imitating]
     while selection.rounds and imitates(*selection.rounds[-1][0].label[:2]):
         refused.append(_last_refused(selection, IMITATES))
         selection = _without_last(selection)
@@ -63,20 +63,21 @@ def plain_only(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
 def without_needless(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without effects that are hardly needed beside the others, and why they went."""
     physical, needless = needed_only(physical)
-    return physical, tuple(_refused(label, NEEDLESS) for label in needless)
+    return physical, tuple(because(label, NEEDLESS) for label in needless)
 
 
 def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without effects whose values are not told beside the others, and why they went."""
     physical, vague = certain_only(physical)
-    return physical, tuple(_refused(label, VALUES_NOT_TOLD) for label in vague)
+    return physical, tuple(because(label, VALUES_NOT_TOLD) for label in vague)
 
 
 def _last_refused(selection: Selection, why: str) -> Refused:
-    return _refused(selection.rounds[-1][0].label, why)
+    return because(selection.rounds[-1][0].label, why)
 
 
-def _refused(label: tuple[str, str, str], why: str) -> Refused:
+def because(label: tuple[str, str, str], why: str) -> Refused:
+    """An effect that is not told, and why."""
     block, kind, _ = label
     return Refused(block, kind, f"{kind.replace('_', ' ').capitalize()}: {why}.")
 

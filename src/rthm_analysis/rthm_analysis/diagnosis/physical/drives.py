@@ -56,7 +56,7 @@ class Drives:
     settled: Spec
     limits: Limits
     left: Floats
-    wanders: bool = True
+    wanders: bool
 
     @property
     def model(self) -> Model:

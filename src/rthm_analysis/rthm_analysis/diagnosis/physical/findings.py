@@ -13,7 +13,13 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     RIVAL_GAIN_SHARE,
 )
 from rthm_analysis.diagnosis.missing.describe import described, told
-from rthm_analysis.diagnosis.physical.confirming import confirmed, plain_only, without_needless, without_vague
+from rthm_analysis.diagnosis.physical.confirming import (
+    because,
+    confirmed,
+    plain_only,
+    without_needless,
+    without_vague,
+)
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
@@ -47,6 +53,7 @@ from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
 RIVALLED = "it does little in the unseen data, and another kind would do nearly as well"
+ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
 
 DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
@@ -196,9 +203,8 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         elif judged.at_noise and not _has_rivals(selection, i):
             traces.append(Trace(one.block, one.kind, share, words))
         else:
-            vague.append(
-                Refused(one.block, one.kind, f"{one.kind.replace('_', ' ').capitalize()}: {RIVALLED}.")
-            )
+            why = RIVALLED if judged.at_noise else ABOVE_NOISE
+            vague.append(because((one.block, one.kind, one.place), why))
     return found, traces, vague
 
 

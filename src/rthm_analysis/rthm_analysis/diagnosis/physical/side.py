@@ -97,7 +97,7 @@ def diagnose_physical(
     """
     train = int(TRAINED_SHARE * evidence.stamps_ns.size)
     first = before if evidence.driven_by == "command" else np.empty(0)
-    drives = Drives([], spec, {}, np.empty((train, 0)))
+    drives = Drives([], spec, {}, np.empty((train, 0)), wanders=False)
     if evidence.only("motor").channels:
         progress("checking the motors")
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)

@@ -130,8 +130,8 @@ class Judgement:
             return False
         measured = physical.evidence.measured
         error = measured[:, channel] - predicted[:, channel]
-        causes = [*possible_causes(physical.evidence, predicted), *np.delete(measured, channel, axis=1).T]
-        return unrelated(error, [np.nan_to_num(one) for one in causes])
+        others = np.nan_to_num(np.delete(measured, channel, axis=1)).T
+        return unrelated(error, [*possible_causes(physical.evidence, predicted), *others])
 
     @property
     def _is_vague(self) -> bool:

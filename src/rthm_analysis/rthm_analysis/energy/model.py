@@ -15,8 +15,8 @@ from rthm_core.engine.general.ledger import Ledger, ledger
 from rthm_core.linear import linear_system
 from rthm_core.loads import NO_LOAD, Load, load, together
 from rthm_core.numerical import Numerical, NumericalSide, as_built, numerical
-from rthm_core.physical.advance import physical
 from rthm_core.physical.model import physical_model
+from rthm_core.physical.start import physical
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:

@@ -1,9 +1,9 @@
 """Replay of plant and wire on a time grid: compiled, and fast enough to be run thousands of times.
 
-The simulator locates every switch exactly and adapts its step. A diagnosis compares with noise, so it may
-take the steps that the recording gives (Runge-Kutta of fourth order between the instants at which something
-comes in), and put only the turning points of dry friction where they belong. Laws of force are the
-simulator's own.
+Forces, rates and modes are the simulator's own. The simulator also locates every switch exactly and adapts
+its step. A diagnosis compares with noise, so it may take the steps that the recording gives (Runge-Kutta of
+fourth order between the instants at which something comes in), and put only the turning points of dry
+friction and the thresholds of contacts where they belong.
 """
 
 from __future__ import annotations
@@ -14,20 +14,73 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics
-from rthm_analysis.diagnosis.replay.rates import nonlinear_wire, product, rate, settle_wires
-from rthm_analysis.diagnosis.replay.switching import (
-    break_away,
-    first_modes,
-    first_switch,
-    guards,
-    sharpened,
-    switch,
-)
-from rthm_core.compiled import Floats, Integers
+from rthm_analysis.diagnosis.replay.switching import first_switch, follow, margins, sharpened, switch
+from rthm_core.compiled import Floats, Integers, copy_into
+from rthm_core.energy import cubic
+from rthm_core.physical.flow import settle_wires, wire_force
+from rthm_core.physical.integrate import POINT, SCRATCH, TRIAL, Work, begin_step, rate, work
 from rthm_core.physical.laws import NONLINEAR
 
 MOST_SWITCHES = 20
 """Switches within one interval that are followed; further ones wait for the next."""
+
+MOST_TRIALS = 4
+"""Steps that are tried to find a switch, with the first, which passes it."""
+
+
+class Replay(NamedTuple):
+    """What is to be replayed: what comes in on a grid, where free runs begin, and what is to be seen.
+
+    Attributes
+    ----------
+    time : (g,) array
+        Grid, s; its last instant is not before the last sample.
+    motor : (g, 3, m) array
+        Motor positions at the start, middle and end of each interval; jumps are between them. In the last
+        row only the start counts.
+    load : (g, 3, n) array
+        Loads on the dofs, likewise.
+    start : (r,) array
+        Ascending indices into the grid at which a free run begins, the first of them 0.
+    state : (r, 2 n) array
+        Positions and velocities there.
+    sample : (s,) array
+        Ascending instants of the samples, s; one at an instant of the grid sees what comes in there.
+    seen_motor : (s, m) array
+        Motor positions at the samples.
+    """
+
+    time: Floats
+    motor: Floats
+    load: Floats
+    start: Integers
+    state: Floats
+    sample: Floats
+    seen_motor: Floats
+
+
+class Working(NamedTuple):
+    """State and scratch of a replay, as `begin_step` takes them.
+
+    Attributes
+    ----------
+    y, end_rate : (ny,) arrays
+        State, and its rate at the end of a step.
+    modes : (L,) array
+    work : Work
+    """
+
+    y: Floats
+    end_rate: Floats
+    modes: Integers
+    work: Work
+
+
+def working(mechanics: Mechanics) -> Working:
+    """Scratch for these mechanics."""
+    laws, size = mechanics.laws.numbers.shape[0], mechanics.initial.size
+    scratch = work(size, 0, mechanics.m, mechanics.n, laws + mechanics.m)
+    return Working(np.zeros(size), np.zeros(size), np.zeros(laws, dtype=np.int64), scratch)
 
 
 @inlined
@@ -42,265 +95,116 @@ def _at(motor, load, g, share, u, w):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _step(
-    n,
-    a,
-    b,
-    inverse_mass,
-    wires,
-    stiffness,
-    drive,
-    wire_laws,
-    wire_parameters,
-    laws,
-    parameters,
-    thresholds,
-    y,
-    motor,
-    load,
-    g,
-    begin,
-    whole,
-    t,
-    h,
-    u,
-    w,
-    modes,
-    stages,
-    point,
-    hold,
-    z,
-):  # type: ignore[no-untyped-def]
-    """Runge-Kutta step of length `h` from `y`, whose rate is in ``stages[0]``; its end is left in `point`."""
-    ny = y.size
+def _step(model, replay, working, g, begin, whole, t, h):  # type: ignore[no-untyped-def]
+    """Runge-Kutta step of length `h`, whose rate at the start is there; its end is left in row `TRIAL`."""
+    y, stages, point = working.y, working.work.stages, working.work.rows[TRIAL]
     for stage in range(1, 4):
         reach = h if stage == 3 else 0.5 * h
-        for i in range(ny):
+        for i in range(y.size):
             point[i] = y[i] + reach * stages[stage - 1, i]
         if stage != 2:
-            _at(motor, load, g, (begin + reach) / whole, u, w)
-        rate(
-            n,
-            a,
-            b,
-            inverse_mass,
-            wires,
-            stiffness,
-            drive,
-            wire_laws,
-            wire_parameters,
-            laws,
-            parameters,
-            thresholds,
-            point,
-            u,
-            w,
-            t + reach,
-            modes,
-            stages[stage],
-            hold,
-            z,
-        )
-    for i in range(ny):
+            _at(replay.motor, replay.load, g, (begin + reach) / whole, working.work.u, working.work.w)
+        follow(model.laws, model.n, point, working.modes, False)
+        rate(model, working.modes, working.work, point, t + reach, stages[stage])
+    for i in range(y.size):
         slope = stages[0, i] + 2.0 * stages[1, i] + 2.0 * stages[2, i] + stages[3, i]
         point[i] = y[i] + h * slope / 6.0
 
 
 @inlined
-def _between(share, h, y, point, begin, end, out):  # type: ignore[no-untyped-def]
-    """State within a step, from the states and their rates at both ends (cubic of Hermite)."""
-    rest = 1.0 - share
-    first, last = rest * rest * (1.0 + 2.0 * share), share * share * (3.0 - 2.0 * share)
-    for i in range(out.size):
-        slopes = h * share * rest * (rest * begin[i] - share * end[i])
-        out[i] = first * y[i] + last * point[i] + slopes
-
-
-class Working(NamedTuple):
-    """Scratch of a replay.
-
-    Attributes
-    ----------
-    y, point, z, scratch, seen, slope : (ny,) arrays
-    stages : (4, ny) array
-    u, w : (m,), (n,) arrays
-    hold, held : (R,) arrays
-    modes : (R,) array
+def _step_to_switch(model, replay, working, g, begin, whole, t, h, following):  # type: ignore[no-untyped-def]
+    """Step of at most `h` from what comes in at its start to where the first law leaves its mode: its length,
+    and that law (-1: none).
     """
+    y, end, modes, u = working.y, working.work.rows[TRIAL], working.modes, working.work.u
+    _at(replay.motor, replay.load, g, begin / whole, u, working.work.w)
+    settle_wires(model.wires, y, u)
+    follow(model.laws, model.n, y, modes, False)
+    begin_step(model, working, working.work, t)
+    law, share, before, after = -1, 1.0, 0.0, 0.0
+    for trial in range(MOST_TRIALS):
+        _step(model, replay, working, g, begin, whole, t, share * h)
+        closer = share
+        if trial == 0 and following:
+            closer, law = first_switch(model.laws, model.n, modes, y, end)
+            if law >= 0:
+                before, after = margins(model.laws, model.n, modes, law, y, end)
+        elif law >= 0 and share > 0.0:
+            _, here = margins(model.laws, model.n, modes, law, y, end)
+            closer = sharpened(share, before, here, after)
+        if law < 0 or (trial > 0 and abs(closer - share) < 1e-6) or trial == MOST_TRIALS - 1:
+            break
+        share = closer
+    return share * h, law
 
-    y: Floats
-    point: Floats
-    z: Floats
-    scratch: Floats
-    seen: Floats
-    slope: Floats
-    stages: Floats
-    u: Floats
-    w: Floats
-    hold: Floats
-    held: Floats
-    modes: Integers
 
-
-def working(mechanics: Mechanics) -> Working:
-    """Scratch for these mechanics."""
-    ny, rows = mechanics.initial.size, mechanics.laws.shape[0]
-    return Working(
-        *(np.zeros(ny) for _ in range(6)),
-        stages=np.zeros((4, ny)),
-        u=np.zeros(mechanics.wires.shape[0]),
-        w=np.zeros(mechanics.inverse_mass.shape[0]),
-        hold=np.zeros(rows),
-        held=np.zeros(rows),
-        modes=np.zeros(rows, dtype=np.int64),
-    )
+@inlined
+def _see(model, replay, working, s, t, h, out):  # type: ignore[no-untyped-def]
+    """Motion and wire forces at sample `s`, in a step of `h` from time `t` on, whose rates are there."""
+    n, m, y, work, stages = model.n, model.m, working.y, working.work, working.work.stages
+    seen, end, u = work.rows[POINT], work.rows[TRIAL], replay.seen_motor[s]
+    share = min(max((replay.sample[s] - t) / h, 0.0), 1.0) if h > 0.0 else 0.0
+    for i in range(y.size):
+        seen[i] = cubic(y[i], stages[0, i], end[i], working.end_rate[i], h, share)
+    for i in range(2 * n):
+        out[s, i] = seen[i]
+    for actuator in range(m):
+        if model.wires.numbers[actuator, NONLINEAR]:
+            for i in range(2 * n, y.size):
+                seen[i] = y[i]
+        out[s, 2 * n + actuator] = wire_force(
+            model.laws, model.wires, n, seen, u, actuator, work.rows[SCRATCH], stages[1], work.hold
+        )
 
 
 @compiled
-def replay_mechanics(
-    mechanics: Mechanics,
-    time: Floats,
-    substeps: int,
-    motor: Floats,
-    load: Floats,
-    start: Integers,
-    state: Floats,
-    sample: Floats,
-    seen_motor: Floats,
-    out: Floats,
-    working: Working,
-) -> None:
+def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Floats, working: Working) -> None:
     """Run over the grid and write the motion at the samples.
 
     Parameters
     ----------
-    mechanics : Mechanics
-    time : (g,) array
-        Grid, s; its last instant is not before the last sample.
+    model : Mechanics
+    replay : Replay
     substeps : int
         Steps per interval of the grid.
-    motor : (g, 3, m) array
-        Motor positions at the start, middle and end of each interval; jumps are between them. In the last
-        row only the start counts.
-    load : (g, 3, n) array
-        Loads on the dofs, likewise.
-    start : (r,) array
-        Ascending indices into the grid at which a free run begins, the first of them 0.
-    state : (r, 2 n) array
-        Positions and velocities there.
-    sample : (s,) array
-        Ascending instants of the samples, s; one at an instant of the grid sees what comes in there.
-    seen_motor : (s, m) array
-        Motor positions at the samples.
     out : (s, 2 n + m) array
         Gets positions, velocities and wire forces.
     working : Working
     """
-    (
-        a,
-        b,
-        inverse_mass,
-        wires,
-        stiffness,
-        drive,
-        wire_force,
-        wire_laws,
-        wire_parameters,
-        laws,
-        parameters,
-        thresholds,
-        breakaway,
-        initial,
-    ) = mechanics
-    y, point, z, scratch, seen, slope, stages, u, w, hold, held, modes = working
-    n, m, ny, rows = inverse_mass.shape[0], motor.shape[2], initial.size, laws.shape[0]
-    for i in range(ny):
-        y[i] = initial[i]
+    time, sample, y, end = replay.time, replay.sample, working.y, working.work.rows[TRIAL]
+    u, w = working.work.u, working.work.w
+    copy_into(y, model.initial)
     s, r = 0, 0
     for g in range(time.size):
         last = g == time.size - 1
         whole = 1e-9 if last else time[g + 1] - time[g]
-        if r < start.size and start[r] == g:
-            for i in range(2 * n):
-                y[i] = state[r, i]
-            first_modes(n, laws, thresholds, y, modes)
+        if r < replay.start.size and replay.start[r] == g:
+            for i in range(2 * model.n):
+                y[i] = replay.state[r, i]
+            follow(model.laws, model.n, y, working.modes, True)
             r += 1
-        done, length, still = 0.0, whole / substeps, 0
+        done, length, switches = 0.0, whole / substeps, 0
         for _ in range(substeps + MOST_SWITCHES + 1):
             if not done < whole * (1.0 - 1e-9):
                 break
             t, h = time[g] + done, min(length, whole - done)
-            _at(motor, load, g, 0.0 if last else done / whole, u, w)
-            settle_wires(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
-            rate(
-                n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                laws, parameters, thresholds, y, u, w, t, modes, stages[0], hold, z,
-            )  # fmt: skip
-            if rows and break_away(laws, breakaway, modes, hold):
-                rate(
-                    n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                    laws, parameters, thresholds, y, u, w, t, modes, stages[0], hold, z,
-                )  # fmt: skip
-            _step(
-                n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
-                modes, stages, point, hold, z,
-            )  # fmt: skip
-            law = -1
-            if rows and still < MOST_SWITCHES:
-                share, law = first_switch(n, laws, thresholds, modes, y, point)
-                if law >= 0:
-                    before, after = guards(n, laws, thresholds, modes, law, y, point)
-                    for _ in range(2):
-                        _step(
-                            n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                            laws, parameters, thresholds, y, motor, load, g, done, whole, t, share * h, u, w,
-                            modes, stages, point, hold, z,
-                        )  # fmt: skip
-                        _, here = guards(n, laws, thresholds, modes, law, y, point)
-                        closer = sharpened(share, before, here, after)
-                        if abs(closer - share) < 1e-6:
-                            break
-                        share = closer
-                    h *= share
-                    _step(
-                        n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                        laws, parameters, thresholds, y, motor, load, g, done, whole, t, h, u, w,
-                        modes, stages, point, hold, z,
-                    )  # fmt: skip
+            following = switches < MOST_SWITCHES
+            h, law = _step_to_switch(model, replay, working, g, done, whole, t, h, following)
             until = np.inf if last else time[g + 1] if done + h >= whole * (1.0 - 1e-9) else t + h
             if s < sample.size and sample[s] < until:
-                _at(motor, load, g, (done + h) / whole, u, w)
-                rate(
-                    n, a, b, inverse_mass, wires, stiffness, drive, wire_laws, wire_parameters,
-                    laws, parameters, thresholds, point, u, w, t + h, modes, slope, held, z,
-                )  # fmt: skip
+                _at(replay.motor, replay.load, g, (done + h) / whole, u, w)
+                follow(model.laws, model.n, end, working.modes, False)
+                rate(model, working.modes, working.work, end, t + h, working.end_rate)
             while s < sample.size and sample[s] < until:
-                share = 0.0 if last or h <= 0.0 else min(max((sample[s] - t) / h, 0.0), 1.0)
-                _between(share, h, y, point, stages[0], slope, seen)
-                for i in range(m):
-                    u[i] = seen_motor[s, i]
-                for i in range(n):
-                    out[s, i], out[s, n + i] = seen[i], seen[n + i]
-                for actuator in range(m):
-                    if wires[actuator, NONLINEAR]:
-                        for i in range(2 * n, ny):
-                            seen[i] = y[i]
-                        out[s, 2 * n + actuator] = nonlinear_wire(
-                            actuator, n, wires, stiffness, drive, wire_laws, wire_parameters,
-                            seen, u, z, scratch, False,
-                        )  # fmt: skip
-                    else:
-                        out[s, 2 * n + actuator] = product(wire_force[actuator], seen, u)
+                _see(model, replay, working, s, t, 0.0 if last else h, out)
                 s += 1
             if s == sample.size:
                 return
-            for i in range(ny):
-                y[i] = point[i]
+            copy_into(y, end)
             if law >= 0:
-                switch(n, laws, modes, y, law)
-                still += 1
+                switch(model.laws, model.n, working.modes, y, law)
+                switches += 1
             done += h
             if not last:
-                _at(motor, load, g, min(done / whole, 1.0), u, w)
-                settle_wires(n, wires, stiffness, drive, wire_laws, wire_parameters, y, u, z, scratch)
+                _at(replay.motor, replay.load, g, min(done / whole, 1.0), u, w)
+                settle_wires(model.wires, y, u)

@@ -19,7 +19,6 @@ from rthm_core.compiled import Floats, Integers, copy_into
 from rthm_core.energy import cubic
 from rthm_core.physical.flow import settle_wires, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, TRIAL, Work, begin_step, rate, work
-from rthm_core.physical.laws import NONLINEAR
 
 MOST_SWITCHES = 20
 """Switches within one interval that are followed; further ones wait for the next."""
@@ -145,13 +144,12 @@ def _see(model, replay, working, s, t, h, out):  # type: ignore[no-untyped-def]
     seen, end, u = work.rows[POINT], work.rows[TRIAL], replay.seen_motor[s]
     share = min(max((replay.sample[s] - t) / h, 0.0), 1.0) if h > 0.0 else 0.0
     for i in range(y.size):
-        seen[i] = cubic(y[i], stages[0, i], end[i], working.end_rate[i], h, share)
+        first, last = stages[0, i], working.end_rate[i]
+        settles = i >= 2 * n and first == 0.0 and last == 0.0  # on the way from the start of the step
+        seen[i] = y[i] if settles else cubic(y[i], first, end[i], last, h, share)
     for i in range(2 * n):
         out[s, i] = seen[i]
     for actuator in range(m):
-        if model.wires.numbers[actuator, NONLINEAR]:
-            for i in range(2 * n, y.size):
-                seen[i] = y[i]
         out[s, 2 * n + actuator] = wire_force(
             model.laws, model.wires, n, seen, u, actuator, work.rows[SCRATCH], stages[1], work.hold
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.criteria.verdict import PATCHED_ERROR_RATIO, RUNAWAY_ERROR_RATIO
-from rthm_analysis.diagnosis.replay.entries import MATRICES, entry_of
+from rthm_analysis.diagnosis.replay.entries import OF_PLANT, entry_of
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_core.spec import Spec, apply, write_spec
@@ -91,7 +91,7 @@ def _both_halves(changes: dict[str, object], spec: Spec) -> dict[str, object]:
     n, whole = len(spec.plant.dofs), dict(changes)
     for key, value in changes.items():
         name, place = entry_of(key) or ("", 0)
-        if name in MATRICES:
+        if name in OF_PLANT:
             whole.setdefault(f"{name}[{place % n * n + place // n}]", value)
     return whole
 

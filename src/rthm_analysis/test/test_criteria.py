@@ -24,7 +24,8 @@ ELSEWHERE = {
     "links/ages.py": {"GOLDEN"},  # the golden ratio
     "links/fitting.py": {"INFINITE_GRAINS"},  # an infinity of integers
     # compiled, and compiled anew only where its own folder changes
-    "replay/kernel.py": {"MOST_SWITCHES", "MOST_TRIALS"},
+    "replay/kernel.py": {"MOST_SWITCHES"},
+    "replay/steps.py": {"MOST_TRIALS"},
 }
 """Numbers that bound nothing of a recording, by module."""
 

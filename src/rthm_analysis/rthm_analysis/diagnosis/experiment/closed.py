@@ -21,7 +21,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.experiment import LIGHT_MASS_SHARE, STRAIGHT_DELAY_RADIANS
 from rthm_analysis.diagnosis.experiment.delays import Delays, delays_of
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, fastest, mechanics
-from rthm_core.substructure import as_built, interface, substructure
+from rthm_core.substructure import as_built, free_dynamics, interface, natural_frequencies, substructure
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -63,8 +63,8 @@ def fastest_motion(spec: Spec) -> float:
     if not spec.is_loop:
         return own
     two = substructure(as_built(spec, "numerical").loop().numerical)
-    squares = np.linalg.eigvals(np.linalg.solve(two.mass, two.stiffness))
-    return max(own, float(np.sqrt(np.abs(squares).max())))
+    swings, grows = (natural_frequencies(two.mass, sign * two.stiffness)[-1] for sign in (1.0, -1.0))
+    return max(own, float(swings), float(grows))
 
 
 def _own_states(spec: Spec, closed: Mechanics) -> int:
@@ -115,12 +115,10 @@ class _Closing:
 
     def _numerical(self) -> None:
         """Free motion of the numerical substructure; the interface adds to it."""
-        first, n2, two = self.own, self.two.dofs, self.two
-        inverse = np.linalg.inv(two.mass)
-        self.a[first : first + n2, first + n2 : first + 2 * n2] = np.eye(n2)
-        self.a[first + n2 : first + 2 * n2, first : first + n2] = -inverse @ two.stiffness
-        self.a[first + n2 : first + 2 * n2, first + n2 : first + 2 * n2] = -inverse @ two.damping
-        self.initial[first : first + 2 * n2] = [*two.position, *two.velocity]
+        two = self.two
+        motion = slice(self.own, self.own + 2 * two.dofs)
+        self.a[motion, motion], _ = free_dynamics(two.mass, two.damping, two.stiffness)
+        self.initial[motion] = [*two.position, *two.velocity]
 
     def _command(self, actuator: int, late: Delays) -> Floats:
         """Motor position of an actuator, and the pull of its interface at the numerical side."""

@@ -11,6 +11,7 @@
 ``motor``       motor positions on the grid, from the commands as they fell due
 ``mechanics``   plant and wires of a spec, as the simulator's compiled code takes them
 ``switching``   compiled: where a law leaves its mode
+``steps``       compiled: one step, to where a law leaves its mode
 ``kernel``      compiled: the replay of plant and wires
 ``sensing``     what the sensors make of the motion
 ``budget``      how much of this one diagnosis may do

@@ -230,6 +230,16 @@ def test_a_known_force_is_checked_by_the_motion(driven: Evidence, factor: float)
     assert fault.value == pytest.approx(factor) and np.allclose(mended.evidence.load, driven.load)
 
 
+@pytest.mark.parametrize("factor", [-1.0, 1000.0])
+def test_a_position_that_rate_and_force_speak_against_is_the_one_that_is_wrong(
+    driven: Evidence, factor: float
+) -> None:
+    mended = mend(changed(driven, POSITION, lambda y: factor * y), PLAIN)
+    assert [(one.channel, one.value) for one in mended.faults] == [("x1.position", pytest.approx(factor))]
+    assert far(mended.evidence, driven, POSITION) < 1e-9 and far(mended.evidence, driven, VELOCITY) < 1e-9
+    assert np.allclose(mended.evidence.load, driven.load)
+
+
 def test_a_free_motion_in_millimetres_shows_at_its_start(free: Evidence) -> None:
     wrong = replace(free, measured=1e3 * free.measured)
     assert said(wrong, FREE) == [("unit", "x1.position"), ("unit", "x1.velocity")]

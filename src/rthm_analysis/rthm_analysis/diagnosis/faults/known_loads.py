@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     UNITLESS_GAIN,
 )
 from rthm_analysis.diagnosis.faults.factors import scaled
+from rthm_analysis.diagnosis.faults.naming import fault_of
 from rthm_analysis.diagnosis.faults.plant import plant_seen
 from rthm_analysis.diagnosis.faults.scaling import factor_fault
 from rthm_analysis.diagnosis.faults.smooth import smoothed
@@ -100,3 +101,29 @@ def _position(
     both = [one for one in (channel, Channel("velocity", channel.place)) if one in evidence.channels]
     faults = [factor_fault(one, factor, shown) for one in both]
     return scaled(evidence, {(one.family, one.place): factor for one in both}), faults
+
+
+def told_by_one(evidence: Evidence, faults: list[Fault]) -> tuple[Evidence, list[Fault]]:
+    """One wrong position in place of a velocity and a known force that are wrong alike.
+
+    A velocity is judged by the rate of the position, and a known force by the motion: where the position
+    alone is wrong, both are found to be.
+    """
+    for position in (one for one in evidence.channels if one.family == "position"):
+        velocity, load = (Channel(family, position.place) for family in ("velocity", "load"))
+        found = [[one for one in faults if _is_factor_of(one, channel)] for channel in (velocity, load)]
+        if [len(one) for one in found] != [1, 1] or found[0][0].value != found[1][0].value:
+            continue
+        (one,), (other,) = found
+        factor = 1.0 / float(one.value or 1.0)
+        moved = {(channel.family, channel.place): factor for channel in (position, velocity)}
+        evidence = replace(scaled(evidence, moved), load=evidence.load / factor)
+        alone = factor_fault(position, factor, "what its velocity and the known force ask for")
+        faults = [alone, *(left for left in faults if left not in (one, other))]
+    return evidence, faults
+
+
+def _is_factor_of(fault: Fault, channel: Channel) -> bool:
+    where = fault_of(channel, fault.kind, "")
+    named = (fault.block, fault.channel) == (where.block, where.channel)
+    return named and fault.value is not None and fault.kind in ("sign", "unit")

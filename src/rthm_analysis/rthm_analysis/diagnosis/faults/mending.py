@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
-from rthm_analysis.diagnosis.faults.known_loads import find_loads
+from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -25,7 +25,10 @@ from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
 from rthm_core.topics import PLANT_STATE
 
-SCALED = ("sign", "unit", "swapped")
+FACTORS = ("sign", "unit")
+"""Faults that multiply every sample of a signal."""
+
+SCALED = (*FACTORS, "swapped")
 """Faults that change every sample of a signal."""
 
 
@@ -102,11 +105,15 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
+    evidence, faults = told_by_one(evidence, faults)
     return Mended(evidence, _without_turned_back(faults))
 
 
 def _without_turned_back(faults: list[Fault]) -> tuple[Fault, ...]:
-    """The same without signals that were turned round, and back again once more was known."""
-    signs = [(one.block, one.channel) for one in faults if one.kind == "sign"]
-    twice = {where for where in signs if signs.count(where) % 2 == 0}
-    return tuple(one for one in faults if one.kind != "sign" or (one.block, one.channel) not in twice)
+    """The same without signals that were turned round or converted, and back again once more was known."""
+    factors: dict[tuple[str, str], list[float]] = {}
+    for one in faults:
+        if one.kind in FACTORS and one.value is not None:
+            factors.setdefault((one.block, one.channel), []).append(one.value)
+    back = {where for where, by in factors.items() if len(by) > 1 and np.isclose(np.prod(by), 1.0)}
+    return tuple(one for one in faults if one.kind not in FACTORS or (one.block, one.channel) not in back)

@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.readings import noise_level
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
+from .faulty import hybrid
 from .plain import recorded
 
 COUNT = 6000
@@ -166,6 +167,11 @@ def test_samples_that_are_no_readings_count_as_not_measured(how: str) -> None:
     found = readings_only(replace(evidence, measured=slower(evidence.measured, how)))
     assert 0.15 < np.isfinite(found.measured).mean() < 0.45
     assert len(found.notes) == 2 and how in found.notes[0]
+
+
+def test_what_jumps_with_held_commands_was_not_interpolated() -> None:
+    exact = hybrid(noise=0.0)
+    assert readings_only(exact) is exact
 
 
 def test_a_coarse_sensor_and_a_rig_at_rest_have_readings_only() -> None:

@@ -119,6 +119,10 @@ INTERPOLATED_SHARE = 0.3
 STRAIGHT_BEND_RATIO = 0.02
 """Second difference, over the larger ones of the recording, below which samples lie on a straight line."""
 
+JUMP_BENDS_SHARE = 0.5
+"""Share of the bends that come in pairs to and fro, from which a signal jumps rather than was
+interpolated."""
+
 KNOT_INTERVAL_RATIO = 3.0
 """Longest interval between two knots of an interpolated recording over the shortest."""
 

@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
+from rthm_analysis.diagnosis.faults.rectified import find_rectified
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -102,7 +103,8 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find in (find_dropouts, find_stuck, find_clipped, find_spikes):
         evidence, found = find(evidence)
         faults += found
-    for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
+    checks = (find_rectified, find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec)
+    for find_with in checks:
         evidence, found = find_with(evidence, spec)
         faults += found
     evidence, faults = told_by_one(evidence, faults)

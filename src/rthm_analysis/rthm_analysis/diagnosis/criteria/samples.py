@@ -33,7 +33,7 @@ PADDED_SAMPLES = 100
 STUCK_NEIGHBOURS = 12
 """Samples on either side whose steps are compared."""
 
-RATE_SAMPLES = 10
+STUCK_RATE_SAMPLES = 10
 """Samples on either side over which a rate is taken; so near to its ends a stretch is not compared."""
 
 HELD_FEWEST_STRETCHES = 3
@@ -177,5 +177,5 @@ RECTIFIED_NEAR_ZERO_STDS = 4.0
 RECTIFIED_NEAR_ZERO_SHARE = 0.02
 """The same over the signal's rms, where there is less noise."""
 
-RECTIFIED_LEFT_SHARE = 0.1
+RECTIFIED_LEFT_SHARE = 0.2
 """What the relations to other channels leave open once the signs are given back, over before."""

@@ -23,7 +23,6 @@ from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
     filled,
     held_commands,
-    rate,
     stretches,
     with_column,
 )
@@ -139,7 +138,7 @@ def _partner(evidence: Evidence, spec: Spec, column: int) -> tuple[Floats, Float
             return None
         other = filled(evidence.measured[:, partner])
         is_position = channel.family == "position"
-        return rate(evidence.time, values if is_position else other), other if is_position else values
+        return np.gradient(values if is_position else other), other if is_position else values
     wires = wires_of(spec)
     at = [one.actuator for one in wires].index(channel.place)
     motor = channel_at(evidence, "motor", channel.place)

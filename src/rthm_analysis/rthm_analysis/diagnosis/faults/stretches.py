@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.samples import RATE_SAMPLES
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 
 if TYPE_CHECKING:
@@ -75,14 +74,6 @@ def filled(values: Floats) -> Floats:
         return np.nan_to_num(values)
     at = np.arange(values.size)
     return np.interp(at, at[known], values[known])
-
-
-def rate(time: Floats, values: Floats) -> Floats:
-    """Rate of a signal (s,), over enough samples for its noise not to matter; 0 at the ends."""
-    reach, slope = RATE_SAMPLES, np.zeros_like(values)
-    span = time[2 * reach :] - time[: -2 * reach]
-    slope[reach:-reach] = (values[2 * reach :] - values[: -2 * reach]) / np.maximum(span, 1e-12)
-    return slope
 
 
 def grain(values: Floats) -> float:

@@ -17,12 +17,12 @@ from rthm_analysis.diagnosis.criteria.samples import (
     HELD_FEWEST_STRETCHES,
     NOISY_ALTERNATING_SHARE,
     PADDED_SAMPLES,
-    RATE_SAMPLES,
     STUCK_FEWEST_SAMPLES,
     STUCK_LEAP_RATIO,
     STUCK_LEAP_RATIO_WITHOUT_NOISE,
     STUCK_MOST_SHARE,
     STUCK_NEIGHBOURS,
+    STUCK_RATE_SAMPLES,
     STUCK_SHORT_S,
     STUCK_SINGLE_SHARE,
     STUCK_TO_USUAL_LENGTH,
@@ -35,7 +35,6 @@ from rthm_analysis.diagnosis.faults.stretches import (
     filled,
     interval,
     pieces,
-    rate,
     whole_interval,
     without,
 )
@@ -151,13 +150,23 @@ def _others(evidence: Evidence, column: int) -> list[Floats]:
         steps = np.diff(evidence.time, prepend=evidence.time[0])
         return [np.cumsum(speed * steps)]
     if channel.family == "velocity" and ("position", channel.place) in at:
-        return [rate(evidence.time, filled(evidence.measured[:, at["position", channel.place]]))]
+        return [_rate(evidence, at["position", channel.place])]
     return []
+
+
+def _rate(evidence: Evidence, column: int) -> Floats:
+    """Rate of a position, over enough samples for its noise not to matter."""
+    values = filled(evidence.measured[:, column])
+    reach = STUCK_RATE_SAMPLES
+    rate = np.zeros_like(values)
+    span = evidence.time[2 * reach :] - evidence.time[: -2 * reach]
+    rate[reach:-reach] = (values[2 * reach :] - values[: -2 * reach]) / np.maximum(span, 1e-12)
+    return rate
 
 
 def _travels(other: Floats, one: Stretch) -> bool:
     """Whether another signal changes by a good part of its range over a stretch."""
-    part = other[one[0] + RATE_SAMPLES : one[1] - RATE_SAMPLES]
+    part = other[one[0] + STUCK_RATE_SAMPLES : one[1] - STUCK_RATE_SAMPLES]
     if part.size < 2:
         return False
     low, high = np.quantile(other, [0.05, 0.95])

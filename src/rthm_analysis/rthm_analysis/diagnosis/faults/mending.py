@@ -4,6 +4,7 @@ the last.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
 from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
-from rthm_analysis.diagnosis.faults.delays import find_delays
+from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
 from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
@@ -20,7 +21,7 @@ from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
 from rthm_analysis.diagnosis.faults.rectified import find_rectified
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
@@ -29,7 +30,7 @@ from rthm_core.topics import PLANT_STATE
 FACTORS = ("sign", "unit")
 """Faults that multiply every sample of a signal."""
 
-SCALED = (*FACTORS, "swapped")
+CHANGING = (*FACTORS, "swapped", "channel_delay")
 """Faults that change every sample of a signal."""
 
 
@@ -55,7 +56,12 @@ class Mended:
     def moved(self) -> bool:
         """Whether positions or velocities are others than recorded throughout."""
         sensors = ("sensor.position", "sensor.velocity")
-        return any(one.kind in SCALED and one.block in sensors for one in self.faults)
+        return any(one.kind in CHANGING and one.block in sensors for one in self.faults)
+
+    def moved_back(self, late: Mapping[Channel, float]) -> Mended:
+        """The same with channels that come late by so many seconds."""
+        evidence, faults = moved_back(self.evidence, late)
+        return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
 
 def with_motion(recording: Recording, evidence: Evidence) -> Recording:

@@ -254,12 +254,14 @@ class Judgement:
 
     @property
     def _is_enough_above_noise(self) -> bool:
-        """Whether plain kinds are the law that is missing; of kinds that can imitate others, whether next to
-        nothing is left, and their values are certain.
+        """Whether kinds of certain values are the law that is missing; of those that can imitate others,
+        whether next to nothing is left.
         """
         selection = self.physical.selection
+        if self._is_vague:
+            return False
         if selection.imitates:
-            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and not self._is_vague
+            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig
         return Laws(selection.best.model, self.gone, self.curves).are_told
 
     @cached_property

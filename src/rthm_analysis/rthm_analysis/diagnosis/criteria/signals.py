@@ -200,6 +200,9 @@ DELAY_TO_LAG_MOST = 2.0
 LAG_RUNS_IN_CONSTANTS = 5.0
 """Time constants after which a filter has forgotten its beginning."""
 
+NO_LAG_S = 1e-9
+"""Seconds; a filter so fast changes nothing."""
+
 LATENESS_STEPS = 3
 """Steps towards the best delay, and the best lag."""
 

@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     DELAY_GAIN_OVER_LAG,
     DELAY_TO_LAG_MOST,
     LAG_RUNS_IN_CONSTANTS,
+    NO_LAG_S,
 )
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.physical.judged import begun_runs
@@ -20,9 +21,6 @@ from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.sensing import lagged
 from rthm_core.compiled import Floats
-
-NEUTRAL = {"smoothing": 1e-9, "gain": 1.0}
-"""Values with which effects of a sensor change nothing, by what they change: s and 1."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +83,11 @@ def _without_lags(model: Model) -> Iterator[tuple[Channel, float, Model]]:
         values, constant = model.values, 0.0
         for index, one in enumerate(model.added):
             here = (one.block, one.place) == (lag.block, lag.place)
-            for place in model.places(index).values() if here and one.law.changes in NEUTRAL else ():
-                constant = float(values[place]) if one is lag else constant
-                values[place] = NEUTRAL[str(one.law.changes)]
+            for place in model.places(index).values() if here else ():
+                if one is lag:
+                    constant, values[place] = float(values[place]), NO_LAG_S
+                elif one.law.changes == "gain":
+                    values[place] = 1.0
         yield Channel(lag.block.removeprefix("sensor."), lag.place), constant, model.at(values)
 
 

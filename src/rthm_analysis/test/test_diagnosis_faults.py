@@ -258,7 +258,7 @@ def test_a_known_force_is_checked_by_the_motion(driven: Evidence, factor: float)
     assert fault.value == pytest.approx(factor) and np.allclose(mended.evidence.load, driven.load)
 
 
-@pytest.mark.parametrize("factor", [-1.0, 1000.0])
+@pytest.mark.parametrize("factor", [-1.0, 100.0, 1000.0])
 def test_a_position_that_rate_and_force_speak_against_is_the_one_that_is_wrong(
     driven: Evidence, factor: float
 ) -> None:

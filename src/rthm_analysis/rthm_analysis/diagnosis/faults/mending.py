@@ -109,11 +109,13 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find in (find_dropouts, find_stuck, find_clipped, find_spikes):
         evidence, found = find(evidence)
         faults += found
-    checks = (find_rectified, find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec)
-    for find_with in checks:
+    evidence, found = find_rectified(evidence, spec)
+    faults += found
+    evidence, found = find_factors(evidence, spec)
+    evidence, faults = told_by_one(evidence, [*faults, *found], spec)
+    for find_with in (find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
-    evidence, faults = told_by_one(evidence, faults)
     return Mended(evidence, _without_turned_back(faults))
 
 

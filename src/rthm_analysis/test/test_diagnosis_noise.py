@@ -118,6 +118,9 @@ def test_noise_whose_tails_are_heavy_throughout_is_as_large_as_its_standard_devi
     assert abs(noise_level(normal, normal + 100.0) - 1.0) < 0.03
     once = normal + 6.0 * (np.arange(20_000) % 10 == 0) * (np.arange(20_000) < 4_000)
     assert noise_level(once, once + 100.0) < 1.15
+    beats = normal * (0.3 + np.abs(np.sin(np.arange(20_000) * 0.02)) ** 8)
+    typical = 1.4826 * np.median(np.abs(np.diff(beats, 3))) / np.sqrt(20.0)
+    assert noise_level(beats, beats + 100.0) < 1.02 * typical
 
 
 def test_whitening_starts_anew_with_each_run() -> None:

@@ -64,7 +64,9 @@ def test_a_first_spec_comes_from_a_bag_or_from_exported_files(tmp_path: Path) ->
     decay(tmp_path)
     done = rthm("new", "rig.yaml", "--from", "bag", "--json", "rig.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("rig.yaml\ndamping of x1: 0.0") and "assumed to be exactly 1 kg" in done.stdout
+    assert (
+        done.stdout.startswith("rig.yaml\ndamping of x1: 0.0") and "assumed to be exactly 1 kg" in done.stdout
+    )
     told = json.loads((tmp_path / "rig.json").read_text())
     assert [one["name"] for one in told["figures"]] == ["damping of x1", "stiffness of x1"]
     assert told["figures"][1]["value"] == pytest.approx(3.16**2, rel=0.01) and len(told["told"]) == 1

@@ -97,7 +97,7 @@ class Margin:
             ways.append(f"below {self.scale:.3g} times its periods and delays")
         if self.nearest is not None:
             name, nominal, edge = self.nearest
-            ways.append(f"with {name} below {_ms(edge)} instead of {_ms(nominal)} ms")
+            ways.append(f"with {name} below {_ms(edge)} ms (now {_ms(nominal)} ms)")
         way = f"It is stable {', or '.join(ways)}." if ways else "No delay alone makes it stable."
         return f"{growth} {way}"
 

@@ -15,9 +15,9 @@ from rthm_analysis.diagnosis.criteria.signals import (
     UNITLESS_GAIN,
 )
 from rthm_analysis.diagnosis.faults.factors import scaled
-from rthm_analysis.diagnosis.faults.naming import fault_of
+from rthm_analysis.diagnosis.faults.naming import field_of
 from rthm_analysis.diagnosis.faults.plant import plant_seen
-from rthm_analysis.diagnosis.faults.scaling import factor_fault
+from rthm_analysis.diagnosis.faults.scaling import FACTORS, factor_fault
 from rthm_analysis.diagnosis.faults.smooth import smoothed
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -112,7 +112,7 @@ def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Ev
     if evidence.driven_by != "force" or spec.plant is None or len(spec.plant.dofs) != 1:
         return evidence, faults
     position, velocity = (Channel(family, spec.plant.dofs[0]) for family in ("position", "velocity"))
-    found = next((one for one in faults if _is_factor_of(one, velocity)), None)
+    found = next((one for one in faults if one.channel == field_of(velocity) and one.kind in FACTORS), None)
     if found is None or not found.value:
         return evidence, faults
     factor = 1.0 / found.value
@@ -122,8 +122,3 @@ def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Ev
         return evidence, faults
     alone = factor_fault(position, factor, "what its velocity and the known force ask for")
     return moved, [alone, *(one for one in faults if one is not found)]
-
-
-def _is_factor_of(fault: Fault, channel: Channel) -> bool:
-    where = fault_of(channel, fault.kind, "")
-    return (fault.block, fault.channel) == (where.block, where.channel) and fault.kind in ("sign", "unit")

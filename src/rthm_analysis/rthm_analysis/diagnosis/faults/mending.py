@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
 from rthm_analysis.diagnosis.faults.rectified import find_rectified
+from rthm_analysis.diagnosis.faults.scaling import FACTORS
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -26,9 +27,6 @@ from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
 from rthm_core.topics import PLANT_STATE
-
-FACTORS = ("sign", "unit")
-"""Faults that multiply every sample of a signal."""
 
 CHANGING = (*FACTORS, "swapped", "channel_delay")
 """Faults that change every sample of a signal."""

@@ -49,9 +49,10 @@ def find_rectified(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault
     faults = []
     for column, channel in enumerate(evidence.channels):
         values, name = evidence.measured[:, column], (channel.family, channel.place)
-        tried = _signs(evidence, spec, column) if _is_magnitude(values) else ()
+        tried = list(_signs(evidence, spec, column)) if _is_magnitude(values) else []
+        before = _open_shares(evidence, spec, name) if tried else []
         every = (with_column(evidence, column, values * signs) for signs in tried)
-        turned = next((one for one in every if _agrees(one, evidence, spec, name)), None)
+        turned = next((one for one in every if _agree(_open_shares(one, spec, name), before)), None)
         if turned is not None:
             evidence = turned
             words = (
@@ -63,10 +64,9 @@ def find_rectified(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault
     return evidence, faults
 
 
-def _agrees(turned: Evidence, before: Evidence, spec: Spec, name: Name) -> bool:
+def _agree(now: list[float], before: list[float]) -> bool:
     """Whether every relation of a signal to others leaves next to nothing open now."""
-    shares = zip(_open_shares(turned, spec, name), _open_shares(before, spec, name), strict=False)
-    better = [now < RECTIFIED_LEFT_SHARE * once for now, once in shares]
+    better = [after < RECTIFIED_LEFT_SHARE * once for after, once in zip(now, before, strict=False)]
     return bool(better) and all(better)
 
 
@@ -140,7 +140,9 @@ def _partner(evidence: Evidence, spec: Spec, column: int) -> tuple[Floats, Float
         is_position = channel.family == "position"
         return np.gradient(values if is_position else other), other if is_position else values
     wires = wires_of(spec)
-    at = [one.actuator for one in wires].index(channel.place)
+    at = next((i for i, one in enumerate(wires) if one.actuator == channel.place), None)
+    if at is None or evidence.driven_by != "command":
+        return None
     motor = channel_at(evidence, "motor", channel.place)
     drive = held_commands(evidence)[:, at]
     if channel.family == "motor":

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from rthm_analysis.diagnosis.criteria.signals import (
     DELAY_GAIN_OVER_LAG,
@@ -110,6 +109,8 @@ def _instead(physical: Physical, channel: Channel, true: Floats, constant: float
 
 def _least(cost: Callable[[float], float], about: float) -> tuple[float, float]:
     """Where a cost is least in the neighbourhood of a value, and that cost."""
+    from scipy.optimize import minimize_scalar
+
     ends = (about / DELAY_TO_LAG_MOST, about * DELAY_TO_LAG_MOST)
     found = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": 1e-4 * about})
     return float(found.x), float(found.fun)

@@ -44,7 +44,7 @@ def long_delays(spec: Spec) -> tuple[str, ...]:
 
 
 def warn_of_delays(spec: Spec) -> bool:
-    """Tell `long_delays` on standard error; whether there are any."""
+    """Print `long_delays` to standard error; return whether there are any."""
     found = long_delays(spec)
     for sentence in found:
         print("rthm: warning:", sentence, file=sys.stderr, flush=True)
@@ -52,7 +52,7 @@ def warn_of_delays(spec: Spec) -> bool:
 
 
 def is_unstable(spec: Spec) -> bool:
-    """Whether a spec is that of a loop which is known to be unstable; then that is told on standard error."""
+    """Whether a spec is that of a loop which is known to be unstable; then standard error says so."""
     try:
         if not spec.is_loop or spectral_radius(spec) < 1.0:
             return False
@@ -69,7 +69,7 @@ def _tell(margin: Margin) -> None:
 
 
 def told_margin(spec: Spec) -> Margin | str:
-    """Margin of a loop, or why it is not known; one that is unstable is told at once on standard error."""
+    """Margin of a loop, or why it is not known; one that is unstable is reported at once on stderr."""
     warn_of_delays(spec)
     margin = margin_or_why(spec)
     if isinstance(margin, Margin) and not margin.stable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Floats, Integers, uncompiled
 from rthm_core.physical.advance import Physical, PhysicalState
 from rthm_core.physical.drive import accepted, settled
 from rthm_core.physical.integrate import trace, work
@@ -82,5 +82,5 @@ def mode_count(model: PhysicalModel) -> int:
 def _first_modes(model: PhysicalModel, y: Floats) -> Integers:
     modes = np.zeros(mode_count(model), dtype=np.int64)
     for row in range(0 if model.laws is None else model.laws.numbers.shape[0]):
-        modes[row] = first_mode.py_func(model.laws, model.n, row, y)
+        modes[row] = uncompiled(first_mode)(model.laws, model.n, row, y)
     return modes

@@ -81,14 +81,19 @@ def _alone(alone: WiresAlone, model: Model, residual: Floats, stds: Floats) -> _
 
 
 def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[InitialGuess, _Alone]]:
-    """The kinds that explain the force best, fitted to their end, best first."""
+    """The kinds that explain the force best, fitted to their end as far as the budget goes, best first."""
     alone, without = fitting.wires_alone, nothing.model
     starts = _best_starts(fitting, without)
     rough = fitting.cores.each(
         lambda start: _fitted(alone, without, start.added_to(without), WIRE_ROUGH_RUNS), starts
     )
     order = sorted(range(len(starts)), key=lambda i: rough[i].beyond(nothing))[: WIRE_MOST_ALIKE + 1]
-    fine = [(starts[i], _fitted(alone, without, rough[i].model, WIRE_FINE_RUNS)) for i in order]
+    fine = []
+    for i in order:
+        spent = fitting.budget.spent
+        fine.append(
+            (starts[i], rough[i] if spent else _fitted(alone, without, rough[i].model, WIRE_FINE_RUNS))
+        )
     return sorted(fine, key=lambda one: one[1].beyond(nothing))
 
 

@@ -40,7 +40,8 @@ def selected_from_wire(fitting: Fitting, base: Fitted) -> Selection | None:
     chains = sorted((_with_plain(fitting, base, one) for one in identified), key=_error)
     if chains and len(chains[0]) == 1 and _near(fitting, chains[0][-1]):
         return _begun_with(fitting, base, chains[0])
-    singles = [one for one in companions(fitting, base) if one.label[0] != "wire"] if identified else []
+    asks = identified and not fitting.budget.spent
+    singles = [one for one in companions(fitting, base) if one.label[0] != "wire"] if asks else []
     chains += (
         [] if chains and _near(fitting, chains[0][-1]) else _with_any(fitting, identified, base, singles)
     )
@@ -64,9 +65,9 @@ def _near(fitting: Fitting, tried: FittedCandidate) -> bool:
 def _with_plain(fitting: Fitting, base: Fitted, wire: FittedCandidate) -> list[FittedCandidate]:
     """The effect of a wire, with the plain kinds that come near the noise beside it.
 
-    They are looked for together, then one after the other.
+    They are looked for together, then one after the other, as far as the budget goes.
     """
-    if _near(fitting, wire):
+    if _near(fitting, wire) or fitting.budget.spent:
         return [wire]
     fitting.progress(f"looking for plain kinds that go with {wire.label[1]}")
     before = fitting.reduced_chi2
@@ -87,7 +88,11 @@ def _with_plain(fitting: Fitting, base: Fitted, wire: FittedCandidate) -> list[F
 def one_by_one(fitting: Fitting, wire: FittedCandidate) -> list[FittedCandidate]:
     """The effect of a wire, with one kind after the other until they come near the noise."""
     found = [wire]
-    while len(found) <= BESIDE_WIRE_MOST_EFFECTS and not _near(fitting, found[-1]):
+    while (
+        len(found) <= BESIDE_WIRE_MOST_EFFECTS
+        and not _near(fitting, found[-1])
+        and not fitting.budget.spent
+    ):
         fitting.rebase(found[-1].fitted.model)
         beside = companions(fitting, found[-1].fitted)
         if not beside or beside[0].error > found[-1].error:
@@ -102,6 +107,8 @@ def _with_any(
     """Effects of a wire, each with what goes best beside it, of whatever kind."""
     pairs = []
     for one in identified:
+        if fitting.budget.spent:
+            break
         fitting.progress(f"looking for what goes with {one.label[1]}")
         beside = [_beside(fitting, base, one, single) for single in singles[:PAIRED_KINDS]]
         if not any(_near(fitting, other) for other in beside):

@@ -43,25 +43,46 @@ def long_delays(spec: Spec) -> tuple[str, ...]:
     )
 
 
-def warn_of_delays(spec: Spec) -> bool:
-    """Tell `long_delays` on standard error; whether there are any."""
-    found = long_delays(spec)
-    for sentence in found:
+def refuse(spec: Spec) -> None:
+    """Let no real machine be moved by a loop that is unstable, or has a delay longer than its motion.
+
+    Raises
+    ------
+    InputError
+        With the reason and the way out in one line.
+    """
+    late = long_delays(spec)
+    if late:
+        raise InputError(
+            f"a real machine is not moved with a delay longer than a period of the motion: "
+            f"{' '.join(late).removesuffix('.')}; give --unstable where that is what you want to see."
+        )
+    margin = _unstable_margin(spec)
+    if margin is not None:
+        raise InputError(margin.refusal)
+
+
+def warn_of_delays(spec: Spec) -> None:
+    """Tell `long_delays` on standard error."""
+    for sentence in long_delays(spec):
         print("rthm: warning:", sentence, file=sys.stderr, flush=True)
-    return bool(found)
 
 
-def is_unstable(spec: Spec) -> bool:
-    """Whether a spec is that of a loop which is known to be unstable; then that is told on standard error."""
+def warn_of_growth(spec: Spec) -> None:
+    """Tell on standard error that a loop is unstable, where it is known to be."""
+    margin = _unstable_margin(spec)
+    if margin is not None:
+        _tell(margin)
+
+
+def _unstable_margin(spec: Spec) -> Margin | None:
+    """Margin of a loop that is known to be unstable; None: it is stable, not known, or no loop."""
     try:
-        if not spec.is_loop or spectral_radius(spec) < 1.0:
-            return False
-        _tell(margin_of(spec))
+        return margin_of(spec) if spec.is_loop and spectral_radius(spec) >= 1.0 else None
     except TooManySamplesError:  # a loop that may be unstable moves nothing
         raise
     except InputError:  # of what the compensator does no linear equations are known
-        return False
-    return True
+        return None
 
 
 def _tell(margin: Margin) -> None:

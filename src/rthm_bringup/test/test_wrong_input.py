@@ -248,7 +248,7 @@ def test_a_delay_of_seconds_where_milliseconds_were_meant_is_told_before_the_wor
     assert status(monkeypatch, "simulate late.yaml --duration 1 --out a.npz") == 0
     told = capsys.readouterr()
     assert "warning: timing.tau1 is 4 s, 1.54 periods of the motion (2.6 s); write 0.004 if" in told.err
-    assert "its margin is not searched" in told.out
+    assert "its margin is not searched" in told.err
 
 
 def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
@@ -257,7 +257,21 @@ def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
     monkeypatch.chdir(tmp_path)
     Path("late.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau1": 4.0})))
     assert status(monkeypatch, "run late.yaml --plant external") == 2
-    assert "a real machine is not moved with a delay longer than" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "a real machine is not moved with a delay longer than" in told and len(told.splitlines()) == 1
+
+
+def test_a_real_machine_is_not_moved_by_an_unstable_loop_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("unstable.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau2": 0.09})))
+    assert status(monkeypatch, "run unstable.yaml --plant external") == 2
+    assert capsys.readouterr().err == (
+        "rthm: a real machine is not moved by a loop that is unstable: a small motion doubles every 21.3 s; "
+        "it is stable below 0.713 times its periods and delays, or with tau2 below 78 ms (now 90 ms); give "
+        "--unstable where that is what you want to see.\n"
+    )
 
 
 def test_a_motion_without_bounds_is_told_in_words(

@@ -133,17 +133,9 @@ def _warn(test: Spec, *, refused: bool) -> None:
     """Say that a loop is unstable, or a delay longer than its motion; InputError where it must not begin
     then.
     """
-    from rthm_bringup.unstable import is_unstable, warn_of_delays
-    from rthm_core.errors import InputError
+    from rthm_bringup.unstable import refuse, warn_of_delays, warn_of_growth
 
-    late = warn_of_delays(test)
-    if late and refused:
-        raise InputError(
-            "a real machine is not moved with a delay longer than a period of the motion; correct it, or "
-            "give --unstable where that is what you want to see."
-        )
-    if is_unstable(test) and refused:
-        raise InputError(
-            "a real machine is not moved by an unstable loop; change its delays, or give --unstable where"
-            " that is what you want to see."
-        )
+    if refused:
+        refuse(test)
+    warn_of_delays(test)
+    warn_of_growth(test)

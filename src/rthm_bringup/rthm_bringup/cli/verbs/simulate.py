@@ -111,7 +111,7 @@ def verb(
     if beside is not None:
         outcome = Outcome(margin, beside.errors(), energy_per_cycle=beside.energy_per_cycle())
         result["verdict"] = outcome.as_dict()
-        lines += ["", *outcome.lines()]
+        lines += ["", *outcome.lines(warned=True)]
     if lost is not None:
         lines.append(
             f"The motion left every bound {lost:.4g} s after the start; from there on there is none."

@@ -77,7 +77,7 @@ def test_the_page_shows_what_the_test_has_come_to(tab, server, hub, test) -> Non
     opened(tab, server)
     shown = hub.shown
     text = tab.value("document.body.innerText")
-    assert "The test runs." in text and "4.0 s" in text and "of 20 s" in text
+    assert "The test is running." in text and "4.0 s" in text and "of 20 s" in text
     assert f"{100 * shown['errors'][0]['nrmse']:.3g} %" in text
     assert "5 % of a processor core" in text
     assert tab.value("document.querySelector('#links tr').innerText.includes('4 ms')")
@@ -99,7 +99,7 @@ def test_the_button_is_reached_by_keyboard_and_aborts(tab, server, hub, test, ab
     assert tab.value("getComputedStyle(document.activeElement).outlineStyle") == "solid"
     assert aborts == []
     tab.press("Enter")
-    tab.wait_for("document.getElementById('abort-words').textContent == 'Abort asked for.'")
+    tab.wait_for("document.getElementById('abort-words').textContent == 'Abort requested.'")
     assert aborts == ["asked for"]
     test.told.note_event(write_abort(Abort(4.0, "operator", None, None, "asked for by the service")))
     hub.look(test, BESIDE)
@@ -134,5 +134,7 @@ def test_the_page_becomes_the_report_and_who_comes_back_stays(tab, server, hub, 
 def test_a_dashboard_that_has_gone_is_told(tab, hub, test) -> None:
     with served(hub) as server:
         opened(tab, server)
-    tab.wait_for("document.getElementById('words').textContent.startsWith('The dashboard does not answer')")
+    tab.wait_for(
+        "document.getElementById('words').textContent.startsWith('No answer from the dashboard server')"
+    )
     assert tab.value("document.getElementById('abort').disabled")

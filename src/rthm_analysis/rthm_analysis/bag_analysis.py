@@ -15,7 +15,7 @@ from rthm_core.files import write_whole
 
 
 def analyse_bag(bag: str | Path) -> tuple[EnergyResult, TimingResult]:
-    """Energy and timing of a recording; InputError when they cannot be told."""
+    """Energy and timing of a recording; InputError when they cannot be computed."""
     recording = read_recording(bag)
     return energy_of(recording, recording.spec), timing_of(recording, recording.spec)
 

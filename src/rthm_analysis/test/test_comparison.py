@@ -181,7 +181,7 @@ def test_what_moves_where_the_reference_is_at_rest_is_beyond_measure() -> None:
     assert found.words == "differs beyond measure: x1 of slow, against rest, which is zero there."
     assert found.within is False
     found = compare([moving("slow", 0.1), moving("far", 1e7)], 0.5)
-    assert found.words == "differs beyond measure: x1 of far, against slow, as it leaves every bound."
+    assert found.words == "differs beyond measure: x1 of far, against slow, as it diverges."
     assert "boundless" in difference_rows(found.against[0])[1]
 
 

@@ -168,7 +168,7 @@ def test_a_test_starts_runs_is_aborted_and_ends_in_words(messages) -> None:
     test.learn(Facts(START, duration=3.0))
     assert test.look()["state"] == "starting"
     *_, last = looks(test, messages)
-    assert (last["state"], last["words"]) == ("running", "The test runs.")
+    assert (last["state"], last["words"]) == ("running", "The test is running.")
     assert last["at"] == pytest.approx(3.0, abs=0.002)
     test.end()
     assert test.look()["words"] == "The test is over."

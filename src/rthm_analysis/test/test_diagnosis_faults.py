@@ -131,6 +131,34 @@ def test_a_sensor_whose_range_ends_is_told_with_the_end(loop: Evidence, column: 
     assert left_out[beyond].all() and left_out.mean() < beyond.mean() + 0.03
 
 
+@pytest.mark.parametrize("column", [POSITION, VELOCITY])
+def test_a_magnitude_gets_its_signs_back(driven: Evidence, column: int) -> None:
+    mended = mend(changed(driven, column, np.abs), PLAIN)
+    assert [(one.kind, one.channel) for one in mended.faults] == [("rectified", FIELDS[column])]
+    assert far(mended.evidence, driven, column) == 0.0
+    assert np.mean(np.isnan(mended.evidence.measured[:, column])) < 0.1
+
+
+def test_a_magnitude_alone_is_told_by_the_known_force(driven: Evidence) -> None:
+    alone = replace(driven, channels=driven.channels[:1], measured=np.abs(driven.measured[:, :1]))
+    mended = mend(alone, PLAIN)
+    assert [(one.kind, one.channel) for one in mended.faults] == [("rectified", "x1.position")]
+    assert far(mended.evidence, driven, POSITION) == 0.0
+
+
+def test_a_force_without_its_sign_is_told_by_its_wire(loop: Evidence) -> None:
+    mended = mend(changed(loop, FORCE, np.abs), PAPER)
+    assert [(one.kind, one.channel) for one in mended.faults] == [("rectified", "a1.effort")]
+    assert far(mended.evidence, loop, FORCE) == 0.0
+
+
+def test_a_motion_that_bounces_at_zero_is_no_magnitude() -> None:
+    spec = having(FREE, "plant", "end_stop", position=1e-9, stiffness=3e5, damping=0.0)
+    bounced = plain(apply(spec, {"plant.initial_position": [-0.5]}), driven=False)
+    down = changed(bounced, POSITION, lambda x: np.minimum(x, 0.0))
+    assert said(down, apply(FREE, {"plant.initial_position": [-0.5]})) == []
+
+
 def test_one_spike_in_noise_of_heavy_tails_is_noise(loop: Evidence) -> None:
     rng = np.random.default_rng(5)
     heavy = [
@@ -230,7 +258,7 @@ def test_a_known_force_is_checked_by_the_motion(driven: Evidence, factor: float)
     assert fault.value == pytest.approx(factor) and np.allclose(mended.evidence.load, driven.load)
 
 
-@pytest.mark.parametrize("factor", [-1.0, 1000.0])
+@pytest.mark.parametrize("factor", [-1.0, 100.0, 1000.0])
 def test_a_position_that_rate_and_force_speak_against_is_the_one_that_is_wrong(
     driven: Evidence, factor: float
 ) -> None:

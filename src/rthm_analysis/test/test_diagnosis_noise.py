@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.readings import noise_level
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
+from .faulty import hybrid
 from .plain import recorded
 
 COUNT = 6000
@@ -117,6 +118,9 @@ def test_noise_whose_tails_are_heavy_throughout_is_as_large_as_its_standard_devi
     assert abs(noise_level(normal, normal + 100.0) - 1.0) < 0.03
     once = normal + 6.0 * (np.arange(20_000) % 10 == 0) * (np.arange(20_000) < 4_000)
     assert noise_level(once, once + 100.0) < 1.15
+    beats = normal * (0.3 + np.abs(np.sin(np.arange(20_000) * 0.02)) ** 8)
+    typical = 1.4826 * np.median(np.abs(np.diff(beats, 3))) / np.sqrt(20.0)
+    assert noise_level(beats, beats + 100.0) < 1.02 * typical
 
 
 def test_whitening_starts_anew_with_each_run() -> None:
@@ -166,6 +170,11 @@ def test_samples_that_are_no_readings_count_as_not_measured(how: str) -> None:
     found = readings_only(replace(evidence, measured=slower(evidence.measured, how)))
     assert 0.15 < np.isfinite(found.measured).mean() < 0.45
     assert len(found.notes) == 2 and how in found.notes[0]
+
+
+def test_what_jumps_with_held_commands_was_not_interpolated() -> None:
+    exact = hybrid(noise=0.0)
+    assert readings_only(exact) is exact
 
 
 def test_a_coarse_sensor_and_a_rig_at_rest_have_readings_only() -> None:

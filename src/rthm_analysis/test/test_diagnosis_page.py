@@ -111,7 +111,7 @@ def test_the_page_shows_the_energy_of_the_delays_beside_what_was_found(page: str
 
 
 def test_words_are_shown_as_text_and_the_page_needs_no_network(page: str) -> None:
-    assert "cannot tell it apart" in page and "One note." in page and "A slow sweep." in page
+    assert "cannot distinguish it" in page and "One note." in page and "A slow sweep." in page
     assert "Dry friction &lt;of&gt; x1." in page
     assert "Dry friction <of>" not in page.split("application/json")[0]
     assert "0.118" in page and "93 %" in page

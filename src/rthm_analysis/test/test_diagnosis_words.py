@@ -82,8 +82,8 @@ def test_a_value_at_the_end_of_what_is_possible_is_said_to_be_there() -> None:
     values = {"alpha": Value(2.0, 0.1, "N/m"), "n": Value(20.0, 0.5, "1")}
     rest = {"A": Value(1.0, 0.0, "1"), "beta": Value(1.0, 0.1, "1"), "gamma": Value(1.0, 0.1, "1")}
     said = physics_words("plant", "bouc_wen", "x1", {**values, **rest}, float("nan"), 0.0)
-    assert "The n is at the largest value that is possible." in said
-    assert "alpha is at" not in said
+    assert "Its n is the largest that is possible." in said
+    assert "alpha is the" not in said
 
 
 def test_new_values_of_parameters_are_compared_with_what_the_spec_states() -> None:

@@ -1,4 +1,4 @@
-"""Energy bookkeeping of recordings against the exact engine."""
+"""Energy balance of recordings against the exact engine."""
 
 from __future__ import annotations
 

@@ -63,7 +63,7 @@ def test_a_free_decay_tells_everything_but_the_mass() -> None:
     recording = plain(force=0.0, start=0.4)
     draft = draft_of(recording)
     spec = draft.spec
-    assert "taken as 1 kg" in draft.told[0] and "taken as 1 kg" in draft.text("bag")
+    assert "assumed to be exactly 1 kg" in draft.told[0] and "assumed to be exactly 1 kg" in draft.text("bag")
     assert spec.plant.mass == (1.0,) and spec.uncertainty.plant.mass == 0.0
     assert spec.plant.stiffness[0] == pytest.approx(STIFFNESS / MASS, rel=1e-3)
     assert spec.plant.initial_position[0] == pytest.approx(0.4, abs=2e-4)
@@ -155,12 +155,12 @@ def test_what_is_not_recorded_is_a_placeholder_and_told(tmp_path: Path) -> None:
     assert draft_of(replace(whole, links={"tau4": whole.links["tau4"]})).spec.k_tot == pytest.approx(
         [40.0], rel=0.01
     )
-    assert "a placeholder" in draft.text("bag") and draft.spec.is_loop
+    assert "Placeholder:" in draft.text("bag") and draft.spec.is_loop
     only = plain()
     table = replace(only.plant, position=np.full_like(only.plant.position, np.nan))
     draft = draft_of(replace(only, tables={"plant/state": table}))
-    assert "does not tell mass, damping and stiffness" in draft.told[0]
-    assert "a placeholder" in draft.text("bag")
+    assert "Mass, damping and stiffness of the plant cannot be found" in draft.told[0]
+    assert "Placeholder:" in draft.text("bag")
     assert parameters(draft.spec)
 
 
@@ -181,7 +181,7 @@ def test_no_number_is_made_up(what: str, tmp_path: Path) -> None:
         recording = loop(tmp_path, shipped_spec("paper"), 4.0)
         table = replace(recording.plant, effort=np.full_like(recording.plant.effort, np.nan))
     draft = draft_of(replace(recording, tables=recording.tables | {"plant/state": table}))
-    assert not draft.figures and "does not tell mass, damping and stiffness" in draft.told[-1]
+    assert not draft.figures and "Mass, damping and stiffness of the plant cannot be found" in draft.told[-1]
     assert draft.spec.plant.mass == (1.0,)
 
 

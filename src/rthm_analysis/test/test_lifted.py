@@ -110,7 +110,7 @@ def test_what_is_not_linear_is_named():
 
 def test_too_many_samples_under_way_are_refused_in_a_sentence():
     spec = apply(shipped_spec("paper"), times(tau4=3000.0))
-    with pytest.raises(InputError, match="under way at once"):
+    with pytest.raises(InputError, match="in transit at once"):
         period_of(spec)
 
 

@@ -13,6 +13,7 @@ from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.outcome import (
     IdealComparison,
     Lateness,
+    Margin,
     Outcome,
     ideal,
     margin_of,
@@ -59,6 +60,25 @@ def test_an_unstable_loop_says_how_fast_it_grows_and_which_delay_makes_it_stable
     assert margin.words.startswith("Unstable: a small motion doubles every 21.3 s. It is stable below 0.713")
 
 
+@pytest.mark.parametrize(
+    ("scale", "tau3", "words"),
+    [
+        (21.17, 0.08162, "all periods and delays could grow 21.2-fold, or tau3 alone from 12 to 81.6 ms."),
+        (21.17, None, "all periods and delays could grow 21.2-fold."),
+        (9.0, 0.005, "all periods and delays could grow 9-fold, or tau3 alone could shrink from 12 to 5 ms."),
+        (0.713, None, "all periods and delays could shrink to 0.713 of their values."),
+        (None, 0.01201, "tau3 alone could grow from 12 to 12.01 ms."),
+    ],
+)
+def test_a_margin_says_what_could_change_and_how_far(scale: float, tau3: float, words: str) -> None:
+    assert Margin(0.9, 0.012, scale, {"tau3": (0.012, tau3)}).words == f"Stable; {words}"
+
+
+def test_a_loop_without_an_edge_says_how_far_it_was_searched() -> None:
+    margin = Margin(0.9, 0.012, None, {"tau3": (0.012, None)})
+    assert margin.words == "Stable, even with any one delay 10 times as long."
+
+
 def test_energy_per_cycle_is_that_of_a_damper_that_moves_to_and_fro() -> None:
     t = np.linspace(0.0, 20.0, 8001)
     omega, damping, amplitude = 2.0 * np.pi * 1.37, 0.3, 0.05
@@ -89,7 +109,7 @@ def test_a_recording_and_a_simulation_tell_the_energy_per_cycle(tmp_path: Path) 
 
 def test_a_loop_whose_stability_is_not_known_says_why() -> None:
     said = Outcome(margin_or_why(shipped_spec("decay")))
-    assert said.stability.startswith("Whether the loop is stable is not known: ")
+    assert said.stability.startswith("Stability not determined: ")
     assert said.as_dict()["stable"] is None
 
 
@@ -112,7 +132,7 @@ def test_the_error_of_the_paper_is_the_one_worked_out_by_hand(
 def test_words_of_an_error_say_what_there_is_to_say() -> None:
     assert "44.8 %" in error_words("x1", error_of(np.array([0.448]), np.array([1.0])))
     assert "does not move" in error_words("x1", error_of(np.array([0.1]), np.array([0.0])))
-    assert "leaves every bound" in error_words("x1", error_of(np.array([np.inf]), np.array([1.0])))
+    assert "diverges" in error_words("x1", error_of(np.array([np.inf]), np.array([1.0])))
 
 
 def test_a_recorded_test_is_judged_by_its_own_motion_delays_and_limits(tmp_path: Path) -> None:
@@ -134,7 +154,7 @@ def test_a_recorded_test_is_judged_by_its_own_motion_delays_and_limits(tmp_path:
 
 def test_late_samples_that_move_the_test_are_told() -> None:
     assert (
-        Lateness(0.02).words == "Timing mattered: late samples changed the motion by 2 % (rms of the ideal)."
+        Lateness(0.02).words == "Timing mattered: late samples changed the motion by 2 % (of the ideal rms)."
     )
     assert not Lateness(0.02).ok and Lateness(0.002).ok
 

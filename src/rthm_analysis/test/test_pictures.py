@@ -26,7 +26,7 @@ def test_a_response_is_drawn_with_its_margin_and_every_way(tmp_path: Path) -> No
     for words in ("Stable: by far.", "amplitude (m/N)", "phase (deg)", "delays and holds", "sampled"):
         assert words in drawn
     for words in (
-        "loop cut at the command of a1",
+        "loop opened at the command of a1",
         "gain margin 1.41 x",
         "phase margin -3.7 deg",
         "delay margin",

@@ -13,7 +13,7 @@ from bokeh.models import CrosshairTool, Line, Range1d, Scatter
 from rthm_analysis.bag_analysis import analyse_bag, to_json, write_beside
 from rthm_analysis.report import documentation, verdict, write_report
 from rthm_analysis.report.colours import COLOURS
-from rthm_analysis.report.figures import Curves, is_sparse
+from rthm_analysis.report.figures import Curves, is_sparse, only_rounding
 from rthm_analysis.report.thinning import extremes
 from rthm_core.errors import InputError
 from rthm_core.spec import shipped_spec
@@ -61,8 +61,14 @@ def test_the_page_shows_the_loop_with_its_delays_and_all_parts(loop_page: str) -
         assert f"<h2>{part}</h2>" in loop_page
     for words in ("Position cancellation drained", "Force feedforward introduced", "Equivalent damping"):
         assert words in loop_page
-    for curve in ("x1 ideal", "reference for a1", "balance error", "Age at use, tau3", "Period of Td2"):
-        assert curve in loop_page
+    for words in (
+        "x1 ideal",
+        "reference for a1",
+        "The balance closes to rounding.",
+        "Age at use, tau3",
+        "Period of Td2",
+    ):
+        assert words in loop_page
 
 
 def test_a_plant_alone_has_a_page_without_a_loop(tmp_path: Path) -> None:
@@ -76,6 +82,12 @@ def test_a_plant_alone_has_a_page_without_a_loop(tmp_path: Path) -> None:
     assert "<h2>Motion</h2>" in page
     assert "<h2>The loop</h2>" not in page
     assert embedded(page, "energy")["E_fx"][0] is None
+
+
+def test_what_is_nothing_but_rounding_is_not_drawn() -> None:
+    assert only_rounding(np.array([3e-14, np.nan]), np.array([2.25]))
+    assert only_rounding(np.zeros(2), np.zeros(2))
+    assert not only_rounding(np.array([3e-6]), np.array([2.25]))
 
 
 def test_a_recording_without_a_spec_has_a_page_that_says_so(tmp_path: Path) -> None:

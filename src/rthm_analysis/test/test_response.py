@@ -141,4 +141,4 @@ def test_sampled_response_of_a_compensated_loop_is_that_of_a_simulation(name):
     expected = simulated(spec, "plant", "x1", w, settle=60, cycles=4, rows=1000)
     found = response(spec, np.array([w]))
     np.testing.assert_allclose(found.ways["sampled"][0][:, 0], expected, rtol=1e-6)
-    assert "sampled alone" in found.left_out[0]
+    assert "but not in the margins" in found.left_out[0]

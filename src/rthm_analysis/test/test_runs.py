@@ -60,7 +60,7 @@ def test_what_is_missing_or_lost_is_a_problem(folder: Path) -> None:
     runs = {run.name: run for run in runs_in(folder)}
     assert "7 samples were lost on the way to the recorder." in runs["lossy"].problems
     assert runs["lossy"].outcome == runs["dead"].outcome == "no report"
-    assert runs["dead"].problems[0] == "There is no whole recording."
+    assert runs["dead"].problems[0] == "The recording is missing or incomplete."
     assert runs["ideal.npz"].duration == 20.0 and not runs["ideal.npz"].problems
     assert runs["broken.npz"].problems[0].startswith("It cannot be read")
 

@@ -121,7 +121,7 @@ def test_a_loop_that_cannot_be_followed_is_a_row_with_its_sentence(tmp_path):
         done = sweep(order("timing.tau4"), np.array([[0.01], [3000.0]]), tmp_path, workers)
     fine, refused = done.table.to_pylist()
     assert fine["stable"] is True and fine["refused"] == ""
-    assert refused["stable"] is None and "under way" in refused["refused"]
+    assert refused["stable"] is None and "in transit" in refused["refused"]
 
 
 def test_several_processes_find_what_one_finds(tmp_path):

@@ -44,7 +44,7 @@ def long_delays(spec: Spec) -> tuple[str, ...]:
 
 
 def refuse(spec: Spec) -> None:
-    """Let no real machine be moved by a loop that is unstable, or has a delay longer than its motion.
+    """Move no real machine by a loop that is unstable, or has a delay longer than its motion.
 
     Raises
     ------
@@ -54,25 +54,28 @@ def refuse(spec: Spec) -> None:
     late = long_delays(spec)
     if late:
         raise InputError(
-            f"a real machine is not moved with a delay longer than a period of the motion: "
-            f"{' '.join(late).removesuffix('.')}; give --unstable where that is what you want to see."
+            f"{' '.join(late)} The machine will not be moved; correct it, or pass --unstable to run it "
+            "anyway."
         )
     margin = _unstable_margin(spec)
     if margin is not None:
-        raise InputError(margin.refusal)
+        raise InputError(
+            f"{margin.words} The machine will not be moved; change the delays, or pass --unstable to run it "
+            "anyway."
+        )
 
 
 def warn_of_delays(spec: Spec) -> None:
-    """Tell `long_delays` on standard error."""
+    """Print `long_delays` to standard error."""
     for sentence in long_delays(spec):
         print("rthm: warning:", sentence, file=sys.stderr, flush=True)
 
 
 def warn_of_growth(spec: Spec) -> None:
-    """Tell on standard error that a loop is unstable, where it is known to be."""
+    """Say on standard error that a loop is unstable, where it is known to be."""
     margin = _unstable_margin(spec)
     if margin is not None:
-        _tell(margin)
+        _print(margin)
 
 
 def _unstable_margin(spec: Spec) -> Margin | None:
@@ -85,14 +88,14 @@ def _unstable_margin(spec: Spec) -> Margin | None:
         return None
 
 
-def _tell(margin: Margin) -> None:
+def _print(margin: Margin) -> None:
     print("rthm:", margin.words, file=sys.stderr, flush=True)
 
 
 def told_margin(spec: Spec) -> Margin | str:
-    """Margin of a loop, or why it is not known; one that is unstable is told at once on standard error."""
+    """Margin of a loop, or why it is not known; one that is unstable is reported at once on stderr."""
     warn_of_delays(spec)
     margin = margin_or_why(spec)
     if isinstance(margin, Margin) and not margin.stable:
-        _tell(margin)
+        _print(margin)
     return margin

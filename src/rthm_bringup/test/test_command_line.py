@@ -52,8 +52,11 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["dashboard", "--port", "70000"], "Invalid value for '--port'"),
         (["dashboard", "--namespace", "a b"], "The namespace is '/a b', but must be words"),
         (["run", "--external", "cook"], "'cook' is not a part of a test"),
-        (["run", "--virtual", "--duration", "0"], "A virtual run without end is asked for"),
-        (["run", "--virtual", "--plant", "external"], "A virtual run has only simulated parts"),
+        (
+            ["run", "--virtual", "--duration", "0"],
+            "A run with --virtual needs an end, but its duration is 0; give --duration.",
+        ),
+        (["run", "--virtual", "--plant", "external"], "A run with --virtual has only simulated parts"),
         (["run", "decay"], "and a run needs it"),
         (["check-driver", "decay"], "the spec describes a plant alone"),
         (["check-driver", "--seconds", "0"], "Invalid value for '--seconds'"),
@@ -63,8 +66,8 @@ def rthm(*words: str, **options: object) -> subprocess.CompletedProcess[str]:
         (["zero"], "limits.command, rate, force, stale and ramp are missing"),
         (["pretension"], "limits.command, rate, force, stale and ramp are missing"),
         (["node", "cook"], "'cook' is not a part of a test"),
-        (["driver"], "A driver has one rig; give it by one of --python, --udp and --ros2-control."),
-        (["driver", "--udp", "here", "--python", "rig.py:Rig"], "A driver has one rig"),
+        (["driver"], "A driver serves one rig; give exactly one of --python, --udp and --ros2-control."),
+        (["driver", "--udp", "here", "--python", "rig.py:Rig"], "A driver serves one rig"),
         (["driver", "--udp", "here"], "limits.command, rate, force, stale and ramp are missing"),
         (["run", "--amplitude", "0"], "--amplitude is 0.0, but must be a number above 0; 1 is the whole"),
         (["energy", "no_such_bag"], "no_such_bag"),
@@ -132,7 +135,7 @@ def test_columns_stand_under_each_other() -> None:
 @pytest.mark.parametrize(
     ("line", "colour"),
     [
-        ("Stable: up to 21.2 times its periods and delays.", GREEN),
+        ("Stable; all periods and delays could grow 21.2-fold.", GREEN),
         ("within 2 %: differs by 0.4 % at most, x1 of a.npz, against paper.", GREEN),
         ("Timing mattered: late samples changed the motion by 4 %.", YELLOW),
         ("not stable: largest eigenvalue 1.02", RED),
@@ -230,6 +233,12 @@ def test_help_is_there_before_anything_is_installed(tmp_path: Path) -> None:
         assert done.stdout.startswith(f"Usage: {name} ") and "-h, --help" in done.stdout
         assert done.stdout in reference()
     assert not (tmp_path / ".venv").exists()
+
+
+def test_the_list_of_verbs_is_whole_and_no_help_has_marks_of_a_docstring() -> None:
+    listed = rthm("--help").stdout.partition("Commands:")[2]
+    assert listed and "..." not in listed
+    assert "`" not in reference().partition("## rthm")[2].replace("```", "")
 
 
 def test_without_a_verb_there_is_help() -> None:

@@ -27,5 +27,5 @@ def test_a_process_knows_all_its_nodes() -> None:
 
 @pytest.mark.parametrize("other", [{"virtual": True}, {"external": frozenset({"numerical"})}])
 def test_parts_that_run_otherwise_are_not_composed(other: dict) -> None:
-    with pytest.raises(InputError, match="--compose has numerical and actuator in one process"):
+    with pytest.raises(InputError, match="--compose works only in real time with both parts on this host"):
         Plan(shipped_spec(), Path("out"), 1.0, Network(0), compose=True, **other)

@@ -145,11 +145,11 @@ def test_the_report_is_given_once_it_is_written(server, tmp_path: Path) -> None:
 
 def test_a_recorder_that_did_not_answer_is_told() -> None:
     assert Report("", 0.0).over
-    assert "where rthm run was called" in Report("", 0.0).words
+    assert "where rthm run was started" in Report("", 0.0).words
 
 
 def test_a_port_that_is_taken_is_refused_in_a_sentence(server) -> None:
-    with pytest.raises(InputError, match=r"Port \d+ cannot be had .* choose another --port"):
+    with pytest.raises(InputError, match=r"Port \d+ is in use or reserved .* choose another with --port"):
         Server(Hub(), server.server_port)
 
 

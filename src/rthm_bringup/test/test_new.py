@@ -64,7 +64,9 @@ def test_a_first_spec_comes_from_a_bag_or_from_exported_files(tmp_path: Path) ->
     decay(tmp_path)
     done = rthm("new", "rig.yaml", "--from", "bag", "--json", "rig.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("rig.yaml\ndamping of x1: 0.0") and "taken as 1 kg" in done.stdout
+    assert (
+        done.stdout.startswith("rig.yaml\ndamping of x1: 0.0") and "assumed to be exactly 1 kg" in done.stdout
+    )
     told = json.loads((tmp_path / "rig.json").read_text())
     assert [one["name"] for one in told["figures"]] == ["damping of x1", "stiffness of x1"]
     assert told["figures"][1]["value"] == pytest.approx(3.16**2, rel=0.01) and len(told["told"]) == 1
@@ -81,7 +83,7 @@ def test_a_first_spec_comes_from_a_bag_or_from_exported_files(tmp_path: Path) ->
     [
         ("new a.yaml --like papr", "there is no shipped spec 'papr'"),
         ("new a.yaml --like paper --from bag", "--like and --from are both given"),
-        ("new a.yaml --mass 1", "--dof and --mass are about a recording"),
+        ("new a.yaml --mass 1", "--dof and --mass need a recording"),
         ("new a.yaml --from nothing", "nothing"),
         ("new no/a.yaml", "no is not a folder"),
         ("new .", "a folder, but must be a file"),

@@ -73,4 +73,4 @@ def test_a_test_without_end_is_predicted_as_far_as_the_time_goes() -> None:
 def test_what_cannot_be_predicted_is_told_and_refuses_nothing() -> None:
     prediction = Prediction({}, LimitsSpec(command=0.1), why="no engine fits.")
     assert prediction.refusal == ""
-    assert "was not compared with its limits: no engine fits." in prediction.words
+    assert "so its limits were not checked beforehand: no engine fits." in prediction.words

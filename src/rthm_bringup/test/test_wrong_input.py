@@ -38,12 +38,12 @@ TABLE = [
     ("stability decay", "the spec describes a plant alone, but this needs a whole loop; add the sections"),
     (
         "stability late.yaml",
-        "samples are under way in this loop at once, but its limits are searched with up to",
-        "shorten its delays, or judge the spec alone: rthm stability --no-limits",
+        "samples are in transit at once; limits can be computed for at most",
+        "shorten the delays, or judge only the spec itself: rthm stability --no-limits",
     ),
     (
         "run many.yaml --plant external",
-        "20007 samples are under way at once, but at most 3000 can be followed; shorten the delays or",
+        "20007 samples are in transit at once, but at most 3000 can be followed; shorten the delays or",
     ),
     # numbers
     (
@@ -123,7 +123,7 @@ TABLE = [
         "record actuator/command",
     ),
     ("diagnose bag --spec papr", "papr: there is no such file", "paper is one"),
-    ("energy bare", "bare has no spec that can be read"),
+    ("energy bare", "bare contains no spec; give one with --spec."),
     (
         "export bag -o table.xls",
         "table.xls ends in .xls, but one table is written as .csv",
@@ -248,7 +248,7 @@ def test_a_delay_of_seconds_where_milliseconds_were_meant_is_told_before_the_wor
     assert status(monkeypatch, "simulate late.yaml --duration 1 --out a.npz") == 0
     told = capsys.readouterr()
     assert "warning: timing.tau1 is 4 s, 1.54 periods of the motion (2.6 s); write 0.004 if" in told.err
-    assert "its margin is not searched" in told.err
+    assert "Delay margin not computed" in told.err
 
 
 def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
@@ -258,7 +258,7 @@ def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
     Path("late.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau1": 4.0})))
     assert status(monkeypatch, "run late.yaml --plant external") == 2
     told = capsys.readouterr().err
-    assert "a real machine is not moved with a delay longer than" in told and len(told.splitlines()) == 1
+    assert "The machine will not be moved" in told and len(told.splitlines()) == 1
 
 
 def test_a_real_machine_is_not_moved_by_an_unstable_loop_in_one_line(
@@ -268,9 +268,9 @@ def test_a_real_machine_is_not_moved_by_an_unstable_loop_in_one_line(
     Path("unstable.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau2": 0.09})))
     assert status(monkeypatch, "run unstable.yaml --plant external") == 2
     assert capsys.readouterr().err == (
-        "rthm: a real machine is not moved by a loop that is unstable: a small motion doubles every 21.3 s; "
-        "it is stable below 0.713 times its periods and delays, or with tau2 below 78 ms (now 90 ms); give "
-        "--unstable where that is what you want to see.\n"
+        "rthm: Unstable: a small motion doubles every 21.3 s. It is stable below 0.713 times its periods and "
+        "delays, or with tau2 below 78 ms (now 90 ms). The machine will not be moved; change the delays, or "
+        "pass --unstable to run it anyway.\n"
     )
 
 
@@ -282,7 +282,7 @@ def test_a_motion_without_bounds_is_told_in_words(
     command = "simulate unstable.yaml --duration 20000 --sample 1 --out a.npz"
     assert status(monkeypatch, f"{command} --system taylor") == 0
     told = capfd.readouterr()
-    assert not told.err and "E_total    beyond every bound" in told.out
+    assert not told.err and "E_total    diverged" in told.out
     assert not any(word in told.out.split() for word in ("nan", "inf", "+nan", "-inf"))
 
 

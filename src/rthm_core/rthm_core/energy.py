@@ -1,4 +1,4 @@
-"""Energy bookkeeping: the powers of the loop, and how they are integrated between two instants.
+"""Energy balance: the powers of the loop, and how they are integrated between two instants.
 
 All energies are work done on the moving masses, in joule, + when it is introduced (contract, section 1;
 paper, (13) and (14) with the corrected signs).

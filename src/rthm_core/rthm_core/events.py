@@ -1,4 +1,4 @@
-"""What happens once in a test, told to everybody on the topic ``events``: JSON in a ``std_msgs/String``.
+"""What happens once in a test, published to everybody on the topic ``events``: JSON in a ``std_msgs/String``.
 
     {"event": "armed", "at": 0.0, "motor": [0.1], ...}    the rig was compared with the spec
     {"event": "abort", "at": 3.008, "limit": "step", "value": 0.3, "allowed": 0.012, "words": "..."}

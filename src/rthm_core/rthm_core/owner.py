@@ -16,7 +16,7 @@ UNNUMBERED = 2**63
 """A middleware that does not number samples gives a number from here on."""
 
 SLACK = 20
-"""Samples that a publisher may send at once beyond its rate, as after it was held up."""
+"""Samples that a publisher may send at once beyond its rate, as after a stall of its host."""
 
 
 def second_owner(publishers: Mapping[str, Sequence[str]]) -> str:

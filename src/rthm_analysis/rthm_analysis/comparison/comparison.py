@@ -83,7 +83,7 @@ class Comparison:
         where = f"{most.name} of {self.worst.name}, against {self.reference.name}"
         allowed = "" if self.tolerance is None else f"{100.0 * self.tolerance:.4g} %"
         if not math.isfinite(most.far):
-            why = "which is zero there" if most.largest < BEYOND else "as it leaves every bound"
+            why = "which is zero there" if most.largest < BEYOND else "as it diverges"
             return f"differs beyond measure: {where}, {why}."
         if self.tolerance is None:
             return f"differs by {part(most.far)} at most: {where} (rms over that of the reference)."

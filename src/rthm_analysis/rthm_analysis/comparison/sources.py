@@ -15,7 +15,7 @@ from rthm_analysis.comparison.simulated import (
     names_of,
     read_trajectory,
 )
-from rthm_analysis.recording import read_recording
+from rthm_analysis.recording import read_recording, with_spec
 from rthm_core.errors import InputError, printable
 from rthm_core.spec import shipped_names, spec_at
 
@@ -37,7 +37,9 @@ FORMS = (
 )
 
 
-def motions_at(places: Sequence[str], duration: float | None = None) -> list[Motion]:
+def motions_at(
+    places: Sequence[str], duration: float | None = None, given: Spec | str | None = None
+) -> list[Motion]:
     """Motions of several sources.
 
     A spec is simulated for as long as the longest other source lasts. What has no spec of its own takes the
@@ -49,6 +51,8 @@ def motions_at(places: Sequence[str], duration: float | None = None) -> list[Mot
         Recordings, folders of runs, trajectories, specs.
     duration : float, optional
         Length of the simulations, s.
+    given : Spec or str, optional
+        Spec of the recordings, whatever their own is.
 
     Raises
     ------
@@ -58,7 +62,8 @@ def motions_at(places: Sequence[str], duration: float | None = None) -> list[Mot
     kinds = {place: _kind(place) for place in places}
     specs = {place: spec_at(place) for place in places if kinds[place] == "simulation"}
     columns = {place: read_trajectory(Path(place)) for place in places if kinds[place] == "trajectory"}
-    bags = {place: read_recording(bag_at(place)) for place in places if kinds[place] == "recording"}
+    recorded = [place for place in places if kinds[place] == "recording"]
+    bags = {place: with_spec(read_recording(bag_at(place)), given) for place in recorded}
     known = specs | {place: bag.spec for place, bag in bags.items() if bag.spec is not None}
     first = next((known[place] for place in places if place in known), None)
     found = {place: motion_of_recording(place, bag, first) for place, bag in bags.items()}

@@ -169,7 +169,12 @@ class RunningTest:
             return ENDED, "The test is over."
         if not self.begun:
             return STARTING, "The nodes of a test are starting."
-        return RUNNING, "The test runs, and no command is sent." if self._facts.dry_run else "The test runs."
+        return (
+            RUNNING,
+            "The test is running; no command is sent (dry run)."
+            if self._facts.dry_run
+            else "The test is running.",
+        )
 
     def _errors(self) -> list[Mapping[str, Any]]:
         dofs = self._spec.plant.dofs

@@ -12,13 +12,14 @@ from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
-from rthm_analysis.diagnosis.faults import mend, with_motion
+from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
 from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.names import check_names
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.diagnosis.replay.updates import readings_only
@@ -68,17 +69,39 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
     mended = mend(gather(recording, here), here)
     if any(fault.kind == "wrong_spec" for fault in mended.faults):
         return _stopped(spec, mended.faults, mended.notes)
-    if mended.moved and spec.is_loop:
-        parts[-1] = diagnose_computed(with_motion(recording, mended.evidence), as_run(parts[:-1], spec))
-        here = as_run(parts, spec)
-    parts.append(Part(faults=mended.faults, notes=mended.notes))
-    physical = diagnose_physical(readings_only(mended.evidence), here, command_before(parts, spec), say)
-    parts.append(physical_part(physical))
+    parts = _with_motion(parts, recording, mended, spec)
+    physical = _physical(parts, mended, spec, say)
+    lateness = late_sensors(physical)
+    if late := {one.channel: one.delay for one in lateness if one.is_clear}:
+        mended = mended.moved_back(late)
+        parts = _with_motion(parts, recording, mended, spec)
+        physical = _physical(parts, mended, spec, say)
+    notes = (*mended.notes, *undecided(lateness))
+    parts += [Part(faults=mended.faults, notes=notes), physical_part(physical)]
     say("putting it into words")
     found = joined(parts, spec)
     say("planning the next test")
     words, planned, gain = _next(found, physical, spec, patched_spec(parts, spec))
     return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
+
+
+def _with_motion(parts: list[Part], recording: Recording, mended: Mended, spec: Spec) -> list[Part]:
+    """Parts with the computing blocks judged by the motion as it should have been recorded, if that is
+    closer to what they computed: they may have been given what was recorded.
+    """
+    if not (mended.moved and spec.is_loop):
+        return parts
+    again = diagnose_computed(with_motion(recording, mended.evidence), as_run(parts[:-1], spec))
+    return [*parts[:-1], min(again, parts[-1], key=_mismatch)]
+
+
+def _mismatch(part: Part) -> float:
+    return max((one.mismatch for one in part.blocks), default=0.0)
+
+
+def _physical(parts: list[Part], mended: Mended, spec: Spec, say: Callable[[str], None]) -> Physical:
+    evidence = readings_only(mended.evidence)
+    return diagnose_physical(evidence, as_run(parts, spec), command_before(parts, spec), say)
 
 
 def _check(recording: Recording, spec: Spec) -> None:

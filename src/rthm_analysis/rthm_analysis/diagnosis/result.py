@@ -62,7 +62,8 @@ class Fault:
         Where it shows: that of the sensor or link; ``plant`` for a load and for a spec of another rig.
     kind : str
         ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
-        ``clock_drift``, ``wrong_parameter`` (of timing or compensator), ``wrong_spec``.
+        ``rectified``, ``saturation``, ``clock_drift``, ``wrong_parameter`` (of timing or compensator),
+        ``wrong_spec``.
     channel : str
         ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
     words : str

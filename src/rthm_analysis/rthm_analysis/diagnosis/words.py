@@ -108,7 +108,7 @@ def _at_bound(declared: type[Effect], key: str, value: Value) -> str:
         return ""
     for bound, which in ((entry.lowest, "smallest"), (entry.highest, "largest")):
         if bound and abs(value.value - bound) <= AT_BOUND_SHARE * abs(bound):
-            return f" The {_name(key)} is at the {which} value that is possible."
+            return f" Its {_name(key)} is the {which} that is possible."
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Energy bookkeeping of a recorded or running test."""
+"""Energy balance of a recorded or running test."""
 
 from rthm_analysis.energy.ledger import EnergyLedger, Rows
 from rthm_analysis.energy.rehearsal import rehearse

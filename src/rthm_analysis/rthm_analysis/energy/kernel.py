@@ -1,4 +1,4 @@
-"""The compiled pass over recorded samples: the engine's own bookkeeping, held to what was measured.
+"""The compiled pass over recorded samples: the engine's own energy balance, held to what was measured.
 
     recorded   command   tick    sample             command   sample
     model      u_d       z2      balance, then z1     u_d       balance, then z1

@@ -1,4 +1,4 @@
-"""Energy bookkeeping of a whole recording."""
+"""Energy balance of a whole recording."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ POINTS = 5000
 """Rows in the JSON of a long recording."""
 
 NEEDED = (NUMERICAL_STATE, COMMAND)
-"""Topics without which only the plant's own energy can be told."""
+"""Topics without which only the plant's own energy can be computed."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class EnergyResult:
     passed : (n,) array
         Integral of the squared velocity of the plant at the interface, m^2/s.
     notes : tuple of str
-        What could not be told, and why.
+        What could not be computed, and why.
     """
 
     t: Floats

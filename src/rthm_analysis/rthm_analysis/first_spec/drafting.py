@@ -40,11 +40,11 @@ DIGITS, COMPUTED_DIGITS = 6, 9
 """Digits of numbers that were estimated, and of those that were computed with."""
 SMALL = 1e-6
 """Entry of a matrix that was computed with, over its largest one, that is zero."""
-UNTOLD = "Not told by the recording, and a placeholder: put in what your rig has."
+UNTOLD = "Placeholder: the recording does not show it. Put in the value of your rig."
 
 ONE_KG = (
-    "No known force drives the motion, and twice the mass with twice the damping and stiffness moves in the "
-    "same way: so the mass of {dof} is taken as 1 kg, and exact; weigh it, and give it by --mass."
+    "No known force drives the motion, so only damping and stiffness over mass can be found: the mass of "
+    "{dof} is assumed to be exactly 1 kg; weigh it and give it with --mass."
 )
 
 
@@ -76,7 +76,7 @@ class Draft:
 
     def text(self, source: str) -> str:
         """Text of the spec, with comments."""
-        head = f"First spec of the recording {source}: look it through, and put right what you know better."
+        head = f"First spec of the recording {source}: check every entry, and correct what you know better."
         return first_text(self.spec, head, self.notes)
 
     def untold(self, what: str, *keys: str) -> None:
@@ -122,7 +122,7 @@ def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[fl
         _controller(draft, recording, parts)
         _actuators(draft, recording)
     else:
-        draft.notes["timing"] = "Of a plant alone td1 is all that counts; the others have no meaning."
+        draft.notes["timing"] = "For a plant alone only td1 matters."
     _plant(draft, recording, parts, masses)
     return draft
 
@@ -177,11 +177,14 @@ def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
     draft.parameters["interface.stiffness"] = [_digits(one.stiffness, COMPUTED_DIGITS) for one in found]
     draft.parameters["interface.damping"] = [_digits(one.damping, COMPUTED_DIGITS) for one in found]
     if np.any(ticks.load):
-        draft.told.append("A load acts on the numerical substructure; say which (load.numerical).")
-        draft.notes["load"] = "A load was recorded in numerical/state: say which, under numerical."
+        draft.told.append("A load acts on the numerical substructure; describe it in load.numerical.")
+        draft.notes["load"] = "A load was recorded in numerical/state; describe it under numerical."
     matrices = numerical_matrices(ticks, [parts.numerical.index(one.numerical_dof) for one in found])
     if matrices is None or not (np.diag(matrices.value["mass"]) > 0.0).all():
-        draft.untold("The motion of the numerical substructure is not that of a linear one.", *numbers)
+        draft.untold(
+            "The numerical substructure does not move as a linear one, so its matrices are placeholders.",
+            *numbers,
+        )
     else:
         draft.parameters |= {f"numerical.{name}": _exact(matrices, name) for name in MATRICES}
 
@@ -192,8 +195,8 @@ def _controller(draft: Draft, recording: Recording, parts: Parts) -> None:
     for k, (name, value) in enumerate(zip(parts.actuators, stiffness, strict=True)):
         if value is None:
             draft.untold(
-                f"The commands of {name} are not those of a controller without a compensator, as far as is "
-                "recorded: say which it has, and k_tot.",
+                f"The recorded commands of {name} do not follow from a controller without a compensator: "
+                "enter the compensator and k_tot.",
                 "actuator.stiffness",
                 "actuator.compensator",
             )
@@ -216,8 +219,8 @@ def _actuators(draft: Draft, recording: Recording) -> None:
     blind = [one.actuator for one in motions if not np.isfinite(one.motor).any()]
     if blind:
         draft.told.append(
-            f"The position of the motor of {', '.join(blind)} is not recorded: whether it lags behind its "
-            "commands (actuator.motor_poles) is not told."
+            f"The motor position of {', '.join(blind)} is not recorded, so its lag behind the commands "
+            "(actuator.motor_poles) is unknown."
         )
     found = identify(motions, spec)
     poles, measured = (found.changes.get(f"actuator.{name}") for name in ("motor_poles", "stiffness"))
@@ -231,7 +234,7 @@ def _actuators(draft: Draft, recording: Recording) -> None:
     if known:
         spread = max(spread, float(np.abs(np.array(measured) / believed - 1.0).max()))
         draft.notes["actuator.stiffness"] = (
-            f"What the controller computes with; measured: {', '.join(f'{one:.6g}' for one in measured)} N/m."
+            f"Value used by the controller; measured: {', '.join(f'{one:.6g}' for one in measured)} N/m."
         )
     else:
         draft.parameters["actuator.stiffness"] = measured
@@ -255,8 +258,8 @@ def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[fl
         if masses:
             draft.parameters["plant.mass"] = np.diag(masses).ravel().tolist()
         draft.untold(
-            "The recording does not tell mass, damping and stiffness of the plant: that needs the positions "
-            f"of all dofs ({', '.join(parts.dofs)}), and the forces of actuators, over several swings.",
+            "Mass, damping and stiffness of the plant cannot be found: that needs the positions of all dofs "
+            f"({', '.join(parts.dofs)}) and the forces of all actuators over several cycles.",
             *(f"plant.{name}" for name in MATRICES if not (masses and name == "mass")),
         )
         return
@@ -280,7 +283,7 @@ def _wires(draft: Draft, found: Sequence[float | None]) -> None:
     """Stiffness of wires that neither the controller nor measured motors told."""
     if draft.notes.get("actuator.stiffness") == UNTOLD and None not in found:
         draft.parameters["actuator.stiffness"] = [_digits(one, DIGITS) for one in found if one is not None]
-        draft.notes["actuator.stiffness"] = "From the jumps of the forces at commands."
+        draft.notes["actuator.stiffness"] = "From the steps in force at new commands."
 
 
 def _add_unseen_steps(

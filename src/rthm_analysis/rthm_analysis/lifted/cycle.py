@@ -241,7 +241,7 @@ def _numbered(old: list[Integers], new: list[Integers]) -> list[Integers]:
 def _check_size(remembered: int) -> None:
     if remembered > MOST_REMEMBERED:
         raise TooManySamplesError(
-            f"timing: {remembered} samples are under way at once, but at most {MOST_REMEMBERED} can be "
+            f"timing: {remembered} samples are in transit at once, but at most {MOST_REMEMBERED} can be "
             f"followed; shorten the delays or lengthen the periods."
         )
 

@@ -23,7 +23,7 @@ SEARCHED = 10.0
 """Factor on each delay up to which its edge is looked for: a margin beyond it is ample."""
 
 
-UNSEARCHED = "With delays of so many periods its margin is not searched."
+UNSEARCHED = "Delay margin not computed: the delays span too many sampling periods."
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Margin:
     left_out : tuple of str
         What is not linear and was left out, a sentence each.
     searched : bool
-        Whether the edge was searched at all; not where very many samples are under way.
+        Whether the edge was searched at all; not where very many samples are in transit.
     """
 
     spectral_radius: float
@@ -83,25 +83,16 @@ class Margin:
         time = self.doubling_time
         return "Stable." if time is None else f"Unstable: a small motion doubles every {time:.3g} s."
 
-    @property
-    def refusal(self) -> str:
-        """Why a real machine is not moved by a loop that is not stable, and what to do: one sentence."""
-        why, way = (text[0].lower() + text[1:].rstrip(".") for text in (self.brief, self._remedy()))
-        return (
-            f"a real machine is not moved by a loop that is {why}; {way}; give --unstable where that is what "
-            "you want to see."
-        )
-
     def _stable_words(self) -> str:
         if not self.searched:
             return f"Stable. {UNSEARCHED}"
         margins = []
         if self.scale is not None:
-            margins.append(f"up to {self.scale:.3g} times its periods and delays")
+            margins.append(("all periods and delays", self.scale > 1.0, _fold(self.scale)))
         if self.nearest is not None:
             name, nominal, edge = self.nearest
-            margins.append(f"{name} alone up to {edge * 1e3:.4g} ms (now {nominal * 1e3:.4g} ms)")
-        return f"Stable: {', '.join(margins) or f'as far as {SEARCHED:g} times each delay'}."
+            margins.append((f"{name} alone", edge > nominal, f" from {_change(nominal, edge)}"))
+        return f"Stable{_could(margins) or f', even with any one delay {SEARCHED:g} times as long'}."
 
     def _remedy(self) -> str:
         """What makes a loop stable that is not, as far as it is known."""
@@ -112,7 +103,7 @@ class Margin:
             ways.append(f"below {self.scale:.3g} times its periods and delays")
         if self.nearest is not None:
             name, nominal, edge = self.nearest
-            ways.append(f"with {name} below {edge * 1e3:.4g} ms (now {nominal * 1e3:.4g} ms)")
+            ways.append(f"with {name} below {_ms(edge)} ms (now {_ms(nominal)} ms)")
         return f"It is stable {', or '.join(ways)}." if ways else "No delay alone makes it stable."
 
     def as_dict(self) -> dict[str, object]:
@@ -129,6 +120,30 @@ class Margin:
         }
 
 
+def _could(margins: list[tuple[str, bool, str]]) -> str:
+    """What could change before stability is lost: its name, whether it grows, and how far."""
+    said, before = [], None
+    for name, grows, far in margins:
+        verb = " could grow" if grows else " could shrink"
+        said.append(f"{name}{verb if verb != before else ''}{far}")
+        before = verb
+    return f"; {', or '.join(said)}" if said else ""
+
+
+def _fold(factor: float) -> str:
+    return f" {factor:.3g}-fold" if factor > 1.0 else f" to {factor:.3g} of their values"
+
+
+def _change(nominal: float, edge: float) -> str:
+    """From one time to another, with digits enough to distinguish them."""
+    close = f"{nominal:.3g}" == f"{edge:.3g}"
+    return f"{_ms(nominal, 6 if close else 3)} to {_ms(edge, 6 if close else 3)} ms"
+
+
+def _ms(seconds: float, digits: int = 3) -> str:
+    return f"{1e3 * seconds:.{digits}g}"
+
+
 def margin_of(spec: Spec) -> Margin:
     """Stability of a loop and its margin in every delay.
 
@@ -141,7 +156,7 @@ def margin_of(spec: Spec) -> Margin:
     --------
     >>> from rthm_core.spec import shipped_spec
     >>> margin_of(shipped_spec("paper")).words
-    'Stable: up to 21.2 times its periods and delays, tau3 alone up to 81.62 ms (now 12 ms).'
+    'Stable; all periods and delays could grow 21.2-fold, or tau3 alone from 12 to 81.6 ms.'
     """
     linear, left_out = linear_part(spec)
     loop, (cycle, _) = linear_loop(linear), period_of(linear)

@@ -41,7 +41,7 @@ class Lateness:
         if self.ok:
             return f"Timing did not matter: late samples changed the motion by {_percent(self.error)}."
         return (
-            f"Timing mattered: late samples changed the motion by {_percent(self.error)} (rms of the ideal)."
+            f"Timing mattered: late samples changed the motion by {_percent(self.error)} (of the ideal rms)."
         )
 
     def as_dict(self) -> dict[str, object]:
@@ -79,7 +79,7 @@ class Outcome:
         """A sentence on stability."""
         if isinstance(self.margin, Margin):
             return self.margin.words
-        return f"Whether the loop is stable is not known: {self.margin}"
+        return f"Stability not determined: {self.margin}"
 
     @property
     def _brief(self) -> str:
@@ -119,7 +119,7 @@ class Outcome:
 def error_words(dof: str, error: IdealError) -> str:
     """The error of a dof in a sentence."""
     if not error.largest < BEYOND:
-        return f"{dof} leaves every bound, as the motion of an unstable loop does."
+        return f"{dof} diverges, as the motion of an unstable loop does."
     if not math.isfinite(error.nrmse):
         return f"{dof} is up to {error.largest:.3g} m from the ideal system, which does not move."
     return (

@@ -12,7 +12,7 @@ from rthm_analysis.recording.cdr import decode_diagnostics, decode_string
 from rthm_analysis.recording.files import read_raw
 from rthm_analysis.recording.host_clocks import HostClocks, host_clocks
 from rthm_analysis.recording.raw import RawBag, RawTopic
-from rthm_analysis.recording.recording import Recording
+from rthm_analysis.recording.recording import ABSENT, UNUSABLE, Recording
 from rthm_analysis.recording.synchronised import as_ticked
 from rthm_analysis.recording.table import LinkTable, Table, joint_table, link_table
 from rthm_core.clock import NS
@@ -165,13 +165,13 @@ def _spec(bag: RawBag, namespace: str) -> tuple[str, Spec | None]:
     """Text and value of the newest spec, of this namespace or the only one."""
     topic = _topic(bag, namespace, SPEC, STRING)
     if topic is None:
-        bag.note(f"the bag has no topic {namespace}/spec.")
+        bag.note(f"{ABSENT} {namespace}/{SPEC}.")
         return "", None
     try:
         text = decode_string(next(topic.last_messages(1)))
         return text, read_spec(text)
     except (InputError, ValueError) as reason:
-        bag.note(f"the spec in the bag cannot be used: {reason}")
+        bag.note(f"{UNUSABLE}: {reason}")
         return "", None
 
 
@@ -181,7 +181,7 @@ def _clocks(bag: RawBag, namespace: str) -> HostClocks:
 
 
 def _events(bag: RawBag, namespace: str) -> tuple[dict[str, Any], ...]:
-    """Everything that was told on ``events``."""
+    """Everything that was published on ``events``."""
     topic = _topic(bag, namespace, EVENTS, STRING)
     found = []
     for message in topic.last_messages(LAST_REPORTS) if topic else []:

@@ -19,6 +19,9 @@ from rthm_core.topics import PLANT_STATE
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
+ABSENT, UNUSABLE = "the bag has no topic", "the spec in the bag cannot be used"
+"""Beginnings of the notes on a recording without a spec."""
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -47,7 +50,7 @@ class Recording:
     clocks : HostClocks
         Clocks of other hosts, as they were compared during the test.
     events : tuple of dict
-        What was told on ``events``, in order (`rthm_core.events`).
+        What was published on ``events``, in order (`rthm_core.events`).
     """
 
     path: Path
@@ -85,8 +88,13 @@ class Recording:
     def known_spec(self) -> Spec:
         """Return the spec; InputError when the bag has none that can be read."""
         if self.spec is None:
-            reason = next((note for note in self.notes if "spec" in note), "")
+            damaged = next((note for note in self.spec_notes if UNUSABLE in note), "")
             raise InputError(
-                f"{self.path} has no spec that can be read: record the topic spec as well. {reason}"
+                f"The recording {self.path} contains no spec; give one with --spec. {damaged}".rstrip()
             )
         return self.spec
+
+    @property
+    def spec_notes(self) -> tuple[str, ...]:
+        """Those of the notes that say why there is no spec."""
+        return tuple(note for note in self.notes if note.startswith((ABSENT, UNUSABLE)))

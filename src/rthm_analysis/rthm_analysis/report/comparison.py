@@ -87,7 +87,7 @@ def _sections(comparison: Comparison) -> list[Section]:
         ),
         Section(
             "Signals",
-            "Each in all tests, and what is between them.",
+            "Each signal in all tests, and the differences.",
             overlays(comparison),
             "how-to/compare-tests#signals",
         ),
@@ -99,7 +99,7 @@ def _sections(comparison: Comparison) -> list[Section]:
         ),
         Section(
             "Delays",
-            "As they acted, holds included.",
+            "Effective delays, holds included.",
             [_table(rows.delay_rows(comparison))],
             "how-to/compare-tests#measures",
         ),

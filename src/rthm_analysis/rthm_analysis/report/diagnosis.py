@@ -72,13 +72,13 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
     return [
         Section(
             "Where",
-            "Each block is predicted from what really went into it. 1 x noise: the prediction is as near as "
-            "can be. A block without a frame is off only because of a framed one.",
+            "Each block is predicted from its recorded inputs. 1 x noise: error no larger than the noise. "
+            "Unframed blocks deviate only because a framed one does.",
             [drawing(diagnosis, recording, spec), tables.mismatches(diagnosis)],
             "diagnosis#how-to-read-the-answer",
         ),
         Section(
-            "Wrong with the recording or its spec",
+            "Faults of the recording or its spec",
             "",
             [lists.faults(diagnosis)],
             "diagnosis#faults-of-the-recording",
@@ -91,7 +91,7 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         ),
         Section(
             "Forces without a name",
-            "The data show them; no known kind fits.",
+            "The data show these forces; no known kind of effect fits them.",
             [
                 lists.described(diagnosis),
                 *([figures.curve_plot(figures.curve_of(one))] for one in diagnosis.described if one.at.size),
@@ -99,15 +99,16 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "diagnosis#how-it-works",
         ),
         Section(
-            "The force that the model lacks",
+            "The missing force",
             "Large dots: averages over the recording, with one standard deviation. "
-            "Small dots: what was named, at single samples.",
+            "Small dots: the effect that was found, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
             "diagnosis#how-it-works",
         ),
         Section(
-            "Before and after, on data that no fit has seen",
-            "Simulated from the recorded inputs. A few swings are shown first; zoom out for the rest.",
+            "Before and after, on held-out data",
+            "Simulated from the recorded inputs; no fit has used these data. The first few cycles are shown: "
+            "zoom out for the rest.",
             [
                 tables.fits(diagnosis),
                 lists.free_runs(diagnosis),
@@ -117,8 +118,8 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         ),
         Section(
             "Energy",
-            "Over the whole recording: what was found"
-            + (", beside what the delays of the loop did." if delays else "."),
+            "Work over the whole recording: of what was found"
+            + (", and of the delays of the loop." if delays else "."),
             [[figures.energy_plot(found, delays)]] if found or delays else [],
             "diagnosis#how-to-read-the-answer",
         ),
@@ -130,8 +131,8 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         ),
         Section("What to do next", "", lists.next_test(diagnosis), "diagnosis#how-to-read-the-answer"),
         Section(
-            "What would have been seen",
-            "The smallest effects that this recording would have shown.",
+            "Detection limits",
+            "The smallest effects that this recording could have shown.",
             [tables.limits(diagnosis)],
             "diagnosis#how-to-read-the-answer",
         ),
@@ -142,8 +143,8 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "diagnosis#what-it-cannot-do",
         ),
         Section(
-            "Spec that behaves as recorded",
-            "",
+            "Patched spec",
+            "The spec with the effects and values that were found.",
             [patched] if diagnosis.patched else [],
             "diagnosis#how-to-read-the-answer",
         ),
@@ -170,7 +171,10 @@ def _answer(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "improved" and not diagnosis.physics and diagnosis.described:
         return f"{differ}; the force that is missing has no name and is described below."
     if diagnosis.verdict == "improved":
-        return f"{differ}; what is named below explains a part of it, and the rest is above the noise."
+        return (
+            f"{differ}; the physics named below explains part of the difference, and the rest is above "
+            "the noise."
+        )
     if diagnosis.verdict == "unexplained":
         return f"{differ}, and no known kind of physics explains it."
     if diagnosis.verdict == "retuned":
@@ -186,7 +190,7 @@ def _facts(diagnosis: Diagnosis) -> list[Fact]:
         before, after, noise = (
             percent(fit.nrmse.get(name, math.nan), 3) for name in ("nominal", "explained", "noise_floor")
         )
-        words = f"Error of {fit.signal} on data that no fit has seen; the noise alone gives {noise}."
+        words = f"Error of {fit.signal} on held-out data; the noise alone gives {noise}."
         facts.append(
             Fact(
                 f"Held-out error of {fit.signal}",

@@ -22,12 +22,12 @@ def described(diagnosis: Diagnosis) -> str:
 
 def traces(diagnosis: Diagnosis) -> str:
     """One line per effect that is there and does not matter, folded."""
-    return _folded("effects that are there and do not matter", [one.words for one in diagnosis.traces])
+    return _folded("negligible effects", [one.words for one in diagnosis.traces])
 
 
 def refused(diagnosis: Diagnosis) -> str:
     """One line per hypothesis that was tried and not taken, folded."""
-    return _folded("hypotheses that were tried and not taken", [one.words for one in diagnosis.refused])
+    return _folded("rejected hypotheses", [one.words for one in diagnosis.refused])
 
 
 def free_runs(diagnosis: Diagnosis) -> str:

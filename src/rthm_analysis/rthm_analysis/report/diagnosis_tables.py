@@ -22,7 +22,7 @@ def mismatches(diagnosis: Diagnosis) -> str:
 
 def physics(diagnosis: Diagnosis) -> str:
     """One row per parameter of what was found."""
-    head = ("what", "where", "parameter", "value", "removes of the squared error")
+    head = ("what", "where", "parameter", "value", "squared error removed")
     rows = [row for one in diagnosis.physics for row in _physics(one)]
     return table(head, rows) if rows else ""
 
@@ -85,7 +85,7 @@ def alternatives(diagnosis: Diagnosis) -> str:
             one.kind.replace("_", " "),
             one.block,
             _percent(one.held_out_nrmse),
-            "rules it out" if one.distinguishable else "!cannot tell it apart",
+            "rules it out" if one.distinguishable else "!cannot distinguish it",
         ]
         for one in diagnosis.alternatives
     ]

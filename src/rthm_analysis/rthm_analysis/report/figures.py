@@ -20,6 +20,13 @@ FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 SAMPLES_PER_SWING = 12
 """Samples in each swing from which a line through them looks like the motion."""
 
+ROUNDING = 1e-9
+"""Size of a curve over that of the motion or energy which it is a difference of, where it is only "
+"rounding."""
+
+EXACT = 1e-9
+"""Excess of an age that is none, s: stamps are whole nanoseconds."""
+
 TERM_COLOURS = {
     "E_total": COLOURS[6],
     "E_err": INK,
@@ -92,6 +99,12 @@ class Curves:
         return self.plot
 
 
+def only_rounding(difference: Floats, *of: Floats) -> bool:
+    """Whether a difference of these is nothing but rounding, and its picture would be one of nothing."""
+    sizes = [float(np.abs(one[np.isfinite(one)]).max(initial=0.0)) for one in (difference, *of)]
+    return sizes[0] <= ROUNDING * max(sizes[1:])
+
+
 def is_sparse(values: Floats) -> bool:
     """Whether a curve has so few samples in each swing that a line through them would be another curve."""
     known = values[np.isfinite(values)]
@@ -134,7 +147,7 @@ def motion(gathered: Gathered, span: Range1d) -> list[figure]:
     curves = Curves("Position, beside the ideal system" if ideal else "Position", "position (m)", span, 340)
     dofs = spec.plant.dofs if spec else recording.plant.names
     t = recording.seconds(recording.plant.stamp_ns)
-    apart = Curves("Distance from the ideal system", "distance (m)", span, 220)
+    apart, away = Curves("Distance from the ideal system", "distance (m)", span, 220), False
     for k, dof in enumerate(dofs):
         position = recording.plant.columns("position", [dof])[:, 0]
         if ideal:
@@ -147,6 +160,7 @@ def motion(gathered: Gathered, span: Range1d) -> list[figure]:
                 line_alpha=0.75,
             )
             at = np.interp(t, ideal.t, ideal.plant_position[:, k])
+            away |= not only_rounding(position - at, at)
             apart.add(dof, t, position - at, COLOURS[k])
         curves.add(f"{dof} plant", t, position, COLOURS[k])
     numerical = recording.tables.get(NUMERICAL_STATE)
@@ -162,9 +176,11 @@ def motion(gathered: Gathered, span: Range1d) -> list[figure]:
                 line_dash="4 3",
                 line_alpha=0.75,
             )
-            apart.add(dof, when, position - np.interp(when, ideal.t, ideal.numerical_position[:, k]), colour)
+            at = np.interp(when, ideal.t, ideal.numerical_position[:, k])
+            away |= not only_rounding(position - at, at)
+            apart.add(dof, when, position - at, colour)
         curves.add(f"{dof} numerical", when, position, colour)
-    return [curves.finish(), *([apart.finish()] if ideal else [])]
+    return [curves.finish(), *([apart.finish()] if away else [])]
 
 
 def forces(gathered: Gathered, span: Range1d) -> list[figure]:
@@ -215,8 +231,13 @@ def energies(gathered: Gathered, span: Range1d) -> list[figure]:
     estimate.add("integral of P_err_estimate", energy.t, energy.estimated_error, COLOURS[0], line_dash="5 4")
     closure = Curves("Closure: total energy minus its start and all work", "energy (J)", span, 220)
     closure.add("balance error", energy.t, energy.balance_error, COLOURS[1])
-    of_loop = bool(np.isfinite(energy.error).any())
-    return [by_term.finish(), *([estimate.finish()] if of_loop else []), closure.finish()]
+    of_loop = bool(np.isfinite(energy.error).any()) and not only_rounding(energy.error, energy.total)
+    closes = only_rounding(energy.balance_error, energy.total)
+    return [
+        by_term.finish(),
+        *([estimate.finish()] if of_loop else []),
+        *([] if closes else [closure.finish()]),
+    ]
 
 
 def ages(gathered: Gathered) -> list[figure]:
@@ -229,12 +250,12 @@ def ages(gathered: Gathered) -> list[figure]:
 
 
 def excesses(gathered: Gathered) -> list[figure]:
-    """By how much samples were older than the exact schedule has them."""
+    """By how much samples were older than the exact schedule has them; of links that kept it, none."""
     links = gathered.timing.links.items()
     return [
         _histogram(f"Excess, {name}", "excess", link.excess, COLOURS[1])
         for name, link in links
-        if link.age.size
+        if (np.abs(link.excess[np.isfinite(link.excess)]) > EXACT).any()
     ]
 
 

@@ -38,15 +38,15 @@ class Gathered:
         return self.recording.spec
 
 
-def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
-    """Read and analyse a bag; InputError when it cannot be read.
+def gather(bag: Recording | str | Path, abort: Abort | None = None) -> Gathered:
+    """Analyse a recording, or the one in a bag; InputError when it cannot be read.
 
     Parameters
     ----------
     abort : Abort, optional
         What ended the test, where the recording does not tell.
     """
-    recording = read_recording(bag)
+    recording = bag if isinstance(bag, Recording) else read_recording(bag)
     timing = timing_of(recording, recording.spec)
     notes = [*_about_others(recording), *recording.notes, *timing.notes]
     energy, ideal = None, None
@@ -64,7 +64,7 @@ def gather(bag: str | Path, abort: Abort | None = None) -> Gathered:
 def _about_others(recording: Recording) -> list[str]:
     """What has to be said about who could take part, and about clocks of other hosts."""
     reach = recording.diagnostics.get(f"{recording.namespace}/recorder", {}).get("reach")
-    said = ["The network was open: anybody on it could take part in this test."] if reach == "open" else []
+    said = ["The network was open: any host on it could take part in this test."] if reach == "open" else []
     return said + [clock.words(node) for node, clock in recording.clocks.nodes.items()]
 
 

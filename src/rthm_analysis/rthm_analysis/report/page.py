@@ -46,13 +46,13 @@ class Section:
     about: str = ""
 
 
-def write_report(bag: str | Path, html: str | Path, abort: Abort | None = None) -> Gathered:
+def write_report(bag: Recording | str | Path, html: str | Path, abort: Abort | None = None) -> Gathered:
     """Write the page about a recorded test; return what it shows.
 
     Parameters
     ----------
-    bag : str or Path
-        Recording: its folder or file.
+    bag : Recording, str or Path
+        The recording, or its folder or file.
     html : str or Path
         Where the page goes. It needs no other file and no network.
     abort : Abort, optional
@@ -127,7 +127,7 @@ def _sections(gathered: Gathered) -> list[Section]:
     return [
         Section(
             "The loop",
-            "Delays as asked for, and how old samples were when they were used.",
+            "Delay of each link as specified, and the age of its samples when they were used.",
             loop,
             "how-to/read-a-report#the-loop",
         ),
@@ -136,19 +136,18 @@ def _sections(gathered: Gathered) -> list[Section]:
         Section("Energy", _closing(gathered), energy, "how-to/read-a-report#energy"),
         Section(
             "Delays",
-            "Age of each sample at its use, holds included; excess: what it has beyond the exact schedule.",
+            "Age: from sampling to use, holds included. Excess: by how much it exceeds the exact schedule; "
+            "drawn for links that have any.",
             [tables.links(timing), *delays] if timing.links else [],
             "how-to/read-a-report#delays",
         ),
-        Section(
-            "Clocks", "Time from tick to tick, as the ticks were done.", clocks, "how-to/read-a-report#clocks"
-        ),
+        Section("Clocks", "Measured time between ticks.", clocks, "how-to/read-a-report#clocks"),
         Section(
             "Notes", "", [note_list(gathered.notes)] if gathered.notes else [], "how-to/read-a-report#notes"
         ),
         Section(
             "Spec",
-            "The test, as it is in the recording.",
+            "The spec of the test.",
             [_spec(gathered)] if spec else [],
             "how-to/read-a-report#spec",
         ),
@@ -157,10 +156,15 @@ def _sections(gathered: Gathered) -> list[Section]:
 
 def _closing(gathered: Gathered) -> str:
     """Return what energy is counted on, and how well its balance closes."""
+    from rthm_analysis.report import figures
+
     words = "Work done on the moving masses since the start of the test."
     if gathered.energy is None:
         return words
-    return f"{words} The balance error is {np.nanmax(np.abs(gathered.energy.balance_error)):.2g} J at most."
+    error = gathered.energy.balance_error
+    if figures.only_rounding(error, gathered.energy.total):
+        return f"{words} The balance closes to rounding."
+    return f"{words} Largest balance error: {np.nanmax(np.abs(error)):.2g} J."
 
 
 def _section(section: Section, embedding: Embedding) -> str:

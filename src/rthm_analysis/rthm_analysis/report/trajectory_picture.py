@@ -15,6 +15,9 @@ from rthm_core.compiled import Floats
 if TYPE_CHECKING:
     from rthm_core.engine import Trajectory
 
+DPI = 100
+"""Pixels per inch of a PNG: as wide as a page on a screen, and small enough to send."""
+
 PANELS = {
     "position (m)": {"plant_position": "plant", "numerical_position": "numerical"},
     "force (N)": {"actuator_force": "force in wire", "force_reference": "reference"},
@@ -48,9 +51,9 @@ def draw(columns: Mapping[str, Floats], path: Path, ideal: Trajectory | None = N
         if ideal is not None and label in PANELS:
             _beside(axis, ideal, PANELS[label], curves)
         axis.set_ylabel(label)
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False, fontsize=8)
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=6, frameon=False, fontsize=8)
     axes[-1].set_xlabel("time (s)")
-    figure.savefig(path, dpi=150)
+    figure.savefig(path, dpi=DPI)
 
 
 def _curves(columns: Mapping[str, Floats], names: Mapping[str, str]) -> dict[str, Floats]:

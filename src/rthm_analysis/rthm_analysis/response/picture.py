@@ -105,7 +105,10 @@ def _loop(axes: Any, result: Response, motor: int) -> None:
         lag = np.angle(np.exp(1j * margins.delay.omega * margins.delay.value), deg=True)
         _arrow(axes[1], omega, margins.delay.omega, lag, 0.0)
     told = zip(("gain margin", "phase margin", "delay margin"), margins.words, strict=True)
-    words = [f"loop cut at the command of {margins.actuator}", *(f"{name} {value}" for name, value in told)]
+    words = [
+        f"loop opened at the command of {margins.actuator}",
+        *(f"{name} {value}" for name, value in told),
+    ]
     axes[0].set_title("\n".join(words), loc="left", fontsize=10)
     axes[0].set_ylabel("loop transfer (1)")
     axes[1].set_ylabel("phase (deg)")

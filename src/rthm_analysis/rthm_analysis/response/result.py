@@ -118,7 +118,7 @@ def response(spec: Spec, omega: Floats) -> Response:
         how = spec.loop().actuator.compensator
         left_out = (
             *left_out,
-            f"The compensator ({how}) is in the column sampled alone, and not in the margins.",
+            f"The compensator ({how}) is included in the column sampled, but not in the margins.",
         )
     stable = bool(np.abs(np.linalg.eigvals(lifted.monodromy())).max() < 1.0)
     dofs = (*spec.plant.dofs, *spec.loop().numerical.dofs)

@@ -41,8 +41,8 @@ def _at(lifted: Lifted, monodromy: Floats, w: float) -> Complex:
         settled = np.linalg.solve(turn * np.eye(lifted.size) - monodromy, gained)
     except np.linalg.LinAlgError:
         raise InputError(
-            f"omega {w!r} rad/s is a frequency at which the loop oscillates by itself and never settles; "
-            f"choose another frequency."
+            f"The frequency response at omega {w!r} rad/s is infinite: it is a natural frequency of an "
+            "undamped mode of the loop; choose another frequency."
         ) from None
     found = components(lifted, settled, np.array([1j * w]), forcing)[:, :, 0]
     found[:n1, :n1] += loop.position1 @ alone1

@@ -33,7 +33,7 @@ def read_run(folder: Path) -> Run:
     verdict, timing = page.get("verdict"), page.get("timing")
     aborted = page.get("abort")
     if not bag:
-        problems.append("There is no whole recording.")
+        problems.append("The recording is missing or incomplete.")
     if not page:
         problems.append("There is no report; rthm report writes one.")
     problems += [aborted] if aborted else []

@@ -150,9 +150,8 @@ def check_searchable(cycle: Cycle) -> None:
     """
     if not can_be_searched(cycle):
         raise InputError(
-            f"{cycle.kept.size} samples are under way in this loop at once, but its limits are searched "
-            f"with up to {MOST_PLACES}; shorten its delays, or judge the spec alone: rthm stability "
-            "--no-limits."
+            f"{cycle.kept.size} samples are in transit at once; limits can be computed for at most "
+            f"{MOST_PLACES}; shorten the delays, or judge only the spec itself: rthm stability --no-limits."
         )
 
 

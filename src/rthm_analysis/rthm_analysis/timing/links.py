@@ -45,7 +45,7 @@ class LinkTiming:
     age, excess : (n,) arrays
         Age of the sample at its use, and that age minus the one of the exact schedule, s; NaN: not known.
     undisturbed : (n,) array
-        Where nothing was held up from the stamp of the sample that was due to its instant of use.
+        Where the host did not stall between the stamp of the sample that was due and its instant of use.
     lost, late : int
         Samples that never arrived, and uses at which the sample that was due had not arrived in time.
     """

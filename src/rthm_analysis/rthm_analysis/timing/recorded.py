@@ -1,6 +1,6 @@
 """The event order of a recorded test: which sample was really used when.
 
-With it, the exact engine repeats a test along the delays that it had, whatever held up the machine meanwhile,
+With it, the exact engine repeats a test along the delays that it had, host stalls included,
 so that what still differs from the recording is not timing.
 """
 

@@ -16,7 +16,7 @@ MEANINGS = {
 }
 """Beginnings of lines that judge, by the colour in which they stand."""
 
-_JUDGING = {colour: re.compile(rf"(?:{words})(?=[:,. ]|$)") for colour, words in MEANINGS.items()}
+_JUDGING = {colour: re.compile(rf"(?:{words})(?=[:;,. ]|$)") for colour, words in MEANINGS.items()}
 
 
 def is_coloured() -> bool:

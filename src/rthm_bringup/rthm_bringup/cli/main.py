@@ -7,6 +7,7 @@ import pkgutil
 import signal
 import sys
 import warnings
+from collections.abc import Callable
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -39,8 +40,14 @@ def application() -> typer.Typer:
     for module in pkgutil.iter_modules(verbs.__path__):
         name = module.name.rstrip("_").replace("_", "-")
         verb = import_module(f"{verbs.__name__}.{module.name}")
-        app.command(name, epilog=_examples(verb.EXAMPLES))(verb.verb)
+        listed = app.command(name, epilog=_examples(verb.EXAMPLES), short_help=_first(verb.verb))
+        listed(verb.verb)
     return app
+
+
+def _first(verb: Callable[..., int]) -> str:
+    """First sentence of a verb's help, whole: the list of verbs cuts what it is not given."""
+    return " ".join((verb.__doc__ or "").split("\n\n")[0].split())
 
 
 def _examples(commands: tuple[str, ...]) -> str:
@@ -51,7 +58,12 @@ def _examples(commands: tuple[str, ...]) -> str:
 def _options(
     version: Annotated[
         bool,
-        typer.Option("--version", callback=lambda asked: _version(asked), is_eager=True, help="Show it."),
+        typer.Option(
+            "--version",
+            callback=lambda asked: _version(asked),
+            is_eager=True,
+            help="Show the version and exit.",
+        ),
     ] = False,
 ) -> None:
     pass

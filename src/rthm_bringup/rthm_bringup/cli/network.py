@@ -24,7 +24,8 @@ Peers = Annotated[
     str,
     typer.Option(
         metavar="ADDRESS,...",
-        help="Other hosts that take part; only these, or with --network these where multicast does not pass.",
+        help="Other hosts that take part, and no others; with --network: hosts that multicast does not "
+        "reach.",
     ),
 ]
 Namespace = Annotated[

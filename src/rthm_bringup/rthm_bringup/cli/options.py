@@ -46,7 +46,7 @@ SpecName = Annotated[
     ),
 ]
 Amplitude = Annotated[
-    float, typer.Option(metavar="A", help="Loads and initial motion times A, as 0.1 for a first try.")
+    float, typer.Option(metavar="A", help="Factor on loads and initial motion, such as 0.1 for a first try.")
 ]
 Wait = Annotated[float, typer.Option(metavar="S", help="How long to wait for a sample.", min=0.0, max=3600.0)]
 Effects = Annotated[
@@ -57,7 +57,16 @@ Effects = Annotated[
         help="Python file that declares kinds of effects; it is executed. Can be repeated.",
     ),
 ]
-Yes = Annotated[bool, typer.Option("--yes", "-y", help="Do not ask before hours of work; only tell.")]
+SpecOfBag = Annotated[
+    str | None,
+    typer.Option(
+        "--spec",
+        metavar="SPEC",
+        help="Spec of the test; by default that in the recording.",
+        autocompletion=_spec_names,
+    ),
+]
+Yes = Annotated[bool, typer.Option("--yes", "-y", help="Announce hours of work, but do not ask.")]
 PICTURES = (".png", ".svg", ".pdf")
 """Endings of a picture."""
 
@@ -88,10 +97,10 @@ def spec_named(name: str, effects: list[str] | None = None) -> Spec:
     return spec_at(name, effects or ())
 
 
-def recording_of(bag: Path, effects: list[str] | None) -> Recording:
-    """Read a recording, whose spec may have effects of one's own."""
-    from rthm_analysis.recording import read_recording
+def recording_of(bag: Path, effects: list[str] | None = None, spec: str | None = None) -> Recording:
+    """Read a recording, whose spec may have effects of one's own; `spec` stands in for that spec."""
+    from rthm_analysis.recording import read_recording, with_spec
     from rthm_core.effects import load_effects
 
     load_effects(effects or ())
-    return read_recording(bag)
+    return with_spec(read_recording(bag), spec or None)

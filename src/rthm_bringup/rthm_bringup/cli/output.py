@@ -34,13 +34,13 @@ def put(result: Mapping[str, Any], lines: Iterable[str], path: str | None) -> No
 def put_spec(
     spec: Spec, file: Path, why: str, result: Mapping[str, Any], lines: Iterable[str], path: str | None
 ) -> int:
-    """Write a spec and tell `result` with it, or why there is none; return the exit status."""
+    """Write a spec and report `result` with it, or why there is none; return the exit status."""
     from rthm_core.spec import write_spec
 
     if not why:
         write_whole(file, write_spec(spec))
-    told = {**result, "spec": None if why else str(file), "problem": why or None}
-    put(told, [*lines, why or f"spec:   {file}"], path)
+    whole = {**result, "spec": None if why else str(file), "problem": why or None}
+    put(whole, [*lines, why or f"spec:   {file}"], path)
     return int(bool(why))
 
 
@@ -68,9 +68,9 @@ def progress_bar(
     yes: bool = False,
     resumes: bool = False,
 ) -> Iterator[Callable[[float], None]]:
-    """Bar on standard error, if that is a terminal; what it gives is told how much is done.
+    """Bar on standard error, if that is a terminal; give it how much is done.
 
-    What will take hours is announced (`pace`), with its `size`; and asked about, but for `yes`.
+    What will take hours is announced (`pace`) with its `size`; without `yes` it is asked about, too.
     """
     if not sys.stderr.isatty():
         yield Pace(total, told if yes else asked, size=size, resumes=resumes).told

@@ -1,4 +1,4 @@
-"""How long work will take, told before it has taken hours, and asked about where somebody can answer."""
+"""How long work will take: announced before it has taken hours, and asked about on a terminal."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ class Pace:
 
 
 def asked(sentence: str) -> bool:
-    """Tell on standard error; where input and output are terminals, wait for the answer."""
+    """Announce on standard error; where input and output are terminals, wait for the answer."""
     if sys.stdin.isatty() and sys.stdout.isatty():
         return typer.confirm(f"{sentence} Go on?", default=True, err=True)
     return told(sentence)
 
 
 def told(sentence: str) -> bool:
-    """Tell on standard error, and go on."""
+    """Announce on standard error, and go on."""
     print("rthm:", sentence, file=sys.stderr, flush=True)
     return True
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rthm_analysis.dashboard import RunningTest
 
-WAITING = {"state": "waiting", "words": "No test is running. The page shows the next one."}
+WAITING = {"state": "waiting", "words": "No test is running; the page will show the next one."}
 QUIET = 5.0
 """After how long a page is told the same again, so that one that has gone is noticed, s."""
 

@@ -48,4 +48,4 @@ class Report:
         if not self.over:
             return "Its recording is being analysed."
         where = f"There is no {self._file} on this host" if self._file else "Its recorder did not answer"
-        return f"{where}: the report is where rthm run was called."
+        return f"{where}: the report is on the host where rthm run was started."

@@ -73,7 +73,8 @@ class Server(ThreadingHTTPServer):
             if error.errno not in (errno.EADDRINUSE, errno.EACCES):
                 raise
             raise InputError(
-                f"Port {port} cannot be had on this host; choose another --port, 0: any."
+                f"Port {port} is in use or reserved on this host; choose another with --port, or 0 for "
+                "any free one."
             ) from error
 
     @property
@@ -101,11 +102,16 @@ class Page(BaseHTTPRequestHandler):
         """Give a file, the stream of events, the newest snapshot, or the report."""
         path = urlsplit(self.path).path
         if not self._is_addressed():
-            self._refuse(HTTPStatus.MISDIRECTED_REQUEST, "This page is for its own host only.")
+            self._refuse(
+                HTTPStatus.MISDIRECTED_REQUEST, "This page can be opened only on the host that serves it."
+            )
         elif path in FILES and path != "/":
             self._give_file(path)
         elif not self._is_known(parse_qs(urlsplit(self.path).query).get("token", [""])[0]):
-            self._refuse(HTTPStatus.FORBIDDEN, "Open the whole address that rthm dashboard printed.")
+            self._refuse(
+                HTTPStatus.FORBIDDEN,
+                "The token is missing; open the whole address that rthm dashboard printed.",
+            )
         elif path == "/":
             self._give_file(path)
         elif path == "/events":
@@ -123,9 +129,9 @@ class Page(BaseHTTPRequestHandler):
         elif not self._is_known(self.headers.get(TOKEN, "")):
             self._refuse(HTTPStatus.FORBIDDEN, "The token is missing, or is that of another dashboard.")
         elif self.path != "/abort":
-            self._refuse(HTTPStatus.NOT_FOUND, "There is nothing of that name to be done.")
+            self._refuse(HTTPStatus.NOT_FOUND, "There is no such action.")
         elif (abort := self.server.hub.abort) is None:
-            self._refuse(HTTPStatus.CONFLICT, "No test is going on.")
+            self._refuse(HTTPStatus.CONFLICT, "No test is running.")
         else:
             abort()
             self._give(b"asked for", "text/plain")

@@ -33,7 +33,7 @@ def swing(start: Floats, distance: float, share: float) -> Floats:
 def check_swing(start: Floats, distance: float, seconds: float, spec: Spec) -> None:
     """Raise InputError when a swing from `start` (m,) would pass a limit of the spec, or cannot begin."""
     if not np.all(np.isfinite(start)):
-        raise InputError("plant/state has no motor positions, so that no swing can begin there; add them.")
+        raise InputError("plant/state has no motor positions, from which a swing would start; add them.")
     if spec.limits is None:
         return
     largest = float(np.abs(np.stack([start, start + distance])).max())

@@ -112,7 +112,7 @@ class _Ear:
         start = np.array(last[-m:] if len(last) > m else [np.nan] * m)
         check_swing(start, distance, seconds, self._spec)
         if self._node.count_publishers(self._node.resolve_topic_name(COMMAND)):
-            raise InputError("Somebody else publishes actuator/command; end that test before a swing.")
+            raise InputError("Another node publishes actuator/command; end that test before a swing.")
         publisher = self._node.create_publisher(JointState, COMMAND, samples())
         self._spin(2.0, lambda: publisher.get_subscription_count() > 0)
         period, sent = self._loop.timing.ns("td3"), []

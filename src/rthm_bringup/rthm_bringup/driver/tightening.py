@@ -92,5 +92,8 @@ def approach(
             said = words
         steady = steady + 1 if all(one.is_right for one in now) and not unrest(found) else 0
         if late() and steady < STEADY:
-            return f"The pretension was not reached in time ({words}); begin again from there."
+            return (
+                f"The pretension was not reached in time ({words}); run rthm pretension again to "
+                "continue from there."
+            )
     return ""

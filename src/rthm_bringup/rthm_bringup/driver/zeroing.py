@@ -60,7 +60,9 @@ def rest_of(conductor: Conductor, spec: Spec, seconds: float, patience: float) -
             )
         sizes = {len(array) for array in (found[-1].position, found[-1].velocity, found[-1].effort)}
         if sizes != {len(wanted)}:
-            raise InputError("plant/state has not one value for each name; rthm check-driver says more.")
+            raise InputError(
+                "plant/state does not have one value for each name; rthm check-driver shows the details."
+            )
         found.clear()
         _wait(conductor, lambda: _span(found) >= span, 10.0 * span + 10.0, "The driver stopped publishing.")
     n = loop.plant.n
@@ -93,7 +95,9 @@ def slack_zero(spec: Spec) -> Spec:
         If it has no pretension to approach, or the load cells have no zero.
     """
     if not any(spec.loop().actuator.pretension):
-        raise InputError("actuator.pretension is 0, so that there is no pretension to approach; give one.")
+        raise InputError(
+            "actuator.pretension is 0, so there is nothing to tighten to; give a pretension above 0."
+        )
     if spec.zero is None or spec.zero.force is None:
         raise InputError("zero.force is missing, but must be taken with slack wires first; run rthm zero.")
     tension = spec.zero.tension or (0.0,) * len(spec.zero.force)

@@ -53,9 +53,7 @@ def begin_together(
             return begin
         _undo(conductor, names)
         late(f"the nodes were not active {head_start} s after the begin was chosen")
-    raise StoppedError(
-        "The nodes were not active in time for the begin; this host or the network is too busy."
-    )
+    raise StoppedError("The nodes were not active at the start time; this host or the network is too busy.")
 
 
 def _activated(begin: int, conductor: Conductor, names: Sequence[str]) -> bool:

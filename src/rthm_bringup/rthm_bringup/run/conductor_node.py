@@ -170,7 +170,9 @@ class Conductor:
         """Wait for an instant of the wall clock, ns."""
         remaining = (wall - time.time_ns()) / NS
         self.wait_until(
-            lambda: time.time_ns() >= wall, remaining + 10.0, lambda: "The clock of this host stands."
+            lambda: time.time_ns() >= wall,
+            remaining + 10.0,
+            lambda: "The clock of this host does not advance.",
         )
 
     def nodes(self) -> list[tuple[str, str]]:

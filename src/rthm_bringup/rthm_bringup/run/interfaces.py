@@ -32,7 +32,7 @@ def wait_for_one(
     while not found():
         if time.monotonic() > deadline:
             raise InputError(
-                "No network of this host is up but loopback, so no other host can be found; bring one up,"
+                "Only the loopback interface of this host is up, so no other host can be found; bring one up,"
                 " or leave --network and --peers out."
             )
         if not waited:

@@ -71,16 +71,16 @@ class Plan:
                 f"The duration is {self.duration:g} s, but must be from 0 to 1e6 s; choose another one."
             )
         if self.virtual and not self.duration:
-            raise InputError("A virtual run without end is asked for (duration 0); give it a duration.")
+            raise InputError("A run with --virtual needs an end, but its duration is 0; give --duration.")
         if self.virtual and self.external:
             raise InputError(
-                f"A virtual run has only simulated parts, but {', '.join(sorted(self.external))} is external;"
-                " leave out --virtual or --external."
+                f"A run with --virtual has only simulated parts, but {', '.join(sorted(self.external))} "
+                "is external; leave out --virtual or --external."
             )
         if self.compose and (self.virtual or self.external.intersection(roles.COMPOSED)):
             raise InputError(
-                f"--compose has {' and '.join(roles.COMPOSED)} in one process, in real time, "
-                "here; leave it out, or --virtual and --external."
+                "--compose works only in real time with both parts on this host; drop it, or drop "
+                "--virtual/--external."
             )
         missing = [
             name

@@ -58,7 +58,7 @@ class Prediction(NamedTuple):
     def words(self) -> str:
         """What is predicted, in one line."""
         if not self.values:
-            return f"the test could not be predicted, and was not compared with its limits: {self.why}"
+            return f"the test could not be predicted, so its limits were not checked beforehand: {self.why}"
         return f"predicted for {self.seconds:g} s: {self._figures(self.allowed)}"
 
     @property

@@ -114,7 +114,9 @@ class Session:
             conductor.set({"recorder": {"silent": [COMMAND]}})
         self._view.phase("configuring the nodes")
         conductor.step("configure", self._managed, COMPILING)
-        conductor.wait_until(lambda: rehearsal.over, COMPILING, lambda: "The analysis is not ready.")
+        conductor.wait_until(
+            lambda: rehearsal.over, COMPILING, lambda: "The analysis node did not become ready in time."
+        )
         self._wait_ready(conductor)
         self._compare(conductor, rehearsal)
         self._guards = Guards(self._plan, conductor, self._managed, self.ending)
@@ -124,7 +126,7 @@ class Session:
         """Say what is predicted of a test with a real machine, which is refused where it is beyond limits."""
         self._view.phase("predicting the test")
         conductor.wait_until(
-            lambda: rehearsal.predicted, COMPILING, lambda: "The prediction of the test takes too long."
+            lambda: rehearsal.predicted, COMPILING, lambda: "The prediction of the test took too long."
         )
         prediction = self.ending.prediction = rehearsal.prediction
         if prediction is not None:

@@ -85,7 +85,9 @@ class Watch:
     def _judge_beats(self, heartbeats: Heartbeats) -> None:
         silence = heartbeats.look(time.monotonic())
         if heartbeats.deaf:
-            self._ending.note(f"The leader stalled for {heartbeats.deaf:.3f} s and watched nothing.")
+            self._ending.note(
+                f"The leader stalled for {heartbeats.deaf:.3f} s; nothing was supervised meanwhile."
+            )
         if silence is not None:
             self.silent.add(silence.name)
             words = f"the node {silence.name} has been silent for {silence.seconds:.3f} s"

@@ -57,7 +57,7 @@ class LinkExtraDelay(ExtraDelay, LinkEffect):
         )
     }
     equation = "due = stamp + tau + delay"
-    words = "samples reach the receiver of {block} {delay} later than its delay says"
+    words = "samples reach the receiver of {block} {delay} later than specified"
     experiment = (
         "Compare `rthm timing` of this recording with the spec's {name}: if the ages agree with "
         "the recording, correct the spec; if not, look for buffers between sender and receiver."

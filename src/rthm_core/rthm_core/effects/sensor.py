@@ -20,7 +20,7 @@ class Bias(Effect):
     blocks = ("sensor",)
     parameters = {"bias": EffectParameter("signal", "reading at a true value of zero")}
     equation = "y = s + bias"
-    words = "{block} of {dof} reads what is true plus {bias}"
+    words = "{block} of {dof} has an offset of {bias}"
     experiment = (
         "Rest {place} at a position, or under a force, that is known, and read the sensor for ten seconds."
     )

@@ -19,18 +19,18 @@ over value."""
 UNCERTAINTY = (
     "One standard deviation over the value. Within these a diagnosis first looks for other values (verdict "
     "retuned) before it names physics that is missing. Without this section, or with 0, a value counts as "
-    "exact: a rig that has another one contradicts its spec, and is told so."
+    "exact: a rig that has another one contradicts its spec, and the diagnosis reports it."
 )
 """What an uncertainty is for."""
 
 UNWEIGHED = (
-    "No known force acts, and a motion that dies away by itself has the same shape for twice the mass, "
-    "damping and stiffness: so the mass is exact here, 0. Weigh it."
+    "No known force acts, and a free decay shows only damping and stiffness over mass: so the mass counts as "
+    "exact here, 0. Weigh it."
 )
 """Why the mass of a free plant has no uncertainty."""
 
 MORE = (
-    "What is not in here: limits, which a machine needs (command, rate, force, stale and ramp), zero (rthm "
+    "Not in here: limits, which a machine needs (command, rate, force, stale and ramp), zero (rthm "
     "zero writes it), effects (rthm effects lists them). docs/reference/spec.md has every entry, its bounds "
     "and its default."
 )

@@ -1,7 +1,7 @@
 """Samples on a grid from readings that are not quite.
 
-A reading belongs to its tick when it is made within a tenth of a period after it. When a host is held up it
-is made later, and ticks have gone by without one. A sample of such a tick lies on the straight line between
+A reading belongs to its tick when it is made within a tenth of a period after it. When a host stalls it is
+made later, and ticks have gone by without one. A sample of such a tick lies on the straight line between
 the readings before and after it, so that nothing is stamped with a time at which it was not true. Over a
 longer pause nothing is known, and its samples are missing.
 """

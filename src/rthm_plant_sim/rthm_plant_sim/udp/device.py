@@ -2,7 +2,7 @@
 
 The same rules are in examples/udp_device.c, in C99. The device has a clock of its own and needs no other: a
 request has the device's time of the newest state that the host had when it made the command. A command that
-echoes a time further back than `command_age` is old, wherever it was held up, and is not executed. Without a
+echoes a time further back than `command_age` is old, wherever it was delayed, and is not executed. Without a
 fresh one for `command_age` the motors hold, and the next one must begin where they stand.
 """
 

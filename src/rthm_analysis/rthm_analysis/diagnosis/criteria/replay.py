@@ -91,6 +91,17 @@ LATTICE_MOST_VALUES = 0.9
 LATTICE_TOLERANCE = 1e-3
 """Share of a step within which all values must lie on the lattice."""
 
+TAIL_STDS = 3.0
+"""Typical sizes from which an error is far off."""
+
+TAIL_LAGS = range(4, 21)
+"""Samples after which another error that is far off says that the first was no chance: third differences of
+white noise have nothing in common then."""
+
+TAILS_TOGETHER_RATIO = 1.5
+"""How often errors that are far off come together, over how often chance has it, from which they are no
+noise."""
+
 TAILS_PARTS, TAILS_FEWEST_SAMPLES = 12, 100
 """Parts of a recording in most of which a noise has tails if it has any, and samples in each."""
 
@@ -118,6 +129,10 @@ INTERPOLATED_SHARE = 0.3
 
 STRAIGHT_BEND_RATIO = 0.02
 """Second difference, over the larger ones of the recording, below which samples lie on a straight line."""
+
+JUMP_BENDS_SHARE = 0.5
+"""Share of the bends that come in pairs to and fro, from which a signal jumps rather than was
+interpolated."""
 
 KNOT_INTERVAL_RATIO = 3.0
 """Longest interval between two knots of an interpolated recording over the shortest."""

@@ -164,3 +164,18 @@ RANGE_END_MOST_SHARE = 0.6
 RANGE_END_STDS = 4.0
 """Standard deviations of the noise within which readings beside an end are left out, too: of these, only the
 lower ones were passed."""
+
+# Rectified: a sensor gives magnitudes.
+
+RECTIFIED_FEWEST_TURNS = 4
+"""Changes of sign at zeros that have to be given back: what crosses zero less often may be a motion at its
+limit."""
+
+RECTIFIED_NEAR_ZERO_STDS = 4.0
+"""Standard deviations of the noise; a reading so near to zero has no sign."""
+
+RECTIFIED_NEAR_ZERO_SHARE = 0.02
+"""The same over the signal's rms, where there is less noise."""
+
+RECTIFIED_LEFT_SHARE = 0.2
+"""What the relations to other channels leave open once the signs are given back, over before."""

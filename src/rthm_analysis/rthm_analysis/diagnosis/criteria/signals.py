@@ -194,6 +194,15 @@ DELAY_LEFT_SHARE = 0.25
 DELAY_CHI2 = 3.0
 """Weighted squares for each frequency that a delay may leave: with much more, it is something else."""
 
+DELAY_TO_LAG_MOST = 2.0
+"""A delay in the place of a lag that was found is at most so many times as long, or as short."""
+
+LAG_RUNS_IN_CONSTANTS = 5.0
+"""Time constants after which a filter has forgotten its beginning."""
+
+NO_LAG_S = 1e-9
+"""Seconds; a filter so fast changes nothing."""
+
 LATENESS_STEPS = 3
 """Steps towards the best delay, and the best lag."""
 

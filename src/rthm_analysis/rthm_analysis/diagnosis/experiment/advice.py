@@ -5,6 +5,7 @@ and drives are moved by themselves.
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.faults.clipped import SATURATED
+from rthm_analysis.diagnosis.faults.rectified import RECTIFIED
 from rthm_analysis.diagnosis.result import WRONG_ENTRY
 from rthm_core.effects import effect
 
@@ -19,6 +20,7 @@ FAULT = {
     "channel_delay": "Tap the rig once, and compare the instants at which the channels show it.",
     "stuck": "Check cable and supply of {channel}, and record again.",
     SATURATED: "Give {channel} more range, or repeat the test with less motion.",
+    RECTIFIED: "Record {channel} before its rectifier, or with a sensor that knows the direction.",
     "spikes": "Check the shielding and the connectors of {channel}, and record again.",
     "dropout": "Check cable, network and logger of {channel}, and record again.",
     "hum": "Record {channel} at rest, and with the supplies switched off one by one.",

@@ -11,6 +11,7 @@
 ``unit_ratios``  factors that a wrong unit makes
 ``relations``    what must hold between channels
 ``factors``      signs, units, swapped channels
+``rectified``    magnitudes in place of signals
 ``plant``        mass and stiffness that known forces ask for
 ``known_loads``  sign and unit in a plain recording
 ``scaling``      signs, units and swaps in words

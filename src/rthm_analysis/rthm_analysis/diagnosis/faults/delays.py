@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,6 +60,15 @@ def _elastic(evidence: Evidence, wire: Wire) -> tuple[Evidence, list[Fault]]:
     longer = filled(evidence.measured[:, motor]) - filled(evidence.measured[:, position])
     found = late(longer, filled(evidence.measured[:, force]), _step(evidence))
     return (evidence, []) if found is None else _corrected(evidence, force, found.delay)
+
+
+def moved_back(evidence: Evidence, late: Mapping[Channel, float]) -> tuple[Evidence, tuple[Fault, ...]]:
+    """Move channels back that come late by so many seconds, and tell them."""
+    faults: list[Fault] = []
+    for channel, delay in late.items():
+        evidence, found = _corrected(evidence, evidence.channels.index(channel), delay)
+        faults += found
+    return evidence, tuple(faults)
 
 
 def _corrected(evidence: Evidence, column: int, delay: float) -> tuple[Evidence, list[Fault]]:

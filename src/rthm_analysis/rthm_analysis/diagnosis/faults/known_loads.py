@@ -15,9 +15,9 @@ from rthm_analysis.diagnosis.criteria.signals import (
     UNITLESS_GAIN,
 )
 from rthm_analysis.diagnosis.faults.factors import scaled
-from rthm_analysis.diagnosis.faults.naming import fault_of
+from rthm_analysis.diagnosis.faults.naming import field_of
 from rthm_analysis.diagnosis.faults.plant import plant_seen
-from rthm_analysis.diagnosis.faults.scaling import factor_fault
+from rthm_analysis.diagnosis.faults.scaling import FACTORS, factor_fault
 from rthm_analysis.diagnosis.faults.smooth import smoothed
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -103,27 +103,22 @@ def _position(
     return scaled(evidence, {(one.family, one.place): factor for one in both}), faults
 
 
-def told_by_one(evidence: Evidence, faults: list[Fault]) -> tuple[Evidence, list[Fault]]:
-    """One wrong position in place of a velocity and a known force that are wrong alike.
+def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Evidence, list[Fault]]:
+    """One wrong position in place of a wrong velocity, where the known force says so.
 
-    A velocity is judged by the rate of the position, and a known force by the motion: where the position
-    alone is wrong, both are found to be.
+    A velocity is judged by the rate of the position: where the position is wrong, the velocity is found to
+    be, and the known force does not fit the motion.
     """
-    for position in (one for one in evidence.channels if one.family == "position"):
-        velocity, load = (Channel(family, position.place) for family in ("velocity", "load"))
-        found = [[one for one in faults if _is_factor_of(one, channel)] for channel in (velocity, load)]
-        if [len(one) for one in found] != [1, 1] or found[0][0].value != found[1][0].value:
-            continue
-        (one,), (other,) = found
-        factor = 1.0 / float(one.value or 1.0)
-        moved = {(channel.family, channel.place): factor for channel in (position, velocity)}
-        evidence = replace(scaled(evidence, moved), load=evidence.load / factor)
-        alone = factor_fault(position, factor, "what its velocity and the known force ask for")
-        faults = [alone, *(left for left in faults if left not in (one, other))]
-    return evidence, faults
-
-
-def _is_factor_of(fault: Fault, channel: Channel) -> bool:
-    where = fault_of(channel, fault.kind, "")
-    named = (fault.block, fault.channel) == (where.block, where.channel)
-    return named and fault.value is not None and fault.kind in ("sign", "unit")
+    if evidence.driven_by != "force" or spec.plant is None or len(spec.plant.dofs) != 1:
+        return evidence, faults
+    position, velocity = (Channel(family, spec.plant.dofs[0]) for family in ("position", "velocity"))
+    found = next((one for one in faults if one.channel == field_of(velocity) and one.kind in FACTORS), None)
+    if found is None or not found.value:
+        return evidence, faults
+    factor = 1.0 / found.value
+    moved = scaled(evidence, {(one.family, one.place): factor for one in (position, velocity)})
+    before, after = _force_ratios(evidence, spec), _force_ratios(moved, spec)
+    if not after or not _agree(after, 1.0) or _agree(before, 1.0):
+        return evidence, faults
+    alone = factor_fault(position, factor, "what its velocity and the known force ask for")
+    return moved, [alone, *(one for one in faults if one is not found)]

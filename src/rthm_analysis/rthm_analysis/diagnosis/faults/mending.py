@@ -4,6 +4,7 @@ the last.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,24 +12,23 @@ import numpy as np
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
 from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
-from rthm_analysis.diagnosis.faults.delays import find_delays
+from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
 from rthm_analysis.diagnosis.faults.drift import find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
+from rthm_analysis.diagnosis.faults.rectified import find_rectified
+from rthm_analysis.diagnosis.faults.scaling import FACTORS
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
 from rthm_core.topics import PLANT_STATE
 
-FACTORS = ("sign", "unit")
-"""Faults that multiply every sample of a signal."""
-
-SCALED = (*FACTORS, "swapped")
+CHANGING = (*FACTORS, "swapped", "channel_delay")
 """Faults that change every sample of a signal."""
 
 
@@ -54,7 +54,12 @@ class Mended:
     def moved(self) -> bool:
         """Whether positions or velocities are others than recorded throughout."""
         sensors = ("sensor.position", "sensor.velocity")
-        return any(one.kind in SCALED and one.block in sensors for one in self.faults)
+        return any(one.kind in CHANGING and one.block in sensors for one in self.faults)
+
+    def moved_back(self, late: Mapping[Channel, float]) -> Mended:
+        """The same with channels that come late by so many seconds."""
+        evidence, faults = moved_back(self.evidence, late)
+        return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
 
 def with_motion(recording: Recording, evidence: Evidence) -> Recording:
@@ -102,10 +107,13 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     for find in (find_dropouts, find_stuck, find_clipped, find_spikes):
         evidence, found = find(evidence)
         faults += found
-    for find_with in (find_factors, find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
+    evidence, found = find_rectified(evidence, spec)
+    faults += found
+    evidence, found = find_factors(evidence, spec)
+    evidence, faults = told_by_one(evidence, [*faults, *found], spec)
+    for find_with in (find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
-    evidence, faults = told_by_one(evidence, faults)
     return Mended(evidence, _without_turned_back(faults))
 
 

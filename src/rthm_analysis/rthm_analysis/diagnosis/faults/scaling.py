@@ -9,6 +9,9 @@ from rthm_analysis.diagnosis.faults.unit_ratios import unit_of
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.result import Fault
 
+FACTORS = ("sign", "unit")
+"""Faults that multiply every sample of a signal."""
+
 SHOWN_BY = {
     "position": "the position that the wire's force and the motor give",
     "velocity": "the rate of the recorded position",

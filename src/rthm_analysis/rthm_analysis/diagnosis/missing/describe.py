@@ -117,5 +117,5 @@ def _words(
     return (
         f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
         f"{energy} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "
-        "library does."
+        "library fits it beyond doubt."
     )

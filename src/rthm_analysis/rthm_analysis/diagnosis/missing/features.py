@@ -27,10 +27,13 @@ class Feature:
         Variables, in the words of the contract.
     shapes : (s, p) array
         The force of each shape of size 1, N, along the recording.
+    straight : bool
+        Whether it is a straight line over time: it says what follows, but any slow change is partly that.
     """
 
     depends_on: tuple[str, ...]
     shapes: Floats
+    straight: bool = False
 
 
 def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
@@ -46,14 +49,14 @@ def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
     yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), PERIODIC_CURVE_KNOTS)))
     yield Feature(("v",), np.hstack([v, sign]))
     yield Feature(("t",), slow)
-    yield Feature(("t",), line)
+    yield Feature(("t",), line, straight=True)
     coarse = hats(at.x, knots(at.x, SURFACE_KNOTS)), hats(at.v, knots(at.v, SURFACE_KNOTS))
     yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
     yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * CURVE_KNOTS)) * sign)
     yield Feature(("x", "t"), slow * at.x[:, None])
     yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
-    yield Feature(("x", "t"), line * at.x[:, None])
-    yield Feature(("v", "t"), np.hstack([line * at.v[:, None], line * sign]))
+    yield Feature(("x", "t"), line * at.x[:, None], straight=True)
+    yield Feature(("v", "t"), np.hstack([line * at.v[:, None], line * sign]), straight=True)
     if np.any(load):
         yield Feature(("load",), hats(load, knots(load, CURVE_KNOTS)))
 

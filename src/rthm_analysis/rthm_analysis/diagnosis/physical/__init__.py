@@ -5,6 +5,7 @@
 ``beginning``    free runs, noise, loads between samples, retuned model
 ``colours``      noise that has a colour
 ``explaining``   from the retuned model to an explanation
+``late_sensors`` lags that are delays
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured

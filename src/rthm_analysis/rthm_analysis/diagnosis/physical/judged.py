@@ -31,13 +31,19 @@ def simulate_all(physical: Physical, fitted: Fitted) -> Simulated:
     A run over everything begins in the state that the training part gave. Short runs begin in states that fit
     each of them: what is recorded at their starts alone is too noisy, or too coarse, to begin from.
     """
+    return Simulated(fitted, begun_runs(physical, fitted)[1])
+
+
+def begun_runs(physical: Physical, fitted: Fitted) -> tuple[Windows, Floats]:
+    """Runs of a fitted model over the whole recording, where they begin, and what they predict (s, k)."""
     runs = physical.fitting.corrected(physical.windows, fitted)
     spec = fitted.model.spec
     predicted = physical.experiment.predicted(spec, runs)
     if runs.length is None or not np.isfinite(predicted).all():
-        return Simulated(fitted, predicted)
-    begun = physical.experiment.predicted(spec, _fitted_states(physical, spec, predicted))
-    return Simulated(fitted, begun if np.isfinite(begun).all() else predicted)
+        return runs, predicted
+    fitting = _fitted_states(physical, spec, predicted)
+    begun = physical.experiment.predicted(spec, fitting)
+    return (fitting, begun) if np.isfinite(begun).all() else (runs, predicted)
 
 
 def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows:

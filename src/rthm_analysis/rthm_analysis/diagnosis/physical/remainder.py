@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.criteria.noise import (
     SLOW_POWER_WHITE,
     SLOW_SAMPLES,
 )
+from rthm_analysis.diagnosis.replay.readings import typical_size
 from rthm_core.compiled import Floats
 
 
@@ -124,7 +125,7 @@ def _clipped(errors: Floats) -> Floats:
 
 def _limit(values: Floats) -> float:
     """Size beyond which a value is in the tails; 0 where there are no values."""
-    return OUTLIER_STDS * 1.4826 * float(np.median(np.abs(values))) if values.size else 0.0
+    return OUTLIER_STDS * typical_size(values) if values.size else 0.0
 
 
 def slow_power(errors: Floats, samples: int = SLOW_SAMPLES) -> tuple[float, int]:

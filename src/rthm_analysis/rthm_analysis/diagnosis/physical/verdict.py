@@ -255,12 +255,17 @@ class Judgement:
     @property
     def _is_enough_above_noise(self) -> bool:
         """Whether plain kinds are the law that is missing; of kinds that can imitate others, whether next to
-        nothing is left, and their values are certain.
+        nothing is left.
+
+        What can imitate others, or stands alone, has certain values.
         """
         selection = self.physical.selection
+        if self._is_vague and (selection.imitates or len(selection.rounds) == 1):
+            return False
         if selection.imitates:
-            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and not self._is_vague
-        return Laws(selection.best.model, self.gone, self.curves).are_told
+            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig
+        yardsticks = [one for one in self.curves if not one.feature.straight]
+        return Laws(selection.best.model, self.gone, yardsticks).are_told
 
     @cached_property
     def is_driven_wrong(self) -> bool:

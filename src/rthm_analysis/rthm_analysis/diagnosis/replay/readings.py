@@ -11,10 +11,13 @@ from rthm_analysis.diagnosis.criteria.replay import (
     NOISE_RMS_TO_MEDIAN,
     REPLAY_RESOLUTION,
     ROUNDING_STEP_TO_NOISE,
+    TAIL_LAGS,
+    TAIL_STDS,
     TAILS_FEWEST_SAMPLES,
     TAILS_LEAST,
     TAILS_MOST,
     TAILS_PARTS,
+    TAILS_TOGETHER_RATIO,
 )
 from rthm_core.compiled import Floats
 
@@ -32,7 +35,7 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     third = np.diff(residual[np.isfinite(residual)], 3) / np.sqrt(20.0)
     if not third.size:
         return float("nan")
-    typical = 1.4826 * float(np.median(np.abs(third)))
+    typical = typical_size(third)
     spread = float(np.sqrt(np.mean(np.square(third))))
     if typical > NOISE_MEDIAN_TO_RMS * spread:
         level = typical * _tails(third)
@@ -42,16 +45,28 @@ def noise_level(residual: Floats, measured: Floats) -> float:
     return max(level, _rounding(lattice(measured), level), floor, 1e-300)
 
 
+def typical_size(errors: Floats) -> float:
+    """Standard deviation of normal errors (s,), which a few that are far off hardly move."""
+    return 1.4826 * float(np.median(np.abs(errors)))
+
+
 def _tails(errors: Floats) -> float:
     """Standard deviation over the typical size of errors that are far off now and then in every part of a
-    recording; 1 where they are not: what happens in some parts alone is no noise.
+    recording; 1 where they are not: what happens in some parts alone, or together, is no noise.
     """
     parts = np.array_split(errors, TAILS_PARTS)
-    typical = np.array([1.4826 * float(np.median(np.abs(part))) for part in parts])
+    typical = np.array([typical_size(part) for part in parts])
     if parts[-1].size < TAILS_FEWEST_SAMPLES or not typical.all():
         return 1.0
     ratio = float(np.median([part.std() for part in parts] / typical))
-    return min(ratio, TAILS_MOST) if ratio > TAILS_LEAST else 1.0
+    return min(ratio, TAILS_MOST) if ratio > TAILS_LEAST and not _come_together(errors) else 1.0
+
+
+def _come_together(errors: Floats) -> bool:
+    """Whether errors that are far off are followed by others more often than chance has it."""
+    far = np.abs(errors) > TAIL_STDS * typical_size(errors)
+    both = [float(np.mean(far[lag:] & far[:-lag])) for lag in TAIL_LAGS]
+    return float(np.mean(both)) > TAILS_TOGETHER_RATIO * float(np.mean(far)) ** 2
 
 
 def _largest(residual: Floats) -> float:

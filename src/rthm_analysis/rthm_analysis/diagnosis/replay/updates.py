@@ -9,6 +9,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.replay import (
     INTERPOLATED_PARTS,
     INTERPOLATED_SHARE,
+    JUMP_BENDS_SHARE,
     KNOT_INTERVAL_RATIO,
     READINGS_FEWEST_SAMPLES,
     ROUNDED_BEND_STEPS,
@@ -72,7 +73,8 @@ def _held(values: Floats) -> Flags | None:
 
 def _knots(values: Floats) -> Flags | None:
     """Samples at which an interpolated recording bends."""
-    bend = np.abs(np.diff(values, 2))
+    change = np.diff(values, 2)
+    bend = np.abs(change)
     large = float(np.quantile(bend, 0.95))
     smallest = float(np.diff(np.unique(values)).min())
     bent = bend > STRAIGHT_BEND_RATIO * large
@@ -82,6 +84,8 @@ def _knots(values: Floats) -> Flags | None:
         or min(straight) < INTERPOLATED_SHARE
         or max(straight) > 1.0 - 1.0 / SLOW_SENSOR_MOST_SAMPLES
     ):
+        return None
+    if _jumps(change, bent):
         return None
     at = np.flatnonzero(bent) + 1
     gaps = np.diff(at)
@@ -93,3 +97,12 @@ def _knots(values: Floats) -> Flags | None:
     kept = np.zeros(values.size, dtype=bool)
     kept[at] = True
     return kept
+
+
+def _jumps(change: Floats, bent: Flags) -> bool:
+    """Whether most bends come in pairs to and fro: what follows held commands jumps, and an interpolated
+    recording has no jumps.
+    """
+    beside = bent[1:] & bent[:-1]
+    back = beside & (change[1:] * change[:-1] < 0.0)
+    return bool(2 * np.count_nonzero(back) > JUMP_BENDS_SHARE * np.count_nonzero(bent))

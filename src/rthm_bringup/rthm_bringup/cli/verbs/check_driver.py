@@ -30,23 +30,24 @@ def verb(
         float,
         typer.Option(
             metavar="M",
-            help="Move all motors this far and back, in m, and see whether they follow; 0: nothing moves.",
+            help="Also move all motors this far and back, in m, and check that they follow; 0: nothing "
+            "moves.",
         ),
     ] = 0.0,
     measure: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Move the motors a little in a run of their own, measure stiffness, delay, poles, signs and"
-            " noise, and write them as a spec.",
+            help="Instead, move the motors a little, measure stiffness, delay, poles, signs and noise, "
+            "and write them as a spec.",
         ),
     ] = None,
     travel: Annotated[
         float | None,
         typer.Option(
             metavar="M",
-            help="Largest distance of this motion from where the motors stand, in m; by default a quarter of"
-            " what the limits allow.",
+            help="With --measure: amplitude of this motion about the present positions, in m; by default "
+            "a quarter of what the limits allow.",
         ),
     ] = None,
     domain: Domain = None,
@@ -55,10 +56,11 @@ def verb(
     namespace: Namespace = NAMESPACE,
     json: Json = None,
 ) -> int:
-    """Check whatever publishes plant/state: names, sizes, numbers, stamps, period, ages, delivery.
+    """Check whether a driver does what a test needs.
 
-    Exit status 0 when every check is passed, else 1. With --measure it is a run, with the exit status of one;
-    nothing is checked beside, and 1 says as well that no spec was written.
+    Names, sizes, numbers, stamps, period, ages and delivery of plant/state, whoever publishes it. Exit status
+    0 when every check is passed, else 1. --measure checks nothing: it is a run, with the exit status of one,
+    and 1 also when no spec was written.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named

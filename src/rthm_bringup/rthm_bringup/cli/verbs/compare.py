@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Json
+from rthm_bringup.cli.options import Json, SpecOfBag
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,24 +30,29 @@ def verb(
         float | None,
         typer.Option(
             metavar="PERCENT",
-            help="Largest rms of a difference over that of the reference, in %; more is exit status 1.",
+            help="Largest difference that passes: its rms in % of that of the reference; above it, exit "
+            "status 1.",
         ),
     ] = None,
     only: Annotated[
-        str, typer.Option(metavar="SIGNAL,...", help="Compare these alone, as x1,a1.force.")
+        str, typer.Option(metavar="SIGNAL,...", help="Compare only these, such as x1,a1.force.")
     ] = "",
     duration: Annotated[
         float | None,
         typer.Option(
-            metavar="S", help="How long specs are simulated in s; by default as long as the longest other."
+            metavar="S",
+            help="How long specs are simulated, in s; by default as long as the longest of the others.",
         ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="Write a page about it.")
     ] = None,
+    spec: SpecOfBag = None,
     json: Json = None,
 ) -> int:
-    """Tell two or more tests apart: difference, delay and amplitude by signal, tracking, delays, energy.
+    """Compare two or more tests.
+
+    Differences, delays and amplitudes by signal; tracking, delays of the links and energy by test.
 
     Exit status 0; 1 when --tolerance is exceeded; 2 for bad input.
     """
@@ -55,7 +60,7 @@ def verb(
     from rthm_bringup.cli.output import put, status
 
     with status("reading"):
-        motions = motions_at(sources, duration)
+        motions = motions_at(sources, duration, spec or None)
     names = [name.strip() for name in only.split(",") if name.strip()]
     found = compare(motions, None if tolerance is None else tolerance / 100.0, names)
     if out is not None:

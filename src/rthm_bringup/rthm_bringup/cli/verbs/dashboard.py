@@ -27,11 +27,11 @@ def verb(
     namespace: Namespace = NAMESPACE,
     json: Json = None,
 ) -> int:
-    """Show a running test in a browser, ten times a second, and its report when it is over.
+    """Show a running test in a browser, and its report when it has ended.
 
-    The page is for this host only. It finds the run on this host by itself; a test elsewhere is named as for
-    rthm run. Its button aborts the test; it is no emergency stop. Ctrl-C ends the page, and --json then
-    writes what it showed last.
+    Only this host can open the page, which is renewed ten times a second. A run on this host is found without
+    options; for one elsewhere give --domain, --network and so on as for rthm run. The button aborts the test;
+    it is no emergency stop. Ctrl-C ends the page, and --json then writes what it showed last.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.output import put

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
+from rthm_bringup.cli.options import Bag, Effects, Json, SpecOfBag, recording_of
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
@@ -25,23 +25,24 @@ EXAMPLES = (
 
 def verb(
     bag: Bag,
-    spec: Annotated[
-        str | None, typer.Option("--spec", metavar="SPEC", help="Nominal model; the bag's own by default.")
-    ] = None,
+    spec: SpecOfBag = None,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.html", help="Write a page about it.")
     ] = None,
     patched: Annotated[
-        Path | None, typer.Option("--patched", metavar="SPEC", help="Write a spec that behaves as recorded.")
+        Path | None,
+        typer.Option(
+            "--patched", metavar="SPEC", help="Write the spec with the effects and values that were found."
+        ),
     ] = None,
     next_test: Annotated[
         Path | None,
-        typer.Option("--next", metavar="SPEC", help="Write a spec of the test that would tell most now."),
+        typer.Option("--next", metavar="SPEC", help="Write the spec of the most informative next test."),
     ] = None,
     effects: Effects = None,
     json: Json = None,
 ) -> int:
-    """Say where a recording and its simulation differ, and which physics was left out."""
+    """Find where a recording and its simulation differ, and why."""
     from rthm_analysis.diagnosis import diagnose
     from rthm_analysis.recording import nominal_spec
     from rthm_bringup.cli.output import put, status
@@ -69,8 +70,8 @@ def _not_patched(found: Diagnosis, patched: Path | None) -> list[str]:
     if patched is None or found.patched:
         return []
     if found.verdict == "unexplained":
-        return [f"{patched} is not written: nothing was found that the spec could be patched with."]
-    return [f"{patched} is not written: in a free run the patched spec does worse than the one given."]
+        return [f"{patched} is not written: nothing was found to put into the spec."]
+    return [f"{patched} is not written: in a free run the patched spec fits worse than the one given."]
 
 
 def _not_planned(found: Diagnosis, next_test: Path | None) -> list[str]:
@@ -91,7 +92,7 @@ def _lines(found: Diagnosis) -> Iterator[str]:
         f"{effect(a.kind, a.block).called()} ({a.block})" for a in found.alternatives if not a.distinguishable
     ]
     if unclear:
-        yield f"this recording does not tell it from: {', '.join(dict.fromkeys(unclear))}"
+        yield f"this recording cannot distinguish it from: {', '.join(dict.fromkeys(unclear))}"
     yield f"next: {found.next_experiment}"
     yield from found.notes
 
@@ -107,7 +108,6 @@ def _fit(fit: Fit) -> str:
     errors = ", ".join(f"{percent(error, 3)} {said}" for error, said in changed)
     floor = percent(fit.nrmse["noise_floor"], 3)
     return (
-        f"error of {fit.signal} on data that no fit has seen ({fit.held_out[0]:.4g} to "
-        f"{fit.held_out[1]:.4g} s{span}), over the signal's standard deviation there: {errors}; "
-        f"the noise alone is {floor}"
+        f"error of {fit.signal} on held-out data ({fit.held_out[0]:.4g} to {fit.held_out[1]:.4g} s{span}), "
+        f"over the signal's standard deviation: {errors}; the noise alone is {floor}"
     )

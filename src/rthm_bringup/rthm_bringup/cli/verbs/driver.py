@@ -21,11 +21,13 @@ def verb(
     python: Annotated[
         str, typer.Option(metavar="FILE.py:CLASS", help="A class with read() and command(u).")
     ] = "",
-    udp: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="A device that speaks docs/udp.md.")] = "",
+    udp: Annotated[
+        str, typer.Option(metavar="HOST[:PORT]", help="A device with the protocol of docs/udp.md.")
+    ] = "",
     ros2_control: Annotated[
         str,
         typer.Option(
-            metavar="NAME=JOINT,...", help="A rig under ros2_control; its joints of the names of the spec."
+            metavar="NAME=JOINT,...", help="A rig under ros2_control: the joint of each name in the spec."
         ),
     ] = "",
     order: Annotated[
@@ -39,9 +41,9 @@ def verb(
     peers: Peers = "",
     namespace: Namespace = NAMESPACE,
 ) -> int:
-    """Drive a rig, for whatever tests come: ``rthm run SPEC --plant external``.
+    """Run a driver that serves any test started with --plant external.
 
-    Nothing moves but by a test, within the limits of the spec. Ctrl-C ends it.
+    The rig moves only while a test runs, and only within the limits of the spec. Ctrl-C ends the driver.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
@@ -56,7 +58,7 @@ def verb(
     }
     asked = [kind for kind, given in zip(words, (python, udp, ros2_control), strict=True) if given]
     if len(asked) != 1:
-        raise InputError("A driver has one rig; give it by one of --python, --udp and --ros2-control.")
+        raise InputError("A driver serves one rig; give exactly one of --python, --udp and --ros2-control.")
     test = spec_named(spec)
     test.loop()
     require_limits(test)

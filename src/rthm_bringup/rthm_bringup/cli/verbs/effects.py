@@ -25,7 +25,7 @@ def verb(
     effects: Effects = None,
     json: Json = None,
 ) -> int:
-    """List the effects that a spec may have, or show one with its equation and parameters."""
+    """List the effects that a spec may add, or show one in full."""
     from rthm_bringup.cli.output import put
     from rthm_core.effects import load_effects
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Bag, Json
+from rthm_bringup.cli.options import Bag, Json, SpecOfBag, recording_of
 
 EXAMPLES = (
     "rthm export out/bag -o tables",
@@ -34,14 +34,14 @@ def verb(
         float | None,
         typer.Option(metavar="HZ", help="Rows per second of one table; else the instants of plant/state."),
     ] = None,
+    spec: SpecOfBag = None,
     json: Json = None,
 ) -> int:
-    """Write a recording as CSV, MAT or Parquet, with units in the headings."""
+    """Write a recording as CSV, MAT or Parquet, with units."""
     from rthm_analysis.exchange import export_bag
-    from rthm_analysis.recording import read_recording
     from rthm_bringup.cli.output import put
 
-    recording = read_recording(bag)
+    recording = recording_of(bag, spec=spec)
     files = [str(file) for file in export_bag(recording, out, form, rate)]
     put({"files": files}, [*files, *recording.notes], json)
     return 0

@@ -34,8 +34,8 @@ def verb(
         typer.Option(
             "--map",
             metavar="ROLE:NAME=COLUMN",
-            help="What a column is: position, velocity or load of a dof, force or motor of an actuator, as "
-            "position:x1=y. Can be repeated.",
+            help="What a column is, such as position:x1=y: position, velocity or load of a dof, force or "
+            "motor of an actuator. Can be repeated.",
         ),
     ] = None,
     units: Annotated[
@@ -43,20 +43,22 @@ def verb(
         typer.Option(
             "--unit",
             metavar="ROLE=UNIT",
-            help="Unit of the file, as position=mm, time=ms, or a factor to SI, as force=35.15. Can be "
-            "repeated.",
+            help="Unit in the file, such as position=mm or time=ms; or a factor to SI, such as "
+            "force=35.15. Can be repeated.",
         ),
     ] = None,
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="The column with the time.")] = None,
     rate: Annotated[
-        float | None, typer.Option(metavar="HZ", help="Samples per second, where no column has the time.")
+        float | None,
+        typer.Option(metavar="HZ", help="Samples per second, if there is no column with the time."),
     ] = None,
     spec: Annotated[
-        str | None, typer.Option("--spec", metavar="SPEC", help="Nominal model that goes into the bag.")
+        str | None,
+        typer.Option("--spec", metavar="SPEC", help="Spec that goes into the bag: the nominal model."),
     ] = None,
     json: Json = None,
 ) -> int:
-    """Make a bag of a recording of another tool, so that it can be diagnosed."""
+    """Make a bag from CSV, MAT or Parquet files."""
     from rthm_analysis.exchange import import_files, wanted
     from rthm_bringup.cli.output import put
 

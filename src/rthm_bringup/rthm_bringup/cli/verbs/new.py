@@ -25,7 +25,7 @@ EXAMPLES = (
 
 
 def verb(
-    path: Annotated[Path, typer.Argument(metavar="PATH", help="The spec, a file that is not there yet.")],
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="The spec, a file that does not exist yet.")],
     like: Annotated[
         str | None, typer.Option(metavar="NAME", help="Shipped spec to start from; by default paper.")
     ] = None,
@@ -40,17 +40,17 @@ def verb(
     ] = None,
     dof: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="With --from: a name that is a dof. Again for another."),
+        typer.Option(metavar="NAME", help="With --from: a name that is a dof. Can be repeated."),
     ] = None,
     mass: Annotated[
         list[float] | None,
         typer.Option(
-            metavar="KG", help="With --from: mass of a dof, as it was weighed; in the order of the dofs."
+            metavar="KG", help="With --from: weighed mass of a dof; repeated, in the order of the dofs."
         ),
     ] = None,
     json: Json = None,
 ) -> int:
-    """Write a first spec, with unit and meaning of every entry, to be corrected."""
+    """Write a first spec, with unit and meaning of every entry."""
     from rthm_bringup.cli.output import put
     from rthm_core.errors import InputError
     from rthm_core.files import check_new, write_whole
@@ -58,9 +58,11 @@ def verb(
 
     check_new("PATH", path)
     if bag is not None and like is not None:
-        raise InputError("--like and --from are both given, but a spec starts from one; leave the other out.")
+        raise InputError(
+            "--like and --from are both given, but a spec starts from one of them; leave the other out."
+        )
     if bag is None and (dof or mass):
-        raise InputError("--dof and --mass are about a recording; give it by --from, or leave them out.")
+        raise InputError("--dof and --mass need a recording; give it with --from, or leave them out.")
     if bag is None:
         write_whole(path, first_spec(like or LIKE))
         put({"spec": str(path), "like": like or LIKE}, [str(path)], json)
@@ -79,9 +81,7 @@ def _from_recording(bag: Path, dofs: list[str], masses: list[float]) -> tuple[st
         draft = draft_of(recording, dofs, masses)
         notes = [note for note in recording.notes if "spec" not in note]
         if recording.spec_text:
-            notes.append(
-                f"{bag} has a spec of its own, which is left aside; rthm export writes it to a file."
-            )
+            notes.append(f"{bag} has a spec of its own, which was not used; rthm export writes it to a file.")
     result = {"figures": [asdict(one) for one in draft.figures], "told": draft.told, "notes": notes}
     return draft.text(str(bag)), result, [*(one.line for one in draft.figures), *draft.told, *notes]
 

@@ -36,7 +36,7 @@ def verb(
 ) -> int:
     """Start one part of a test on this host.
 
-    It waits to be led by ``rthm run --external PART``, here or on another host.
+    It waits until rthm run --external PART takes control, on this host or another.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named

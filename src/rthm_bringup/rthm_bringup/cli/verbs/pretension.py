@@ -21,10 +21,10 @@ EXAMPLES = ("rthm pretension rig.yaml -o tensioned.yaml",)
 def verb(
     spec: SpecName = "paper",
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE", help="Where the spec with the tension is written.")
+        Path, typer.Option("--out", "-o", metavar="FILE", help="Where to write the spec with the tension.")
     ] = Path("tensioned.yaml"),
     patience: Annotated[
-        float, typer.Option(metavar="S", help="How long the hand may take.", min=1.0, max=86400.0)
+        float, typer.Option(metavar="S", help="How long tightening may take.", min=1.0, max=86400.0)
     ] = 600.0,
     wait: Wait = 30.0,
     domain: Domain = None,
@@ -33,10 +33,10 @@ def verb(
     namespace: Namespace = NAMESPACE,
     json: Json = None,
 ) -> int:
-    """Lead a hand that tightens the wires, until their tension is the pretension of the spec.
+    """Guide the operator while tightening the wires to the pretension of the spec.
 
-    Take the zero with slack wires first. Nothing is commanded: a command moves a motor, and not both ends of
-    a wire. Exit status 1 when the tension is not reached, or passes the limit of the force.
+    Zero the sensors with slack wires first (rthm zero). No motor is commanded. Exit status 1 when the
+    pretension is not reached, or a force passes its limit.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named

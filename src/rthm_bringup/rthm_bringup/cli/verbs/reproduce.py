@@ -21,7 +21,7 @@ def verb(
     yes: Yes = False,
     json: Json = None,
 ) -> int:
-    """Compute every figure and table of the paper, and a page that shows them."""
+    """Compute every figure and table of the paper, on one page."""
     from rthm_analysis.reproduce import reproduce
     from rthm_bringup.cli.output import progress_bar, put
     from rthm_bringup.cli.pace import size_in

@@ -31,9 +31,10 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """Compare the frequency response of the ideal system, of delays, and of the sampled loop.
+    """Compute the frequency response of a loop and its margins.
 
-    Below it: gain, phase and delay margin of the loop, cut at the command of each motor.
+    Beside the sampled loop: the ideal system, and the loop with its delays alone. Gain, phase and delay
+    margin are those of the loop opened at the command of each motor.
     """
     import numpy as np
 
@@ -72,10 +73,14 @@ def _lines(result: Response) -> list[str]:
     for one in told:
         cells = [f"{one[way]['amplitude']:.5g} m/N {one[way]['phase_deg']:+.2f} deg" for way in WAYS]
         rows.append((f"{one['input']}, {one['output']}", f"{one['omega']:g}", *cells))
-    unstable = [] if result.stable else ["the sampled loop is not stable: it never settles to its column."]
+    unstable = (
+        []
+        if result.stable
+        else ["the sampled loop is unstable: its column describes no motion that it settles to."]
+    )
     return [*result.left_out, *unstable, *table(rows), "", *table(_margins(result))]
 
 
 def _margins(result: Response) -> list[tuple[str, ...]]:
-    head = ("loop cut at the command of", "gain margin", "phase margin", "delay margin")
+    head = ("loop opened at command of", "gain margin", "phase margin", "delay margin")
     return [head, *((one.actuator, *one.words) for one in result.margins)]

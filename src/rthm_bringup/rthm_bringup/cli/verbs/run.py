@@ -45,13 +45,12 @@ def verb(
         typer.Option("--virtual", help="Simulated time in lock step: deterministic, faster than real time."),
     ] = False,
     plant: Annotated[
-        Plant, typer.Option(help="external: wait for whatever publishes plant/state, as a hardware driver.")
+        Plant,
+        typer.Option(help="external: a driver that runs already, of hardware or not, publishes plant/state."),
     ] = Plant.simulated,
     external: Annotated[
         str,
-        typer.Option(
-            metavar="PART,...", help="Parts that run elsewhere, started with scripts/plant and so on."
-        ),
+        typer.Option(metavar="PART,...", help="Parts that run elsewhere, started there with rthm node PART."),
     ] = "",
     wait: Annotated[
         float, typer.Option(metavar="S", help="How long to wait for external parts.", min=0.0)
@@ -60,24 +59,30 @@ def verb(
         bool,
         typer.Option(
             "--allow-clock-offset",
-            help="Go on where clocks of hosts differ by more than limits.clock, and correct the analysis.",
+            help="Run even if the clocks of hosts differ by more than limits.clock; the analysis "
+            "corrects for it.",
         ),
     ] = False,
     dry_run: Annotated[
         bool,
-        typer.Option("--dry-run", help="Everything runs, but commands go to actuator/command_dry alone."),
+        typer.Option("--dry-run", help="Run everything, but send commands only to actuator/command_dry."),
     ] = False,
     heartbeat: Annotated[
         bool,
-        typer.Option("--heartbeat", help="Wait for an operator's heartbeat, without which the test ends."),
+        typer.Option(
+            "--heartbeat",
+            help="Require an operator's heartbeat: the test waits for it, and aborts without it.",
+        ),
     ] = False,
     compose: Annotated[
         bool,
-        typer.Option("--compose", help="Numerical side and controller in one process: less to do per tick."),
+        typer.Option(
+            "--compose", help="Numerical side and controller in one process, for less work per tick."
+        ),
     ] = False,
     unstable: Annotated[
         bool,
-        typer.Option("--unstable", help="Go on with a real machine though the loop is unstable."),
+        typer.Option("--unstable", help="Move a real machine even if the loop is unstable."),
     ] = False,
     amplitude: Amplitude = 1.0,
     effects: Effects = None,
@@ -91,10 +96,10 @@ def verb(
     ] = None,
     json: Json = None,
 ) -> int:
-    """Start the nodes of a test, record it and report.
+    """Run a test as ROS 2 nodes, record it and report.
 
-    Exit status 0, also with missed deadlines; 1 when a node died or data were lost; 2 for bad input; 3 when
-    the test was aborted. The key a aborts it.
+    The key a aborts the test. Exit status 0 when it ended, with or without missed deadlines; 1 when a node
+    died or data were lost; 2 for bad input; 3 when it was aborted.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named
@@ -130,9 +135,7 @@ def verb(
 
 
 def _warn(test: Spec, *, refused: bool) -> None:
-    """Say that a loop is unstable, or a delay longer than its motion; InputError where it must not begin
-    then.
-    """
+    """Warn of an unstable loop, or a delay longer than its motion; InputError where neither may start."""
     from rthm_bringup.unstable import refuse, warn_of_delays, warn_of_growth
 
     if refused:

@@ -14,18 +14,23 @@ EXAMPLES = ("rthm runs out --sort error --out out/index.html",)
 
 def verb(
     folder: Annotated[
-        Path, typer.Argument(metavar="[FOLDER]", help="Where runs are.", show_default="out")
+        Path, typer.Argument(metavar="[FOLDER]", help="Folder of the runs.", show_default="out")
     ] = Path("out"),
     sort: Annotated[
         str,
-        typer.Option(metavar="BY", help="date (newest first), name, spec, length, error, outcome, problems."),
+        typer.Option(
+            metavar="BY", help="Order: date (newest first), name, spec, length, error, outcome or problems."
+        ),
     ] = "date",
     out: Annotated[
         Path | None, typer.Option("--out", "-o", metavar="FILE.html", help="Write the index as a page.")
     ] = None,
     json: Json = None,
 ) -> int:
-    """List runs and trajectories of a folder: date, spec, length, outcome, error, problems."""
+    """List the runs and trajectories in a folder.
+
+    Of each: date, spec, length, outcome, error, problems.
+    """
     from rthm_analysis.runs import runs_in, sorted_runs
     from rthm_analysis.runs.rows import rows
     from rthm_bringup.cli.output import put, table

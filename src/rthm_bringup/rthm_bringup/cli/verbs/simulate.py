@@ -34,24 +34,28 @@ class System(StrEnum):
 
 def verb(
     duration: Annotated[float, typer.Option(metavar="S", help="Length of the test in s.")],
-    out: Annotated[Path, typer.Option(metavar="FILE.npz", help="Where the trajectory goes.")],
+    out: Annotated[Path, typer.Option(metavar="FILE.npz", help="Where to write the trajectory.")],
     spec: SpecName = "paper",
     sample: Annotated[
         float | None, typer.Option(metavar="S", help="Time between the rows in s; by default Td1.")
     ] = None,
     system: Annotated[
-        System, typer.Option(help="hybrid: the loop; ideal: without delays and holds; taylor: (26).")
+        System,
+        typer.Option(
+            help="hybrid: the loop; ideal: without delays and holds; taylor: first-order approximation "
+            "of the delays (eq. 26)."
+        ),
     ] = System.hybrid,
     as_recorded: Annotated[
         Path | None,
-        typer.Option(metavar="BAG", help="Along the delays that this recorded test really had."),
+        typer.Option(metavar="BAG", help="Use the delays measured in this recording."),
     ] = None,
     sensitivity: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY",
-            help="Also how the motion changes with this number of the spec, as plant.mass; again for "
-            "another; all: with every number of the physics.",
+            help="Also write the derivative of the motion with respect to this number of the spec, such as "
+            "plant.mass; all: every number of the physics. Can be repeated.",
         ),
     ] = None,
     amplitude: Amplitude = 1.0,
@@ -59,13 +63,13 @@ def verb(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Also draw motion beside the ideal system, force, energy; .png, .svg or .pdf.",
+            help="Also draw motion beside that of the ideal system, force and energy, as .png, .svg or .pdf.",
         ),
     ] = None,
     effects: Effects = None,
     json: Json = None,
 ) -> int:
-    """Simulate a test exactly; write it to an npz file."""
+    """Simulate a test exactly, and write its motion to an .npz file."""
     from rthm_analysis.outcome import IdealComparison, Outcome
     from rthm_bringup.cli.options import check_picture, spec_named
     from rthm_bringup.cli.output import progress_bar, put, table
@@ -85,8 +89,8 @@ def verb(
     check_room(out, test, duration, sample)
     if as_recorded is not None and (sensitivity or not test.is_loop or system is not System.hybrid):
         raise InputError(
-            "--as-recorded has the delays of a recorded loop; leave it out, or simulate a loop with --system "
-            "hybrid and without --sensitivity."
+            "--as-recorded is for a loop, with --system hybrid and without --sensitivity; leave out one "
+            "or the other."
         )
     if plot is not None:
         check_picture(plot)
@@ -113,9 +117,7 @@ def verb(
         result["verdict"] = outcome.as_dict()
         lines += ["", *outcome.lines(warned=True)]
     if lost is not None:
-        lines.append(
-            f"The motion left every bound {lost:.4g} s after the start; from there on there is none."
-        )
+        lines.append(f"The motion diverged at {lost:.4g} s; no values after that.")
     if plot is not None:
         _draw(out, plot, beside.motion if beside else None)
         result["picture"] = str(plot)
@@ -142,7 +144,7 @@ def _draw(out: Path, plot: Path, ideal: Trajectory | None) -> None:
 
 
 def _joules(value: float) -> str:
-    return f"{value:+.6e} J" if isfinite(value) else "beyond every bound"
+    return f"{value:+.3e} J" if isfinite(value) else "diverged"
 
 
 def _simulated(
@@ -159,10 +161,7 @@ def _simulated(
     if not names:
         return _blocks(test, duration, sample, system, schedule), {}
     if not test.is_loop or system is not System.hybrid:
-        raise InputError(
-            "sensitivities are those of a loop with its delays; leave out --sensitivity, or simulate a loop "
-            "with --system hybrid."
-        )
+        raise InputError("--sensitivity is for a loop, with --system hybrid; leave out one or the other.")
     found = sensitivities(test, duration, None if names == ["all"] else names, sample)
     return iter([found.trajectory]), found.by_parameter
 

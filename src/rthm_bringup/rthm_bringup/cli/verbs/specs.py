@@ -16,7 +16,7 @@ EXAMPLES = (
 
 def verb(
     name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", help="Print this one, as a start for your own.")
+        str | None, typer.Argument(metavar="[NAME]", help="Print this spec, as a start for your own.")
     ] = None,
     json: Json = None,
 ) -> int:

@@ -34,11 +34,15 @@ def verb(
         Path, typer.Option("--out", "-o", metavar="FILE", help="Picture of the map: .png, .svg or .pdf.")
     ] = Path("stability.png"),
     limits: Annotated[
-        bool, typer.Option("--limits/--no-limits", help="Search for every crossing, or judge the spec alone.")
+        bool,
+        typer.Option(
+            "--limits/--no-limits",
+            help="Search for the limits of every period, delay and k_tot, or judge only the spec itself.",
+        ),
     ] = True,
     json: Json = None,
 ) -> int:
-    """Tell whether a loop is stable, its modes, and how far every delay is from the edge."""
+    """Judge the stability of a loop: modes, and limits of every delay."""
     from rthm_analysis.stability import stability
     from rthm_analysis.stability.analysis import SEARCHES
     from rthm_bringup.cli.options import spec_named
@@ -46,7 +50,7 @@ def verb(
 
     test = spec_named(spec)
     drawn = _map(test, over, out) if over else {}
-    with progress_bar("looking for every crossing", SEARCHES) as report:
+    with progress_bar("searching for limits", SEARCHES) as report:
         result = stability(test, limits=limits, progress=report)
     put(result.as_dict() | drawn, [*_lines(result), *(["", str(out)] if drawn else [])], json)
     return 0
@@ -75,7 +79,10 @@ def _lines(result: Stability) -> list[str]:
     radius = f"largest eigenvalue {result.spectral_radius:.9f} over {result.hyperperiod * 1e3:.6g} ms"
     head = [f"{'stable' if result.stable else 'not stable'}: {radius}"]
     if result.period_error:
-        head.append(f"clocks that never tick together: nearest periods, off by {result.period_error:.1e}")
+        head.append(
+            "clocks without a common period: computed with the nearest periods that have one, off by "
+            f"{result.period_error:.1e}"
+        )
     modes = [("mode", "frequency", "damping ratio")]
     for number, mode in enumerate(result.modes, 1):
         modes.append((str(number), f"{mode.frequency:.6g} rad/s", f"{mode.damping_ratio:+.6f}"))

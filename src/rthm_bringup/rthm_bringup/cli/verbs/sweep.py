@@ -32,9 +32,9 @@ def verb(
     draw: Annotated[
         int | None, typer.Option(metavar="N", help="Random draws between a and b instead of a grid.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Number from which the draws follow.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the draws.")] = 0,
     duration: Annotated[
-        float, typer.Option(metavar="S", help="Length of every simulation in s; 0: stability alone.")
+        float, typer.Option(metavar="S", help="Length of every simulation in s; 0: only stability.")
     ] = 20.0,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the results.")] = Path(
         "sweep"
@@ -48,10 +48,10 @@ def verb(
     yes: Yes = False,
     json: Json = None,
 ) -> int:
-    """Run many loops; interrupted, the same command goes on where it stopped.
+    """Simulate a loop for many values of its spec.
 
-    What will take hours says so after ten seconds: how long, how many loops, how much of the disk; and asks,
-    where somebody can answer.
+    Interrupted, the same command continues where it stopped. A sweep of hours says after ten seconds how long
+    it takes, for how many loops, and how much of the disk it needs, and on a terminal asks whether to go on.
     """
     from rthm_analysis.sweep.picture import draw as draw_picture
     from rthm_analysis.sweep.points import value_of
@@ -88,7 +88,7 @@ def _result(done: Sweep, out: Path, picture: Path) -> dict[str, object]:
 def _lines(done: Sweep, out: Path, picture: Path) -> list[str]:
     stable = sum(one is True for one in done.table["stable"].to_pylist())
     refused = [sentence for sentence in done.table["refused"].to_pylist() if sentence]
-    before = f"; {done.found_before} computed by an earlier start" if done.found_before else ""
+    before = f"; {done.found_before} of them computed before" if done.found_before else ""
     lines = [
         f"{done.loops} loops, {stable} of them stable{before}",
         f"{out / 'sweep.parquet'}, {picture}",

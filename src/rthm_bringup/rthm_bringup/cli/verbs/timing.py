@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from rthm_bringup.cli.options import Bag, Effects, Json, recording_of
+from rthm_bringup.cli.options import Bag, Effects, Json, SpecOfBag, recording_of
 
 EXAMPLES = ("rthm timing out/bag",)
 
 
-def verb(bag: Bag, effects: Effects = None, json: Json = None) -> int:
-    """Measure the delays and clocks of a recorded test."""
+def verb(bag: Bag, spec: SpecOfBag = None, effects: Effects = None, json: Json = None) -> int:
+    """Measure delays, clocks and losses of a recorded test."""
     from rthm_analysis.timing import timing_of
     from rthm_bringup.cli.output import put
 
-    recording = recording_of(bag, effects)
+    recording = recording_of(bag, effects, spec)
     result: dict[str, Any] = timing_of(recording, recording.spec).as_dict()
     result["notes"] = [*recording.notes, *result["notes"]]
     put(result, [*_lines(result), *recording.notes], json)

@@ -17,7 +17,7 @@ EXAMPLES = ("rthm zero rig.yaml -o zeroed.yaml",)
 def verb(
     spec: SpecName = "paper",
     out: Annotated[
-        Path, typer.Option("--out", "-o", metavar="FILE", help="Where the spec with the zero is written.")
+        Path, typer.Option("--out", "-o", metavar="FILE", help="Where to write the spec with the zero.")
     ] = Path("zeroed.yaml"),
     only: Annotated[
         str,
@@ -35,10 +35,10 @@ def verb(
     namespace: Namespace = NAMESPACE,
     json: Json = None,
 ) -> int:
-    """Take the zero of load cells and encoders of a rig that stands still where nothing pulls.
+    """Zero load cells and encoders with the rig at rest and unloaded.
 
-    Nothing moves. Each run with the spec that is written lets the driver subtract it. Exit status 1 when the
-    rig moves, or its driver takes no zero.
+    Nothing is commanded. In every run with the spec that is written, the driver subtracts these offsets. Exit
+    status 1 when the rig is not at rest, or its driver accepts no zero.
     """
     from rthm_bringup.cli.network import network_of
     from rthm_bringup.cli.options import spec_named

@@ -47,10 +47,10 @@ function now(shown) {
   if (!shown.links) return;
   ran ||= shown.state === "running";
   facts(shown);
-  text($("motion-words"), shown.no_ideal ? `No ideal system beside it: ${shown.no_ideal}.` : "Measured, and in the ideal system: no delays, no holds, no motor.");
+  text($("motion-words"), shown.no_ideal ? `No ideal system beside it: ${shown.no_ideal}.` : "Measured, beside the ideal system: the same test without delays, holds and motor.");
   table($("links"), shown.links, link);
   table($("limits"), shown.limits, limit);
-  text($("limits-words"), shown.limits.length ? "Bar: now. Mark: largest of the test." : "The spec has no limits that show in samples.");
+  text($("limits-words"), shown.limits.length ? "Bar: now. Mark: largest so far." : "The spec has no limits on recorded signals.");
   log(shown.events);
 }
 
@@ -75,8 +75,8 @@ function facts(shown) {
   const told = shown.errors.map((error) => [
     `${error.dof} against the ideal system`, percent(error.nrmse), `so far; at most ${digits(error.max)} m`, "",
   ]);
-  told.push(["Energy by the loop's errors", `${digits(shown.energy.E_err)} J`, "E_num + E_ff + E_fx", ""]);
-  told.push(["Missed ticks", String(missed), per || "not told yet", missed ? "bad" : "good"]);
+  told.push(["Energy from the loop's errors", `${digits(shown.energy.E_err)} J`, "E_num + E_ff + E_fx", ""]);
+  told.push(["Missed ticks", String(missed), per || "not reported yet", missed ? "bad" : "good"]);
   told.push(["Late and lost samples", `${late}, ${lost}`, "all links", late + lost ? "bad" : "good"]);
   const without = shown.without_priority;
   if (without.length) told.push(["Real-time priority", "none", without.join(", "), ""]);
@@ -140,7 +140,7 @@ function link(one) {
     },
     others: [
       ["specified", ms(one.delay)], ["mean", ms(one.mean)], ["largest", ms(one.max), over(one.max)],
-      ["of the test", ms(one.worst), over(one.worst)], ["late", one.late ?? "–", one.late], ["lost", one.lost ?? "–", one.lost],
+      ["largest so far", ms(one.worst), over(one.worst)], ["late", one.late ?? "–", one.late], ["lost", one.lost ?? "–", one.lost],
     ],
   };
 }
@@ -180,12 +180,12 @@ function report(told) {
 }
 
 $("abort").addEventListener("click", async () => {
-  text($("abort-words"), "Abort asked for.");
+  text($("abort-words"), "Abort requested.");
   try {
     const answer = await fetch("abort", { method: "POST", headers: { "X-Token": token } });
     if (!answer.ok) text($("abort-words"), await answer.text());
   } catch {
-    text($("abort-words"), "Not sent! Press a in the terminal of the run.");
+    text($("abort-words"), "Not sent! Press the key a in the terminal of the run.");
   }
 });
 
@@ -195,7 +195,7 @@ const source = new EventSource(`events?token=${token}`);
 source.addEventListener("layout", (event) => layout(JSON.parse(event.data)));
 source.addEventListener("now", (event) => now(JSON.parse(event.data)));
 source.addEventListener("error", () => {
-  text($("words"), "The dashboard does not answer: what is shown is old.");
+  text($("words"), "No answer from the dashboard server: values are stale.");
   $("words").classList.add("bad");
   $("abort").disabled = true;
 });

@@ -23,7 +23,9 @@ ELSEWHERE = {
     "faults/unit_ratios.py": {"_LENGTHS", "RATIOS"},  # units
     "links/ages.py": {"GOLDEN"},  # the golden ratio
     "links/fitting.py": {"INFINITE_GRAINS"},  # an infinity of integers
-    "replay/kernel.py": {"MOST_SWITCHES"},  # compiled, and compiled anew only where its own folder changes
+    # compiled, and compiled anew only where its own folder changes
+    "replay/kernel.py": {"MOST_SWITCHES"},
+    "replay/steps.py": {"MOST_TRIALS"},
 }
 """Numbers that bound nothing of a recording, by module."""
 

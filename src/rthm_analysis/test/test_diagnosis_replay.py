@@ -12,7 +12,7 @@ from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import state_at, windows
 from rthm_core.physical.side import first_command
-from rthm_core.spec import Spec
+from rthm_core.spec import Spec, apply, shipped_spec
 
 from .side import COMMANDS, DUE, EVIDENCE, PAPER, STAMPS, having, simulated
 
@@ -57,6 +57,24 @@ SPECS = [
 )
 def test_replay_agrees_with_the_simulator_far_below_the_noise(spec: Spec) -> None:
     assert np.all(np.abs(replayed(spec) - simulated(spec)).max(0) < FAR_BELOW_NOISE)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"actuator.pretension": [1.0]},
+        {
+            "effects": ["one"],
+            "one": {"block": "wire", "kind": "hardening", "actuator": "a1"} | {"coefficient": 300.0},
+        },
+    ],
+    ids=["slack", "hardening"],
+)
+def test_the_force_of_a_wire_that_is_not_linear_behind_a_pulley_that_moves(changes: dict) -> None:
+    spec = apply(shipped_spec("transmission"), changes)
+    experiment = Experiment(EVIDENCE, first_command(spec))
+    seen = experiment.predicted(spec, windows(EVIDENCE, spec, True))
+    assert np.all(np.abs(seen - simulated(spec)).max(0) < FAR_BELOW_NOISE)
 
 
 REMEMBERING = [

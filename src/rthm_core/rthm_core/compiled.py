@@ -44,6 +44,11 @@ def compiled(function: F) -> F:
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
 
 
+def uncompiled(function: F) -> F:
+    """The Python function behind a compiled one: what runs once is not worth the wait for its compilation."""
+    return getattr(function, "py_func", function)
+
+
 FUSED = {"contract"}
 """Flags with which a product and a sum may be rounded once, where the processor can do that."""
 

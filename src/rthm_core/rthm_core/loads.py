@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.clock import to_ns
+from rthm_core.clock import NS, to_ns
 from rthm_core.compiled import Floats, Integers, called
 from rthm_core.errors import InputError
 
@@ -54,8 +54,31 @@ class Load(NamedTuple):
         ramp_end = [to_ns(self.ramp)] if self.ramp > 0.0 and self.amplitude.size else []
         return np.array(sorted([*ramp_end, *self.table_time]), dtype=np.int64)
 
+    def force(self, time: Floats) -> Floats:
+        """Force, N, at some instants, s, in an array of any shape.
+
+        Examples
+        --------
+        >>> sinusoid(1.0, 2.0, np.pi, 0.0).force(np.array([0.0, 0.5]))
+        array([1., 3.])
+        """
+        waves = zip(self.amplitude, self.frequency, self.phase, strict=True)
+        force = sum((a * np.sin(w * time + p) for a, w, p in waves), np.zeros(time.shape))
+        force *= np.minimum(time / self.ramp, 1.0) if self.ramp > 0.0 else 1.0
+        if self.table_time.size:
+            force += np.interp(time, self.table_time / NS, self.table_force)
+        return np.asarray(force + self.constant)
+
 
 NO_LOAD = Load(0.0, np.empty(0), np.empty(0), np.empty(0), 0.0, np.empty(0, dtype=np.int64), np.empty(0))
+
+
+def sinusoid(constant: float, amplitude: float, frequency: float, phase: float) -> Load:
+    """Force that swings about a constant (N, rad/s)."""
+    if not amplitude:
+        return NO_LOAD._replace(constant=constant)
+    one, w, p = (np.array([value], dtype=float) for value in (amplitude, frequency, phase))
+    return NO_LOAD._replace(constant=constant, amplitude=one, frequency=w, phase=p)
 
 
 def load(section: Any) -> Load:
@@ -65,11 +88,7 @@ def load(section: Any) -> Load:
     if section.kind == "constant":
         return NO_LOAD._replace(constant=float(section.force))
     if section.kind == "harmonic":
-        return NO_LOAD._replace(
-            amplitude=np.array([section.amplitude], dtype=float),
-            frequency=np.array([section.frequency], dtype=float),
-            phase=np.array([section.phase], dtype=float),
-        )
+        return sinusoid(0.0, section.amplitude, section.frequency, section.phase)
     if section.kind == "multisine":
         return _multisine(section)
     return _from_file(section.path)

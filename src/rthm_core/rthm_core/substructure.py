@@ -121,6 +121,35 @@ def as_built(spec: Spec, block: str) -> Spec:
     return apply(spec, wrong)
 
 
+def free_dynamics(mass: Floats, damping: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
+    """State matrix of a structure under no force.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : (..., n, n) arrays
+        kg, N s/m, N/m.
+
+    Returns
+    -------
+    (..., 2 n, 2 n) array
+        Of the state [x, v].
+    (..., n, n) array
+        Inverse of the mass.
+
+    Examples
+    --------
+    >>> a, inverse = free_dynamics(*(np.array([[one]]) for one in (2.0, 0.4, 6.0)))
+    >>> a.tolist(), inverse.tolist()
+    ([[0.0, 1.0], [-3.0, -0.2]], [[0.5]])
+    """
+    n = mass.shape[-1]
+    inverse = np.linalg.inv(mass)
+    dynamics = np.zeros((*mass.shape[:-2], 2 * n, 2 * n))
+    dynamics[..., :n, n:] = np.eye(n)
+    dynamics[..., n:, :n], dynamics[..., n:, n:] = -inverse @ stiffness, -inverse @ damping
+    return dynamics, np.asarray(inverse)
+
+
 def held_dynamics(
     mass: Floats, damping: Floats, stiffness: Floats, dofs: Integers, k: Floats, c: Floats
 ) -> tuple[Floats, Floats]:
@@ -150,12 +179,7 @@ def held_dynamics(
     >>> a.tolist(), inverse.tolist()
     ([[0.0, 1.0], [-5.0, -0.30000000000000004]], [[0.5]])
     """
-    n = mass.shape[-1]
-    interface = np.zeros((n, dofs.size))
+    interface = np.zeros((mass.shape[-1], dofs.size))
     interface[dofs, np.arange(dofs.size)] = 1.0
-    inverse = np.linalg.inv(mass)
-    dynamics = np.zeros((*mass.shape[:-2], 2 * n, 2 * n))
-    dynamics[..., :n, n:] = np.eye(n)
-    dynamics[..., n:, :n] = -inverse @ (stiffness + (interface * k[..., None, :]) @ interface.T)
-    dynamics[..., n:, n:] = -inverse @ (damping + (interface * c[..., None, :]) @ interface.T)
-    return dynamics, np.asarray(inverse)
+    springs, dampers = ((interface * one[..., None, :]) @ interface.T for one in (k, c))
+    return free_dynamics(mass, damping + dampers, stiffness + springs)

@@ -1,8 +1,7 @@
-"""The ideal system beside a running test, and how far the test is from it so far."""
+"""The ideal system beside a running test."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,32 +59,3 @@ class IdealMotion:
             ).plant_position
         except InputError as error:
             self.why = str(error)
-
-
-class ErrorSoFar:
-    """Error of every dof of the plant against the ideal system, gathered row by row.
-
-    Parameters
-    ----------
-    dofs : int
-        Of the plant.
-    """
-
-    def __init__(self, dofs: int) -> None:
-        self._error, self._size, self._largest = np.zeros((3, dofs))
-
-    def add(self, seen: Floats, ideal: Floats) -> None:
-        """Count rows (N, dofs), m; those that are not known on either side are left out."""
-        known = np.isfinite(seen).all(axis=1) & np.isfinite(ideal).all(axis=1)
-        error = seen[known] - ideal[known]
-        with np.errstate(over="ignore", invalid="ignore"):
-            self._error += np.square(error).sum(axis=0)
-            self._size += np.square(ideal[known]).sum(axis=0)
-        self._largest = np.maximum(self._largest, np.abs(error).max(axis=0, initial=0.0))
-
-    def told(self) -> list[tuple[float, float]]:
-        """Of every dof, rms error over rms of the ideal motion (NaN: this is zero), and largest error, m."""
-        return [
-            (math.sqrt(error / size) if size else math.nan, float(largest))
-            for error, size, largest in zip(self._error, self._size, self._largest, strict=True)
-        ]

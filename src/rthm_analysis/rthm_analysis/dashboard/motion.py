@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.dashboard.fresh import Fresh
-from rthm_analysis.dashboard.ideal import ErrorSoFar, IdealMotion
+from rthm_analysis.dashboard.ideal import IdealMotion
+from rthm_analysis.outcome.ideal import ErrorSoFar
 from rthm_analysis.recording.table import hold
 from rthm_core.clock import NS
 from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
@@ -93,7 +94,8 @@ class Motion:
         instants = np.arange(first, stop, dtype=np.int64) * STEP
         held = [_held(fresh, column, instants + begin_ns) for column in self._columns]
         ideal = self.ideal.rows(first, stop) if self._whole else np.full((stop - first, self._dofs), np.nan)
-        self.error.add(held[0], ideal)
+        known = np.isfinite(held[0]).all(axis=1) & np.isfinite(ideal).all(axis=1)
+        self.error.add(held[0][known] - ideal[known], ideal[known])
         return np.column_stack([instants / NS, *held, ideal])
 
     def _due(self, fresh: Fresh, begin_ns: int) -> tuple[int, int]:

@@ -179,6 +179,6 @@ class RunningTest:
     def _errors(self) -> list[Mapping[str, Any]]:
         dofs = self._spec.plant.dofs
         return [
-            {"dof": dof, "nrmse": rounded(nrmse), "max": rounded(largest)}
-            for dof, (nrmse, largest) in zip(dofs, self._motion.error.told(), strict=True)
+            {"dof": dof} | {name: rounded(value) for name, value in error.as_dict().items()}
+            for dof, error in zip(dofs, self._motion.error.errors(), strict=True)
         ]

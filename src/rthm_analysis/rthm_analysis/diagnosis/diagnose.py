@@ -100,7 +100,7 @@ def _mismatch(part: Part) -> float:
 
 
 def _physical(parts: list[Part], mended: Mended, spec: Spec, say: Callable[[str], None]) -> Physical:
-    evidence = readings_only(mended.evidence)
+    evidence = readings_only(mended.evidence).under_command()
     return diagnose_physical(evidence, as_run(parts, spec), command_before(parts, spec), say)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.criteria.verdict import PATCHED_ERROR_RATIO, RUNAWAY_ERROR_RATIO
-from rthm_analysis.diagnosis.replay.entries import MATRICES, entry_of
+from rthm_analysis.diagnosis.replay.entries import OF_PLANT, entry_of
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
 from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_core.spec import Spec, apply, write_spec
@@ -11,71 +11,60 @@ from rthm_core.spec import Spec, apply, write_spec
 
 def joined(parts: list[Part], spec: Spec) -> Diagnosis:
     """The parts as one answer; what to do next is left open."""
-    physics = tuple(one for part in parts for one in part.physics)
-    unexplained = tuple(said for part in parts for said in part.unexplained)
-    retuned = {name: one for part in parts for name, one in part.retuned.items()}
-    blocks = tuple(one for part in parts for one in part.blocks)
-    faults = tuple(one for part in parts for one in part.faults)
-    described = tuple(one for part in parts for one in part.described)
-    significant = [one.block for one in blocks if one.significant]
-    verdict = _verdict(parts)
-    where = [*(one.block for one in faults if not one.marked), *(one.block for one in physics)]
+    whole = Part.joined(parts)
+    significant = [one.block for one in whole.blocks if one.significant]
+    verdict = _verdict(whole)
+    where = [*(one.block for one in whole.faults if not one.marked), *(one.block for one in whole.physics)]
     located = tuple(dict.fromkeys([*where, *significant]))
-    traces = tuple(one for part in parts for one in part.traces)
-    patched = "" if verdict == "unexplained" or not _runs(parts) else write_spec(patched_spec(parts, spec))
+    runs = verdict != "unexplained" and _runs(whole)
+    found = {name: one for name, one in vars(whole).items() if name not in ("changes", "effects")}
     return Diagnosis(
+        **found,
         verdict=verdict,
-        blocks=blocks,
         located=located,
-        physics=physics,
-        retuned=retuned,
-        alternatives=tuple(one for part in parts for one in part.alternatives),
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: one for part in parts for name, one in part.detection_limits.items()},
         next_experiment="",
         words=verdict_words(
-            verdict, located, physics, retuned, stated_spreads(spec), faults, described, traces
+            verdict,
+            located,
+            whole.physics,
+            whole.retuned,
+            stated_spreads(spec),
+            whole.faults,
+            whole.described,
+            whole.traces,
         ),
-        curves=tuple(one for part in parts for one in part.curves),
-        unexplained=unexplained,
-        notes=tuple(note for part in parts for note in part.notes),
-        patched=patched,
-        faults=faults,
-        described=described,
-        traces=traces,
-        refused=tuple(one for part in parts for one in part.refused),
-        free_run={dof: one for part in parts for dof, one in part.free_run.items()},
+        patched=write_spec(patched_spec(parts, spec)) if runs else "",
     )
 
 
-def _verdict(parts: list[Part]) -> Verdict:
+def _verdict(whole: Part) -> Verdict:
     """Contract, section 7: what is left lowers everything; what is wrong with the recording explains."""
-    if any(part.unexplained for part in parts):
-        helped = any(part.physics or part.described for part in parts)
-        return "improved" if helped else "unexplained"
-    if any(part.physics for part in parts) or any(not one.marked for part in parts for one in part.faults):
+    if whole.unexplained:
+        return "improved" if whole.physics or whole.described else "unexplained"
+    if whole.physics or any(not one.marked for one in whole.faults):
         return "explained"
-    return "retuned" if any(part.retuned for part in parts) else "match"
+    return "retuned" if whole.retuned else "match"
 
 
-def _runs(parts: list[Part]) -> bool:
+def _runs(whole: Part) -> bool:
     """Whether a free run of the patched spec stays bounded and is no worse than that of the nominal one."""
-    runs = [run for part in parts for run in part.free_run.values()]
     return all(
-        run.explained < min(RUNAWAY_ERROR_RATIO, PATCHED_ERROR_RATIO * run.nominal + 1e-9) for run in runs
+        run.explained < min(RUNAWAY_ERROR_RATIO, PATCHED_ERROR_RATIO * run.nominal + 1e-9)
+        for run in whole.free_run.values()
     )
 
 
 def as_run(parts: list[Part], spec: Spec) -> Spec:
     """Spec with the times and the compensator that the test was run with."""
-    changes = {name: value for part in parts for name, value in part.changes.items()}
+    changes = Part.joined(parts).changes
     return apply(spec, changes) if changes else spec
 
 
 def patched_spec(parts: list[Part], spec: Spec) -> Spec:
     """Spec whose simulation behaves as recorded."""
-    changes: dict[str, object] = {name: value for part in parts for name, value in part.changes.items()}
-    sections = [_flat(section) for part in parts for section in part.effects]
+    whole = Part.joined(parts)
+    changes: dict[str, object] = dict(whole.changes)
+    sections = [_flat(section) for section in whole.effects]
     if sections:
         taken = {e.name for e in spec.effects}
         names = [
@@ -91,7 +80,7 @@ def _both_halves(changes: dict[str, object], spec: Spec) -> dict[str, object]:
     n, whole = len(spec.plant.dofs), dict(changes)
     for key, value in changes.items():
         name, place = entry_of(key) or ("", 0)
-        if name in MATRICES:
+        if name in OF_PLANT:
             whole.setdefault(f"{name}[{place % n * n + place // n}]", value)
     return whole
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -292,6 +293,15 @@ class Part:
     traces: tuple[Trace, ...] = ()
     refused: tuple[Refused, ...] = ()
     free_run: dict[str, FreeRun] = field(default_factory=dict)
+
+    @classmethod
+    def joined(cls, parts: Iterable[Part]) -> Part:
+        """What some parts found, in their order; of two with one name the later one counts."""
+        found: dict[str, Any] = vars(cls()).copy()
+        for part in parts:
+            for name, more in vars(part).items():
+                found[name] = found[name] | more if isinstance(more, dict) else found[name] + more
+        return cls(**found)
 
 
 @dataclass(frozen=True)

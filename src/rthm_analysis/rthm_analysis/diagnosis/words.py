@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.criteria.words import (
     SLIGHT_CHANGE,
 )
 from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
+from rthm_analysis.diagnosis.replay.model import PROPERTIES
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
@@ -31,13 +32,6 @@ __all__ = [
     "stated_spreads",
     "verdict_words",
 ]
-
-PROPERTY_UNITS = {
-    "plant.mass": "kg",
-    "plant.damping": "N s/m",
-    "plant.stiffness": "N/m",
-    "actuator.stiffness": "N/m",
-}
 
 BLOCK_WORDS = {
     "plant": "the physical substructure",
@@ -136,7 +130,7 @@ def _is_slight(one: Retuned) -> bool:
 
 def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str:
     key = name.partition("[")[0]
-    unit = PROPERTY_UNITS.get(key, "")
+    unit = PROPERTIES.get(key, "")
     value = number(one.value, one.std, unit, size=one.nominal)
     specified = _specified(one, value, unit)
     if not specified:

@@ -15,6 +15,7 @@ from rthm_analysis.energy.kernel import COMMAND, SAMPLE, TERM_COUNT, TICK, Balan
 from rthm_analysis.energy.model import begins, estimated_power, first_parts, load_at, open_balance, state_at
 from rthm_analysis.energy.motion import completed_velocity, motion_at, window
 from rthm_analysis.energy.series import Series, Uses
+from rthm_analysis.recording.table import rows_of
 from rthm_analysis.recording.uses import tick_of_each
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
@@ -219,8 +220,7 @@ class EnergyLedger:
         if self._schedule is None or not stamps.size:
             return np.empty(0, dtype=np.int64), parts
         pairs = self._uses["tau4"].pairs
-        row = np.minimum(np.searchsorted(stamps, pairs[:, 1]), stamps.size - 1)
-        found = stamps[row] == pairs[:, 1]
+        row, found = rows_of(stamps, pairs[:, 1])
         if found.any():
             use, row = pairs[found, 0], row[found]
         else:  # none recorded, or stamps of another clock

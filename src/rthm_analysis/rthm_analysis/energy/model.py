@@ -8,15 +8,16 @@ import numpy as np
 
 from rthm_analysis.energy.kernel import Balance
 from rthm_analysis.energy.series import Series
+from rthm_core.clock import NS
 from rthm_core.compensation import first_parts as command_parts
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import delay_matrices
 from rthm_core.engine.general.ledger import Ledger, ledger
 from rthm_core.linear import linear_system
-from rthm_core.loads import NO_LOAD, Load, load, together
+from rthm_core.loads import NO_LOAD, load, together
 from rthm_core.numerical import Numerical, NumericalSide, as_built, numerical
-from rthm_core.physical.advance import physical
 from rthm_core.physical.model import physical_model
+from rthm_core.physical.start import physical
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
@@ -94,20 +95,8 @@ def load_at(spec: Spec, times_ns: Integers) -> Floats:
     section = spec.load.plant
     forces = np.zeros((times_ns.size, len(spec.plant.dofs)))
     if section is not None and section.kind != "none":
-        forces[:, spec.plant.dofs.index(section.dof)] = _force(load(section), times_ns)
+        forces[:, spec.plant.dofs.index(section.dof)] = load(section).force(times_ns / NS)
     return forces
-
-
-def _force(one: Load, times_ns: Integers) -> Floats:
-    t = times_ns * 1e-9
-    force = np.zeros(t.size)
-    for amplitude, frequency, phase in zip(one.amplitude, one.frequency, one.phase, strict=True):
-        force += amplitude * np.sin(frequency * t + phase)
-    if one.ramp > 0.0:
-        force *= np.minimum(t / one.ramp, 1.0)
-    if one.table_time.size:
-        force += np.interp(times_ns, one.table_time, one.table_force)
-    return force + one.constant
 
 
 def estimated_power(spec: Spec, velocity: Floats, acceleration: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.spec import Spec
-from rthm_core.substructure import substructure
+from rthm_core.substructure import free_dynamics, substructure
 
 PHASE = 0.1
 """Half width, in radians of the plant's fastest motion, of the window in which a velocity is estimated."""
@@ -27,9 +27,7 @@ def window(spec: Spec, period: float) -> int:
         Sampling period, s.
     """
     plant = substructure(spec.plant)
-    n, inverse_mass = plant.dofs, np.linalg.inv(plant.mass)
-    rest = np.hstack([-inverse_mass @ plant.stiffness, -inverse_mass @ plant.damping])
-    dynamics = np.vstack([np.eye(n, 2 * n, n), rest])
+    dynamics, _ = free_dynamics(plant.mass, plant.damping, plant.stiffness)
     step = float(np.abs(np.linalg.eigvals(dynamics)).max()) * period
     return int(np.clip(PHASE / step, 1, WIDEST)) if step > 0.0 else WIDEST
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.first_spec.matrices import Matrices, fitted_matrices
+from rthm_analysis.recording import rows_of
 from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
@@ -82,8 +83,7 @@ def ticks_of(recording: Recording, dofs: tuple[str, ...], actuators: tuple[str, 
         return None
     tick, sample = used
     reference = recording.tables[FORCE_REFERENCE]
-    row = np.minimum(np.searchsorted(reference.stamp_ns, own.stamp_ns[tick]), len(reference) - 1)
-    there = reference.stamp_ns[row] == own.stamp_ns[tick]
+    row, there = rows_of(reference.stamp_ns, own.stamp_ns[tick])
     tick, sample, row = tick[there], sample[there], row[there]
     return Ticks(
         tick,
@@ -107,9 +107,9 @@ def _used(recording: Recording, link: str, receiver: Table) -> tuple[Integers, I
         return None
     at = np.maximum(np.searchsorted(receiver.stamp_ns, uses.use_ns, side="right") - 1, 0)
     late = uses.use_ns - receiver.stamp_ns[at]
-    sample = np.minimum(np.searchsorted(plant.stamp_ns, uses.sample_ns), len(plant) - 1)
+    sample, recorded = rows_of(plant.stamp_ns, uses.sample_ns)
     period = np.median(np.diff(receiver.stamp_ns)) if len(receiver) > 1 else 1.0
-    known = (late >= 0) & (late < LATE * period) & (plant.stamp_ns[sample] == uses.sample_ns)
+    known = (late >= 0) & (late < LATE * period) & recorded
     return (at[known], sample[known]) if known.any() else None
 
 

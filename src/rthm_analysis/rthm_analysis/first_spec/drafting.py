@@ -24,6 +24,7 @@ from rthm_analysis.identification import Figure, identify, motions_of
 from rthm_core.errors import InputError
 from rthm_core.spec import spec_from_parameters
 from rthm_core.spec.first import SPREAD, UNCERTAINTY, first_text
+from rthm_core.spec.sections import MATRICES
 from rthm_core.topics import NUMERICAL_STATE
 
 if TYPE_CHECKING:
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
     from rthm_core.spec import Spec
 
-MATRICES = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
 LEAST, MOST = 1e-3, 100.0
 """Relative standard deviations between which an uncertainty is: no estimate is better than the assumption
 that the plant is linear."""

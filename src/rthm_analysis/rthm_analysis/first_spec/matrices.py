@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.identification.estimate import covariance
+from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -90,7 +91,7 @@ def _fitted(
     unknown: list[Unknown],
 ) -> Matrices:
     points, n = force.shape
-    columns = dict(zip(("mass", "damping", "stiffness"), motion, strict=True))
+    columns = dict(zip(MATRICES, motion, strict=True))
     known = np.array([0.0 if mass is None else mass for mass in masses])
     wanted = force - known * motion[0]
     regressors = np.zeros((points, n, len(unknown)))

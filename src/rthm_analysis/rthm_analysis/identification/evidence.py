@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.recording import rows_of
 from rthm_core.clock import NS
 from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
-    from rthm_analysis.recording import Recording, Table
-    from rthm_core.compiled import Floats, Integers
+    from rthm_analysis.recording import Recording
+    from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
 
@@ -70,12 +71,6 @@ def _commands(recording: Recording, names: tuple[str, ...]) -> tuple[Floats, Flo
     values, link = table.columns("position", names), recording.links.get("tau4")
     if link is None:
         return np.asarray(recording.seconds(table.stamp_ns)), values, None
-    row, known = _rows(table, link.sample_ns)
+    row, known = rows_of(table.stamp_ns, link.sample_ns)
     waited = float(np.mean(link.use_ns[known] - link.sample_ns[known])) / NS
     return np.asarray(recording.seconds(link.use_ns[known])), values[row[known]], waited
-
-
-def _rows(table: Table, stamps: Integers) -> tuple[Integers, Integers]:
-    """Row of the command with each stamp, and for which of the stamps there is one."""
-    row = np.minimum(np.searchsorted(table.stamp_ns, stamps), len(table) - 1)
-    return row, table.stamp_ns[row] == stamps

@@ -93,9 +93,34 @@ class IdealComparison:
         return energy_per_cycle(self.motion.t, self._work, moved)
 
 
+class ErrorSoFar:
+    """Error of every dof of the plant against the ideal system, gathered row by row.
+
+    Parameters
+    ----------
+    dofs : int
+        Of the plant.
+    """
+
+    def __init__(self, dofs: int) -> None:
+        self._error, self._size, self._largest = np.zeros((3, dofs))
+
+    def add(self, error: Floats, ideal: Floats) -> None:
+        """Count rows (N, dofs): the error, m, and the ideal motion, m."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            self._error += np.square(error).sum(axis=0)
+            self._size += np.square(ideal).sum(axis=0)
+        self._largest = np.maximum(self._largest, np.abs(error).max(axis=0, initial=0.0))
+
+    def errors(self) -> list[IdealError]:
+        """Of every dof; an error beside no motion at all has no nrmse."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            nrmse = np.where(self._size, np.sqrt(self._error / self._size), math.nan)
+        return [IdealError(*pair) for pair in zip(nrmse.tolist(), self._largest.tolist(), strict=True)]
+
+
 def error_of(error: Floats, ideal: Floats) -> IdealError:
     """Measures of an error (N,), m, beside the ideal motion (N,), m."""
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        size = float(np.sqrt(np.mean(np.square(ideal))))
-        rms = float(np.sqrt(np.mean(np.square(error))))
-    return IdealError(rms / size if size else math.nan, float(np.abs(error).max(initial=0.0)))
+    gathered = ErrorSoFar(1)
+    gathered.add(error[:, None], ideal[:, None])
+    return gathered.errors()[0]

@@ -3,6 +3,15 @@
 from rthm_analysis.recording.nominal import nominal_spec, with_spec
 from rthm_analysis.recording.reading import read_recording
 from rthm_analysis.recording.recording import Recording
-from rthm_analysis.recording.table import LinkTable, Table, hold
+from rthm_analysis.recording.table import LinkTable, Table, hold, rows_of
 
-__all__ = ["LinkTable", "Recording", "Table", "hold", "nominal_spec", "read_recording", "with_spec"]
+__all__ = [
+    "LinkTable",
+    "Recording",
+    "Table",
+    "hold",
+    "nominal_spec",
+    "read_recording",
+    "rows_of",
+    "with_spec",
+]

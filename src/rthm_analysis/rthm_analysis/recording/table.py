@@ -16,7 +16,7 @@ from rthm_analysis.recording.cdr import FIELDS, decode_joint_states, decode_time
 from rthm_analysis.recording.raw import RawTopic
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats, Integers
+    from rthm_core.compiled import Flags, Floats, Integers
 
 
 @dataclass(frozen=True)
@@ -107,6 +107,31 @@ def hold(table_times: Integers, values: Floats, at: Integers) -> Floats:
     (m, ...) array
     """
     return values[np.maximum(np.searchsorted(table_times, at, side="right") - 1, 0)]
+
+
+def rows_of(times: Integers, wanted: Integers) -> tuple[Integers, Flags]:
+    """Where some instants stand among others.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Ascending instants, n >= 1.
+    wanted : (m,) array
+
+    Returns
+    -------
+    row : (m,) array
+        Of the instant itself, else of the next one, or of the last one.
+    found : (m,) array
+        Whether the instant is among them.
+
+    Examples
+    --------
+    >>> rows_of(np.array([10, 20, 30]), np.array([20, 25, 40]))
+    (array([1, 2, 2]), array([ True, False, False]))
+    """
+    row = np.minimum(np.searchsorted(times, wanted), times.size - 1)
+    return row, times[row] == wanted
 
 
 def joint_table(topic: RawTopic) -> tuple[Table, list[str]]:

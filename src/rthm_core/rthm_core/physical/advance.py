@@ -10,19 +10,10 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
-from rthm_core.physical.drive import (
-    LIMIT,
-    QUANTUM,
-    RATE,
-    conditioned,
-    motor_position,
-    motor_velocity,
-    settled,
-)
+from rthm_core.physical.drive import RATE, conditioned, motor_position, motor_velocity
 from rthm_core.physical.flow import mechanics_rate, wire_force
-from rthm_core.physical.integrate import POINT, SCRATCH, Trace, Work, integrate, trace, work
-from rthm_core.physical.laws import DOF, POSITION, VELOCITY
-from rthm_core.physical.model import PhysicalModel, Resting
+from rthm_core.physical.integrate import POINT, SCRATCH, Trace, Work, integrate
+from rthm_core.physical.model import PhysicalModel
 from rthm_core.physical.sensors import measured
 
 
@@ -38,7 +29,7 @@ class PhysicalState(NamedTuple):
     command, target : (m,) arrays
         Input of the motor chain, and where a rate-limited input is going, in m.
     modes : (L,) array
-        Piece in force of every nonlinear law.
+        Mode in force of every law that is not linear, then of every wire (1: taut, -1: slack).
     step, scale
         Step and error scale of the integration.
     inputs : (orders, m + loads) array
@@ -64,87 +55,6 @@ class Physical(NamedTuple):
     state: PhysicalState
     work: Work
     trace: Trace
-
-
-def physical(
-    model: PhysicalModel, resting: list[Resting], position: Floats, velocity: Floats, command: Floats
-) -> Physical:
-    """Physical side at the start of a test, in steady state: the motors at `command` (m,), the plant at
-    `position` (n,).
-    """
-    nq, ny, laws, limit = (
-        model.drive.system.ab.shape[0],
-        model.mechanics.shape[0],
-        mode_count(model),
-        model.drive.conditioning[LIMIT],
-    )
-    whole = np.zeros(nq + ny)
-    q, y = whole[:nq], whole[nq:]
-    quantum = model.drive.conditioning[QUANTUM]
-    steps = np.where(quantum > 0.0, quantum, 1.0)
-    rounded = np.where(quantum > 0.0, steps * np.floor(command / steps + 0.5), command)
-    first = np.clip(rounded, -limit, limit).astype(float)
-    q[:] = settled(model.drive, first)
-    y[: model.n], y[model.n : 2 * model.n] = position, velocity
-    _rest(model, resting, y, model.drive.out @ np.concatenate([q, first]))
-    inputs = np.zeros((model.whole.orders, model.whole.ab.shape[1] - nq - ny))
-    state = PhysicalState(
-        np.zeros(1, dtype=np.int64),
-        whole,
-        q,
-        y,
-        first.copy(),
-        first.copy(),
-        _first_modes(model, y),
-        np.array([np.inf]),
-        np.abs(y),
-        inputs,
-    )
-    return Physical(model, state, work(ny, nq, model.m, model.load_dof.size, laws), trace(ny, laws))
-
-
-def _rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) -> None:
-    """Own states of pulleys, laws and sensors in steady state at the initial position."""
-    wires, sensors = model.wires, model.sensors
-    for actuator, (dof, pulley, _) in enumerate(wires.numbers.tolist()):
-        if pulley >= 0:
-            k, nominal = wires.stiffness[actuator]
-            soft = 1.0 / (1.0 / nominal - 1.0 / k)
-            y[pulley] = (soft * u[actuator] + k * y[dof]) / (soft + k)
-    for law, p, where, place, at in resting:
-        if where == "plant":
-            y[at : at + law.states] = law.initial(y[place], p)
-        else:
-            drive_position = wires.drive[place] @ np.concatenate([y, u])
-            y[at : at + law.states] = law.initial(drive_position, y[wires.numbers[place, DOF]], p)
-    for row in np.flatnonzero(sensors.lagged >= 0).tolist():
-        actuator = row - 2 * model.n
-        force = (
-            wires.stiffness[actuator, 1] * (u[actuator] - y[wires.numbers[actuator, DOF]])
-            if actuator >= 0
-            else 0.0
-        )
-        y[sensors.lagged[row]] = y[row] if actuator < 0 else force
-
-
-def mode_count(model: PhysicalModel) -> int:
-    """Number of modes: one per law that is not linear, then one per wire (1: taut, -1: slack)."""
-    return 0 if model.laws is None else int(model.laws.numbers.shape[0]) + model.m
-
-
-def _first_modes(model: PhysicalModel, y: Floats) -> Integers:
-    modes = np.zeros(mode_count(model), dtype=np.int64)
-    if model.laws is None:
-        return modes
-    for row, (_, dof, _, _, partition) in enumerate(model.laws.numbers):
-        x, v = y[dof], y[model.n + dof]
-        if partition == POSITION:
-            modes[row] = int(np.sum(model.laws.thresholds[row] < x))
-        elif partition == VELOCITY:
-            modes[row] = -1 if v < 0.0 else 1
-        elif partition:
-            modes[row] = int(np.sign(v))
-    return modes
 
 
 @called

@@ -99,9 +99,17 @@ def settled(drive: Drive, command: Floats) -> Floats:
     return np.asarray(np.linalg.solve(drive.system.a, -drive.system.b @ command))
 
 
+def accepted(drive: Drive, commands: Floats) -> Floats:
+    """Commands (..., m), rounded and cut as the drives take them; a rate limit is still to be travelled."""
+    quantum, limit = drive.conditioning[QUANTUM], drive.conditioning[LIMIT]
+    steps = np.where(quantum > 0.0, quantum, 1.0)
+    rounded = np.where(quantum > 0.0, steps * np.floor(commands / steps + 0.5), commands)
+    return np.ascontiguousarray(np.clip(rounded, -limit, limit), dtype=float)
+
+
 @called
 def conditioned(drive, command, out):  # type: ignore[no-untyped-def]
-    """Quantise and saturate a command (m,)."""
+    """As `accepted`, for one command (m,)."""
     for i in range(out.size):
         value, quantum, limit = command[i], drive.conditioning[QUANTUM, i], drive.conditioning[LIMIT, i]
         if quantum > 0.0:

@@ -50,7 +50,7 @@ class Trace(NamedTuple):
         Mechanics and its rate at the end of each step, and its rate at the start of the step, after any
         switch there.
     modes : (rows, L) array
-        Pieces in force during the step that ends there.
+        Modes in force during the step that ends there.
     """
 
     count: Integers  # type: ignore[assignment]
@@ -120,7 +120,8 @@ def inputs_at(model, work, q, inputs, s):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _rate(model, modes, work, y, t, dy):  # type: ignore[no-untyped-def]
+def rate(model, modes, work, y, t, dy):  # type: ignore[no-untyped-def]
+    """Rate `dy` of a state at time `t` (s), with the motor positions and loads in `work`."""
     mechanics_rate(model.laws, model, modes, y, work.u, work.w, t, dy, work.hold, work.rows[SCRATCH])
 
 
@@ -138,7 +139,7 @@ def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
             point[i] = y[i] + h * total
         if stage != 6:
             inputs_at(model, work, state.q, state.inputs, s + _NODES[stage] * h)
-        _rate(model, state.modes, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
+        rate(model, state.modes, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
     copy_into(work.rows[TRIAL], point)
 
 
@@ -200,10 +201,12 @@ def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
 
 
 @called
-def _begin(model, state, work, t):  # type: ignore[no-untyped-def]
-    """Rate at the start of a step; a dof that is held by more than its breakaway force comes loose first."""
+def begin_step(model, state, work, t):  # type: ignore[no-untyped-def]
+    """Rate at the start of a step, into ``work.stages[0]``; a dof that is held by more than its breakaway
+    force comes loose first.
+    """
     for _ in range(2 * state.modes.size + 1):
-        _rate(model, state.modes, work, state.y, t, work.stages[0])
+        rate(model, state.modes, work, state.y, t, work.stages[0])
         loose = -1
         for row in range(model.laws.numbers.shape[0]):
             if (
@@ -267,7 +270,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     y, start, trial = state.y, work.rows[START], work.rows[TRIAL]
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)
-    _begin(model, state, work, t0)
+    begin_step(model, state, work, t0)
     for row in range(model.laws.numbers.shape[0], state.modes.size):
         state.modes[row] = 1 if work.hold[row] >= 0.0 else -1
     trace.count[0] = 0
@@ -298,4 +301,4 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
         else:
             still = 0
             state.step[0] = _step_size(state.step[0], h, error)
-        _begin(model, state, work, t0 + s)
+        begin_step(model, state, work, t0 + s)

@@ -18,7 +18,7 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers
 from rthm_core.errors import InputError
 from rthm_core.linear import LinearSystem, linear_system
-from rthm_core.loads import NO_LOAD, Load, Loads, load, together
+from rthm_core.loads import Load, Loads, load, sinusoid, together
 from rthm_core.physical.drive import Drive, drive
 from rthm_core.physical.laws import (
     DOF,
@@ -34,7 +34,7 @@ from rthm_core.physical.laws import (
 )
 from rthm_core.physical.sensors import Sensors, sensor_states, sensors
 from rthm_core.spec.effect import sizes
-from rthm_core.substructure import Substructure, substructure
+from rthm_core.substructure import Substructure, free_dynamics, substructure
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -67,7 +67,7 @@ class _Assembly:
 
     def __init__(self, spec: Spec, plant: Substructure, m: int, size: int, loads: int, laws: int) -> None:
         self.spec, self.plant, self.n, self.m = spec, plant, plant.dofs, m
-        self.inverse_mass = np.linalg.inv(plant.mass)
+        self.free, self.inverse_mass = free_dynamics(plant.mass, plant.damping, plant.stiffness)
         self.a = np.zeros((size, size))
         self.b_u, self.b_w = np.zeros((size, m)), np.zeros((size, loads))
         self.b_f, self.b_p = np.zeros((size, m)), np.zeros((size, laws))
@@ -79,10 +79,8 @@ class _Assembly:
         return column
 
     def add_plant(self) -> None:
-        n = self.n
-        self.a[:n, n : 2 * n] = np.eye(n)
-        self.a[n : 2 * n, :n] = -self.inverse_mass @ self.plant.stiffness
-        self.a[n : 2 * n, n : 2 * n] = -self.inverse_mass @ self.plant.damping
+        motion = slice(2 * self.n)
+        self.a[motion, motion] = self.free
 
     def add_transmission(self, actuator: int, at: int) -> None:
         """Pulley of (3a), in metres at the wire: p = theta_w r_w."""
@@ -156,13 +154,7 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
     for law, p, dof in plant_laws(spec):
         shape = law.excitation(p)
         if shape is not None:
-            constant, amplitude, frequency, phase = shape
-            sine: dict[str, Any] = {
-                "amplitude": np.array([amplitude]),
-                "frequency": np.array([frequency]),
-                "phase": np.array([phase]),
-            }
-            loads.append(NO_LOAD._replace(constant=constant, **(sine if amplitude else {})))
+            loads.append(sinusoid(*shape))
             dofs.append(dof)
     return loads, dofs, listed
 

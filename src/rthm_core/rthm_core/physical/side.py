@@ -14,9 +14,9 @@ from rthm_core.physical.advance import (
     advance_and_sample,
     advance_to,
     command_and_advance,
-    physical,
 )
 from rthm_core.physical.model import physical_model
+from rthm_core.physical.start import physical
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

@@ -1,4 +1,4 @@
-"""When a law leaves its mode, how that is narrowed down, and which mode follows."""
+"""In which mode a law begins, when it leaves it, how that is narrowed down, and which mode follows."""
 
 from __future__ import annotations
 
@@ -9,6 +9,32 @@ from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION, VELOCI
 
 
 @inlined
+def first_mode(laws, n, row, y):  # type: ignore[no-untyped-def]
+    """Mode of a law in which a motion begins; a dof without velocity sticks."""
+    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
+    v, mode = y[n + dof], 0
+    if partition == POSITION:
+        for k in range(laws.thresholds.shape[1]):
+            mode += 1 if y[dof] > laws.thresholds[row, k] else 0
+    elif partition == VELOCITY:
+        mode = -1 if v < 0.0 else 1
+    elif partition == FRICTION:
+        mode = 1 if v > 0.0 else -1 if v < 0.0 else 0
+    return mode
+
+
+@inlined
+def room(thresholds, row, mode, x, upwards):  # type: ignore[no-untyped-def]
+    """How far position `x` is from the threshold of its mode on one side; negative: beyond it."""
+    left = np.inf
+    if upwards and mode < 2:
+        left = thresholds[row, mode] - x
+    elif not upwards and mode > 0:
+        left = x - thresholds[row, mode - 1]
+    return left
+
+
+@inlined
 def guard(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its mode; negative: it has left it. `hold` is the force that holds the
     dof, in N, where it sticks.
@@ -16,10 +42,8 @@ def guard(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
     partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
     left = np.inf
     if partition == POSITION:
-        if mode < 2:
-            left = laws.thresholds[row, mode] - y[dof]
-        if mode > 0:
-            left = min(left, y[dof] - laws.thresholds[row, mode - 1])
+        above = room(laws.thresholds, row, mode, y[dof], True)
+        left = min(above, room(laws.thresholds, row, mode, y[dof], False))
     elif partition == FRICTION and mode == 0:
         left = laws.breakaway[row] - abs(hold)
     elif partition in (VELOCITY, FRICTION):
@@ -29,13 +53,13 @@ def guard(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
 
 @inlined
 def breakaway_mode(hold):  # type: ignore[no-untyped-def]
-    """Piece of a friction that comes loose: the dof moves against the force that held it."""
+    """Mode of a friction that comes loose: the dof moves against the force that held it."""
     return -1 if hold > 0.0 else 1
 
 
 @inlined
 def next_mode(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
-    """Piece that follows the present one, which has just been left; a dof that begins to stick is stopped."""
+    """Mode that follows the present one, which has just been left; a dof that begins to stick is stopped."""
     partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
     following = -mode
     if partition == POSITION:

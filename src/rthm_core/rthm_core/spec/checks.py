@@ -14,6 +14,7 @@ from rthm_core.clock import to_ns
 from rthm_core.effects.blocks import PLACES, check_block, family
 from rthm_core.errors import MISSING, RefusedError, suggestion
 from rthm_core.spec.load import MultisineLoad
+from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
     from rthm_core.spec.schema import EffectSpec, Spec, SubstructureSpec
@@ -58,7 +59,7 @@ def _substructure(key: str, section: SubstructureSpec) -> None:
     if n == 0:
         raise RefusedError(section.dofs, "at least one name", "name each degree of freedom", f"{key}.dofs")
     _distinct(f"{key}.dofs", section.dofs)
-    for name in ("mass", "damping", "stiffness"):
+    for name in MATRICES:
         _length(f"{key}.{name}", getattr(section, name), n * n, f"a list of {n} x {n} numbers, row by row")
     for name in ("initial_position", "initial_velocity"):
         _length(f"{key}.{name}", getattr(section, name), n, f"a list with one number for each of {n} dof(s)")

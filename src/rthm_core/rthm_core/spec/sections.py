@@ -48,6 +48,12 @@ class SubstructureSpec(Section):
         return len(self.dofs)
 
 
+MATRICES: dict[str, str] = {
+    name: entry.unit for name, entry in SubstructureSpec.entries() if name in ("mass", "damping", "stiffness")
+}
+"""Matrices of a substructure, in the order of M, C and K, and the units of their entries."""
+
+
 class InterfaceSpec(Section):
     """Connection of the substructures, ``F_c = -c2 (v1 - v2) - k2 (x1 - x2)``, one per actuator."""
 

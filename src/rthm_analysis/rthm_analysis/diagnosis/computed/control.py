@@ -64,16 +64,14 @@ def diagnose_controller(recording: Recording, spec: Spec, schedule: Schedule) ->
         parts.append(_one_actuator(recording, law.spec, commands, actuator))
     worst = max((part.blocks[0] for part in parts), key=lambda block: (block.significant, block.mismatch))
     changes = changed(spec, law)
-    unexplained = tuple(one for part in parts for one in part.unexplained)
+    found = Part.joined(parts)
+    unexplained = found.unexplained
     if not law.found and not unexplained:
         unexplained, worst = (words.no_compensator(law.spec),), replace(worst, significant=True)
-    return Part(
+    return replace(
+        found,
         blocks=(_as_specified(recording, spec, held, worst) if changes else worst,),
-        physics=tuple(one for part in parts for one in part.physics),
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
         changes=changes,
-        effects=tuple(one for part in parts for one in part.effects),
         unexplained=unexplained,
         notes=notes,
         faults=tuple(_fault(spec, law.spec, name) for name in changes),

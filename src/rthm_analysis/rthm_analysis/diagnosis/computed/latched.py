@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
-from rthm_analysis.recording import Recording
+from rthm_analysis.recording import Recording, rows_of
 from rthm_analysis.timing.links import SOURCES, clock_of, derived_uses, ticks_of
 from rthm_core.schedule import Schedule
 
@@ -46,8 +46,8 @@ class Latched:
 
     def at(self, numbers: Integers) -> Floats:
         """Motion (k, 2 m) held at ticks of these numbers; NaN: not known."""
-        row = np.minimum(np.searchsorted(self.tick, numbers), self.tick.size - 1)
-        held = np.where((self.tick[row] == numbers)[:, None], self.motion[row], np.nan)
+        row, known = rows_of(self.tick, numbers)
+        held = np.where(known[:, None], self.motion[row], np.nan)
         return np.where((numbers < self.first)[:, None], self.initial, held)
 
 
@@ -64,8 +64,7 @@ def latched(recording: Recording, spec: Spec, schedule: Schedule, name: str) -> 
     tick, stamps = tick[known], stamps[known]
     dofs = spec.loop().interface.plant_dof
     motion = np.hstack([source.columns(field, dofs) for field in ("position", "velocity")])
-    row = np.minimum(np.searchsorted(source.stamp_ns, stamps), len(source) - 1)
-    there = source.stamp_ns[row] == stamps
+    row, there = rows_of(source.stamp_ns, stamps)
     held = np.where(there[:, None], motion[row], np.nan)
     at = [spec.plant.dofs.index(dof) for dof in dofs]
     initial = [spec.plant.initial_position[i] for i in at] + [spec.plant.initial_velocity[i] for i in at]

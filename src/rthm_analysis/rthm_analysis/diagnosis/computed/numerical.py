@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.criteria.computed import (
     NUMERICAL_LEFT_SHARE,
     NUMERICAL_MOST_PARAMETERS,
 )
+from rthm_analysis.recording import rows_of
 from rthm_core.clock import NS
 from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
@@ -90,8 +91,7 @@ def ticks_of(recording: Recording, spec: Spec, held: Latched) -> Ticks:
     load = np.nan_to_num(table.columns("effort", loop.numerical.dofs), nan=0.0)
     force = np.full((time.size, len(loop.actuator.names)), np.nan)
     if forces is not None:
-        row = np.minimum(np.searchsorted(forces.stamp_ns, table.stamp_ns), len(forces) - 1)
-        same = forces.stamp_ns[row] == table.stamp_ns
+        row, same = rows_of(forces.stamp_ns, table.stamp_ns)
         force[same] = forces.columns("effort", loop.actuator.names)[row[same]]
     return Ticks(time, z2, force, held.at(number), _derivatives(time, load), held.period)
 

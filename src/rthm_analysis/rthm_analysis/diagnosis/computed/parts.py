@@ -56,18 +56,8 @@ def diagnose_computed(recording: Recording, spec: Spec) -> Part:
     if not spec.is_loop:
         return Part()
     schedule = Schedule(spec)
-    parts = [_numerical(recording, spec, schedule), diagnose_controller(recording, spec, schedule)]
-    return Part(
-        blocks=tuple(one for part in parts for one in part.blocks),
-        physics=tuple(one for part in parts for one in part.physics),
-        alternatives=tuple(one for part in parts for one in part.alternatives),
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
-        effects=tuple(one for part in parts for one in part.effects),
-        unexplained=tuple(one for part in parts for one in part.unexplained),
-        notes=tuple(one for part in parts for one in part.notes),
-        faults=parts[1].faults,
-        changes=parts[1].changes,
+    return Part.joined(
+        [_numerical(recording, spec, schedule), diagnose_controller(recording, spec, schedule)]
     )
 
 

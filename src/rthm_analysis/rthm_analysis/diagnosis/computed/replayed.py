@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
-from rthm_analysis.recording import Recording, Table
+from rthm_analysis.recording import Recording, Table, rows_of
 from rthm_analysis.timing.links import SOURCES
 from rthm_analysis.timing.recorded import RecordedSchedule
 from rthm_core.controller import HISTORY, Controller
@@ -110,13 +110,13 @@ def samples_used(recording: Recording, spec: Spec) -> Used | str:
     forces = recording.tables[FORCE_REFERENCE]
     commands = schedule.commands(0, schedule.end + 1)
     stamps = sent.stamp_ns - recording.start_ns
-    row = np.minimum(np.searchsorted(stamps, commands.time), stamps.size - 1)
+    row, recorded = rows_of(stamps, commands.time)
     motion = np.hstack([plant.columns(field, loop.interface.plant_dof) for field in ("position", "velocity")])
     state = _numbered(recording, plant, motion, commands.state, schedule.td1)
     reference = forces.columns("effort", loop.actuator.names)
     return Used(
         commands.time,
-        np.where(stamps[row] == commands.time, row, -1),
+        np.where(recorded, row, -1),
         *state,
         *_numbered(recording, forces, reference, commands.reference, schedule.td2),
     )
@@ -128,7 +128,6 @@ def _numbered(
     """Stamps and values of samples with these numbers; NaN: not recorded, a stamp of -1: the initial one."""
     stamps = table.stamp_ns - recording.start_ns
     known = (stamps + period // 2) // period
-    row = np.minimum(np.searchsorted(known, numbers), known.size - 1)
-    there = known[row] == numbers
+    row, there = rows_of(known, numbers)
     found = np.where(there, stamps[row], numbers * period)
     return np.where(numbers == INITIAL, -1, found), np.where(there[:, None], values[row], np.nan)

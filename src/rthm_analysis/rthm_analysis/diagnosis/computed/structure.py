@@ -13,6 +13,7 @@ import numpy as np
 
 from rthm_core.clock import NS
 from rthm_core.exponential import exponentials
+from rthm_core.spec.sections import MATRICES
 from rthm_core.substructure import as_built, held_dynamics, interface, substructure
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 
 LOAD_COEFFICIENTS = 4
 """Coefficients of the load between two ticks."""
-
-MATRIX_UNITS = {"mass": "kg", "damping": "N s/m", "stiffness": "N/m"}
 
 
 class Step(NamedTuple):
@@ -89,7 +88,7 @@ class Structure:
 
     def unit(self, name: tuple[str, int]) -> str:
         """Unit of a parameter."""
-        return MATRIX_UNITS[name[0].removeprefix("interface_")]
+        return MATRICES[name[0].removeprefix("interface_")]
 
     def force(self, held: Floats, z2: Floats) -> Floats:
         """F_d (k, m) of held motion (k, 2 m) and numerical state (k, 2 n), N."""

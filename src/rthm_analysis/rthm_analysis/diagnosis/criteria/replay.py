@@ -37,7 +37,13 @@ third is enough for a draft."""
 # Work.
 
 BUDGET_STEPS = 1.5e8
-"""Steps of replays with wires after which a search winds down; on a slow host about 40 s of one core."""
+"""Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_S` winds down; on a
+slow host about 40 s of one core."""
+
+BUDGET_RECORDING_S = 60.0
+BUDGET_MOST_RATIO = 4.0
+"""Length of a recording, s, up to which the budget is the same; a longer one has more in proportion, so often
+more at most."""
 
 WIRELESS_STEP_COST = 0.75
 """What a step of a plant without wires takes, over one with them."""
@@ -81,6 +87,9 @@ STRAY_COMMANDS_SHARE = 0.01
 
 CHANNEL_FEWEST_SHARE = 0.5
 """Share of the samples above which a signal counts as measured."""
+
+REST_MOST_SHARE = 0.1
+"""Share of the samples before the first command above which what motors do until then is not left out."""
 
 ROUNDING_STEP_TO_NOISE = 2.5
 """Step, over the noise, from which readings show the steps of their rounding."""

@@ -32,6 +32,9 @@ RELEVANT_MAJOR_SHARE = 0.5
 TRUSTED_ARITHMETIC = 1e-6
 """Share of a signal's standard deviation that nobody's arithmetic is trusted to resolve."""
 
+ARITHMETIC_CHI2 = 0.1
+"""Reduced chi-squared below which what is left is no noise but arithmetic, and none is searched."""
+
 # When a search is over.
 
 SEARCH_MOST_EFFECTS = 3

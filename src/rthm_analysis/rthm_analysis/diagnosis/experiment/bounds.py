@@ -8,7 +8,8 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.experiment import LIMIT_SHARE, UNLIMITED_RANGE_RATIO
 from rthm_analysis.diagnosis.experiment.predicting import Predicted
-from rthm_analysis.diagnosis.experiment.trials import Trial, force_at
+from rthm_analysis.diagnosis.experiment.trials import Trial
+from rthm_core.loads import load
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -58,7 +59,7 @@ def bounds_of(nominal: Spec, present: Trial, predicted: Predicted) -> Bounds:
 def _largest_load(present: Trial, predicted: Predicted) -> float:
     """Largest known force of the present test, N."""
     time = predicted.time
-    forces: list[Floats] = [force_at(section, time) for section in present.loads.values()]
+    forces: list[Floats] = [load(section).force(time) for section in present.loads.values()]
     if present.recorded is not None:
         forces.append(present.recorded[1])
     return max((float(np.nanmax(np.abs(one))) for one in forces), default=0.0)

@@ -21,8 +21,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.experiment import LIGHT_MASS_SHARE, STRAIGHT_DELAY_RADIANS
 from rthm_analysis.diagnosis.experiment.delays import Delays, delays_of
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, fastest, mechanics
-from rthm_core.physical.laws import DOF, NONLINEAR
-from rthm_core.substructure import as_built, interface, substructure
+from rthm_core.substructure import as_built, free_dynamics, interface, natural_frequencies, substructure
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -40,7 +39,8 @@ def closed_loop(spec: Spec) -> Mechanics:
     -------
     Mechanics
         Its states are those of `mechanics`, positions and velocities of the numerical dofs, and filters.
-        The first column of `b` is free for a load on a numerical dof (`loaded`); the motors need no input.
+        The first motor's column of `mechanics` is free for a load on a numerical dof (`loaded`); the motors
+        need no input.
     """
     opened = mechanics(spec)
     return _Closing(spec, opened).closed() if spec.is_loop else opened
@@ -51,28 +51,10 @@ def loaded(closed: Mechanics, spec: Spec, dof: str | None) -> Mechanics:
     if dof is None or not spec.is_loop:
         return closed
     two = substructure(as_built(spec, "numerical").loop().numerical)
-    b, place = closed.b.copy(), spec.loop().numerical.dofs.index(dof)
+    columns, place = closed.mechanics.copy(), spec.loop().numerical.dofs.index(dof)
     first = _own_states(spec, closed) + two.dofs
-    b[first : first + two.dofs, 0] = np.linalg.inv(two.mass)[:, place]
-    return closed._replace(b=b)
-
-
-def linear_part(closed: Mechanics) -> Floats:
-    """State matrix with taut, linear wires and open contacts."""
-    n, m = closed.inverse_mass.shape[0], closed.stiffness.shape[0]
-    curved = closed.wires[:, NONLINEAR] != 0
-    return np.asarray(closed.a + closed.b[:, m + n : m + n + m][:, curved] @ wire_forces(closed)[curved])
-
-
-def wire_forces(closed: Mechanics) -> Floats:
-    """Force of every wire, N, as a row (m, ny) over the states: that of its spring where it is not linear."""
-    size = closed.initial.size
-    rows = closed.force[:, :size].copy()
-    for actuator in np.flatnonzero(closed.wires[:, NONLINEAR]):
-        stiffness = closed.stiffness[actuator, 0]
-        rows[actuator] = stiffness * closed.drive[actuator, :size]
-        rows[actuator, closed.wires[actuator, DOF]] -= stiffness
-    return rows
+    columns[first : first + two.dofs, closed.initial.size] = np.linalg.inv(two.mass)[:, place]
+    return closed._replace(mechanics=columns)
 
 
 def fastest_motion(spec: Spec) -> float:
@@ -81,8 +63,8 @@ def fastest_motion(spec: Spec) -> float:
     if not spec.is_loop:
         return own
     two = substructure(as_built(spec, "numerical").loop().numerical)
-    squares = np.linalg.eigvals(np.linalg.solve(two.mass, two.stiffness))
-    return max(own, float(np.sqrt(np.abs(squares).max())))
+    swings, grows = (natural_frequencies(two.mass, sign * two.stiffness)[-1] for sign in (1.0, -1.0))
+    return max(own, float(swings), float(grows))
 
 
 def _own_states(spec: Spec, closed: Mechanics) -> int:
@@ -96,7 +78,7 @@ class _Closing:
 
     def __init__(self, spec: Spec, opened: Mechanics) -> None:
         self.spec, self.opened, self.sides = spec, opened, interface(as_built(spec, "numerical"))
-        self.n, self.m = opened.inverse_mass.shape[0], self.sides.actuators
+        self.n, self.m = opened.n, opened.m
         self.two = substructure(as_built(spec, "numerical").loop().numerical)
         self.own = opened.initial.size
         self.size = self.own + 2 * self.two.dofs + FILTERS_PER_ACTUATOR * self.m
@@ -109,13 +91,15 @@ class _Closing:
         self.a[: self.own, : self.own], self.initial[: self.own] = o.a, o.initial
         self._numerical()
         commands = np.array([self._command(i, self.delays) for i in range(self.m)])
-        self.a[: self.own] += o.b[:, : self.m] @ commands
-        b = np.zeros((self.size, o.b.shape[1]))
-        b[: self.own, self.m :] = o.b[:, self.m :]
+        self.a[: self.own] += o.by_motors @ commands
+        inputs = np.zeros((self.size, o.mechanics.shape[1] - self.own))
+        inputs[: self.own, self.m :] = o.mechanics[:, self.own + self.m :]
+        drive, force = (self._over(rows, commands) for rows in (o.wires.drive, o.wires.force))
         return o._replace(
-            a=self.a, b=b, initial=self.initial, drive=self._over(o.drive, commands),
-            force=self._over(o.force, commands),
-        )  # fmt: skip
+            mechanics=np.hstack([self.a, inputs]),
+            wires=o.wires._replace(drive=drive, force=force),
+            initial=self.initial,
+        )
 
     def _over(self, rows: Floats, commands: Floats) -> Floats:
         """Rows (m, own + m) over own states and motors as rows (m, size + m) over all states."""
@@ -131,12 +115,10 @@ class _Closing:
 
     def _numerical(self) -> None:
         """Free motion of the numerical substructure; the interface adds to it."""
-        first, n2, two = self.own, self.two.dofs, self.two
-        inverse = np.linalg.inv(two.mass)
-        self.a[first : first + n2, first + n2 : first + 2 * n2] = np.eye(n2)
-        self.a[first + n2 : first + 2 * n2, first : first + n2] = -inverse @ two.stiffness
-        self.a[first + n2 : first + 2 * n2, first + n2 : first + 2 * n2] = -inverse @ two.damping
-        self.initial[first : first + 2 * n2] = [*two.position, *two.velocity]
+        two = self.two
+        motion = slice(self.own, self.own + 2 * two.dofs)
+        self.a[motion, motion], _ = free_dynamics(two.mass, two.damping, two.stiffness)
+        self.initial[motion] = [*two.position, *two.velocity]
 
     def _command(self, actuator: int, late: Delays) -> Floats:
         """Motor position of an actuator, and the pull of its interface at the numerical side."""

@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.experiment import PREDICTED_STEP_RADIANS, PREDICTED_STEP_TO_FILTER
-from rthm_analysis.diagnosis.experiment.closed import closed_loop, fastest_motion, linear_part, loaded
-from rthm_analysis.diagnosis.experiment.trials import Trial, force_at
+from rthm_analysis.diagnosis.experiment.closed import closed_loop, fastest_motion, loaded
+from rthm_analysis.diagnosis.experiment.trials import Trial
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.grid import Grid
-from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
+from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads
+from rthm_analysis.diagnosis.replay.mechanics import state_matrix
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
+from rthm_core.loads import load
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -82,31 +84,30 @@ class Predictor:
         section = trial.loads.get("numerical")
         numerical = None if section is None or section.kind == "none" else section.dof
         arrays, points = loaded(self.closed, self.spec, numerical), self.grid.points
-        n, m = arrays.inverse_mass.shape[0], arrays.wires.shape[0]
-        motor, load = np.zeros((*points.shape, m)), self._load(trial, points)
+        n, m = arrays.n, arrays.m
+        motor, forces = np.zeros((*points.shape, m)), self._load(trial, points)
         if numerical is not None and m:
-            motor[:, :, 0] = force_at(section, points)
+            motor[:, :, 0] = load(section).force(points)
         start = arrays._replace(initial=trial.start * arrays.initial)
         out = np.zeros((points.shape[0], 2 * n + m))
-        replay_mechanics(
-            start, self.grid.time, 1, motor, load, np.zeros(1, dtype=np.int64),
-            np.ascontiguousarray(start.initial[None, : 2 * n]), self.grid.time,
-            np.zeros((points.shape[0], m)), out, working(start),
-        )  # fmt: skip
+        first, state = np.zeros(1, dtype=np.int64), np.ascontiguousarray(start.initial[None, : 2 * n])
+        no_motor = np.zeros((points.shape[0], m))
+        replay = Replay(self.grid.time, motor, forces, first, state, self.grid.time, no_motor)
+        replay_mechanics(start, replay, 1, out, working(start))
         return self._named(out, n)
 
     def _load(self, trial: Trial, points: Floats) -> Floats:
         assert self.spec.plant is not None
         dofs = self.spec.plant.dofs
-        load = np.zeros((*points.shape, len(dofs))) if self.hidden is None else self.hidden.copy()
+        total = np.zeros((*points.shape, len(dofs))) if self.hidden is None else self.hidden.copy()
         section = trial.loads.get("plant")
         if section is not None and section.kind != "none":
-            load[:, :, dofs.index(section.dof)] += force_at(section, points)
+            total[:, :, dofs.index(section.dof)] += load(section).force(points)
         if trial.recorded is not None:
             time, forces = trial.recorded
             for i, column in enumerate(forces.T):
-                load[:, :, i] += np.interp(points, time, column)
-        return load
+                total[:, :, i] += np.interp(points, time, column)
+        return total
 
     def _named(self, out: Floats, n: int) -> Predicted:
         signals = {one.signal: out[:, i] for i, one in enumerate(self.channels)}
@@ -123,5 +124,5 @@ class Predictor:
 
 def step_of(spec: Spec) -> float:
     """Step, s, that a hypothesis needs: short for its motion, and no longer than its filters bear."""
-    rates = np.abs(np.linalg.eigvals(linear_part(closed_loop(spec))))
+    rates = np.abs(np.linalg.eigvals(state_matrix(closed_loop(spec))))
     return min(PREDICTED_STEP_RADIANS / fastest_motion(spec), PREDICTED_STEP_TO_FILTER / float(rates.max()))

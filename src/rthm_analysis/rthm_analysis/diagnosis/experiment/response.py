@@ -11,7 +11,8 @@ from rthm_analysis.diagnosis.criteria.experiment import (
     SWINGING_DAMPING_RATIO,
     UNSTABLE_GROWTH,
 )
-from rthm_analysis.diagnosis.experiment.closed import closed_loop, linear_part, loaded, wire_forces
+from rthm_analysis.diagnosis.experiment.closed import closed_loop, loaded
+from rthm_analysis.diagnosis.replay.mechanics import state_matrix, wire_forces
 from rthm_core.physical.laws import DOF
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class Response:
 
     def __init__(self, spec: Spec) -> None:
         self.spec, self.closed = spec, closed_loop(spec)
-        self.a = linear_part(self.closed)
+        self.a = state_matrix(self.closed)
         self._rates = np.linalg.eigvals(self.a)
 
     @property
@@ -60,13 +61,15 @@ class Response:
             rad/s; 0: a constant load.
         """
         assert self.spec.plant is not None
-        n, m = self.closed.inverse_mass.shape[0], self.closed.wires.shape[0]
-        arrays = loaded(self.closed, self.spec, dof if side == "numerical" else None)
-        input_vector = arrays.b[:, 0 if side == "numerical" else m + self.spec.plant.dofs.index(dof)]
+        n, wires = self.closed.n, self.closed.wires
+        if side == "numerical":
+            input_vector = loaded(self.closed, self.spec, dof).by_motors[:, 0]
+        else:
+            input_vector = self.closed.by_loads[:, self.spec.plant.dofs.index(dof)]
         swing = 1j * frequency * np.eye(input_vector.size) - self.a
         state = np.linalg.lstsq(swing, input_vector.astype(complex), rcond=None)[0]
         force = wire_forces(self.closed) @ state
-        command = state[self.closed.wires[:, DOF]] + force / self.closed.stiffness[:, 0]
+        command = state[wires.numbers[:, DOF]] + force / wires.stiffness[:, 0]
         rate = frequency * np.abs(command)
         found = {"position": state[:n], "velocity": state[n : 2 * n], "force": force, "command": command}
         return {name: float(np.abs(one).max(initial=0.0)) for name, one in (found | {"rate": rate}).items()}

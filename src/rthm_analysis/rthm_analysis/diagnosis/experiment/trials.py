@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from rthm_core.loads import Load, load
 from rthm_core.spec import ConstantLoad, HarmonicLoad, MultisineLoad, apply
 
 if TYPE_CHECKING:
@@ -97,15 +94,3 @@ def _scaled(section: LoadSpec, by: float) -> LoadSpec:
         if hasattr(section, key):
             return section.model_copy(update={key: plain(by * getattr(section, key), 2)})
     return section
-
-
-def force_at(section: LoadSpec | None, time: Floats) -> Floats:
-    """Force of a load, N, at some instants, s."""
-    one: Load = load(section)
-    force = np.full(time.shape, one.constant)
-    waves = zip(one.amplitude, one.frequency, one.phase, strict=True)
-    total = sum((a * np.sin(w * time + p) for a, w, p in waves), np.zeros(time.shape))
-    force += total * np.minimum(time / one.ramp, 1.0) if one.ramp > 0.0 else total
-    if one.table_time.size:
-        force += np.interp(time, one.table_time * 1e-9, one.table_force)
-    return force

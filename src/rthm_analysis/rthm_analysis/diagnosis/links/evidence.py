@@ -31,7 +31,7 @@ from rthm_analysis.diagnosis.links.host_stalls import without_stalls
 from rthm_analysis.diagnosis.links.outages import outages
 from rthm_analysis.diagnosis.links.stalls import overtaken_after_stalls, stalled_at_ticks
 from rthm_analysis.diagnosis.links.stamps import stamp_offset
-from rthm_analysis.recording import LinkTable, Recording
+from rthm_analysis.recording import LinkTable, Recording, rows_of
 from rthm_analysis.timing.links import SOURCES, clock_of, ticks_of
 from rthm_core.clock import NS
 from rthm_core.link import NEVER
@@ -114,8 +114,7 @@ def link_evidence(
     uses = recording.links[name]
     sent = source.stamp_ns - start + offset
     used = uses.sample_ns - start
-    row = np.minimum(np.searchsorted(sent, used), sent.size - 1)
-    stamp = sent if (sent[row] == used).all() else np.union1d(sent, used)
+    stamp = sent if rows_of(sent, used)[1].all() else np.union1d(sent, used)
     period = int(np.median(np.diff(stamp)))
     receiver = clock_of(name, schedule)[1]
     at, row = _uses(uses, start, stamp, receiver)

@@ -89,7 +89,7 @@ def _diagnosed(recording: Recording, spec: Spec, spans: Integers) -> Part:
         busy += recording.clocks.uncertainty(evidence.name) * recording.clocks.applied
         finding = Finding(evidence, _beyond_machine(selection, busy), busy, train_end, end)
         parts.append(link_part(recording, spec, finding))
-    return _joined(parts, notes)
+    return Part.joined([Part(notes=notes), *parts])
 
 
 def _choices(recording: Recording, evidences: list[LinkEvidence]) -> list[Selection]:
@@ -124,16 +124,3 @@ def _beyond_machine(selection: Selection, busy: float) -> Selection:
         return selection
     left = {kind: 0.0 for kind in selection.kinds if kind not in kept}
     return Selection(kept, selection.model.but(**left) if kept else selection.nothing, selection.nothing, {})
-
-
-def _joined(parts: list[Part], notes: tuple[str, ...]) -> Part:
-    return Part(
-        blocks=tuple(one for part in parts for one in part.blocks),
-        physics=tuple(one for part in parts for one in part.physics),
-        alternatives=tuple(one for part in parts for one in part.alternatives),
-        fits=tuple(one for part in parts for one in part.fits),
-        detection_limits={name: limit for part in parts for name, limit in part.detection_limits.items()},
-        effects=tuple(one for part in parts for one in part.effects),
-        notes=(*notes, *(note for part in parts for note in part.notes)),
-        faults=tuple(one for part in parts for one in part.faults),
-    )

@@ -21,7 +21,7 @@ from rthm_analysis.diagnosis.criteria.links import (
     SHIFT_VOTES_SHARE,
     SHIFT_VOTES_TO_BEST,
 )
-from rthm_analysis.recording import LinkTable, Recording, Table, hold
+from rthm_analysis.recording import LinkTable, Recording, Table, hold, rows_of
 from rthm_core.substructure import interface
 from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE
 
@@ -124,8 +124,7 @@ def _not_followed(motor: Floats, command: Floats) -> float:
 
 def _misfit(table: Table, columns: Floats, others: Floats, target: Floats, stamps: Integers) -> float:
     """Rms that the best linear combination of these samples and the other signals leaves of `target`."""
-    row = np.minimum(np.searchsorted(table.stamp_ns, stamps), len(table) - 1)
-    there = table.stamp_ns[row] == stamps
+    row, there = rows_of(table.stamp_ns, stamps)
     basis = np.column_stack([columns[row], others])[there]
     known = np.isfinite(basis).all(axis=1) & np.isfinite(target[there]).all(axis=1)
     if np.count_nonzero(known) < SHIFT_FEWEST_VALUES:

@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
 from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.replay.between import ways
-from rthm_analysis.diagnosis.replay.budget import Budget
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
@@ -66,7 +66,7 @@ def begin(
     progress : callable
         Told what is being done, in words.
     """
-    budget = Budget()
+    budget = budget_for(float(np.ptp(seen.time)))
     parts = [Experiment(seen.first(train), first, between=way, budget=budget) for way in ways(seen)]
     runs, noise = _runs(seen, settled, train, parts[0])
     for part in parts[1:]:

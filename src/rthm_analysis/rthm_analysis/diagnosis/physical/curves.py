@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_force
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats
+from rthm_core.spec.sections import MATRICES
 
 
 def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics]) -> Iterator[Curve]:
@@ -74,9 +75,7 @@ def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Flo
     else:
         v, dv = _smoothed(x, width, 1) / step, _smoothed(left[:, where], width, 1) / step
         da = _smoothed(left[:, where], width, 2) / step**2
-    mass, damping, stiffness = (
-        float(getattr(spec.plant, p)[i * n + i]) for p in ("mass", "damping", "stiffness")
-    )
+    mass, damping, stiffness = (float(getattr(spec.plant, name)[i * n + i]) for name in MATRICES)
     pull = 0.0
     if spec.interface is not None and spec.actuator is not None and evidence.driven_by == "command":
         pull = sum(k for k, at in zip(spec.k_tot, spec.interface.plant_dof, strict=True) if at == dof)

@@ -100,6 +100,22 @@ def going_on(begun: Baseline, selection: Selection) -> tuple[Baseline, Selection
     return begun, replace(choose(begun.fitting, begun.retuned, begun=led), imitating=selection.imitating)
 
 
+def fitted_again(begun: Baseline, selection: Selection) -> tuple[Baseline, Selection] | None:
+    """The same effects with the values that a smaller noise gives them; None where there are none, or a fit
+    diverges.
+    """
+    if not selection.rounds:
+        return None
+    try:
+        base, best = (
+            begun.fitting.fit(one.model, most=FINISHING_STEPS, least=FINE_FIT_GAIN)
+            for one in (selection.base, selection.best)
+        )
+    except np.linalg.LinAlgError:
+        return None
+    return begun, replace(selection, base=base, best=best)
+
+
 def is_behind(again: tuple[Baseline, Selection], before: Selection) -> bool:
     """Whether a second search, which may have had to end early, found less than the one before it."""
     begun, selection = again

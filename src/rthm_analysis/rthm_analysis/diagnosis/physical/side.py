@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.beginning import Baseline, begin, choose_again, noise_of, with_noise
 from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
-from rthm_analysis.diagnosis.physical.explaining import chosen, going_on, is_behind
+from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -107,11 +107,14 @@ def diagnose_physical(
     begun, selection = chosen(begun, seen, settled, train)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)
-    spent = begun.fitting.budget.spent
-    if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level) and not spent:
+    if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
         quieter = with_noise(begun, noise)
-        again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)
-        if not is_behind(again, selection):
+        again = (
+            fitted_again(quieter, selection)
+            if begun.fitting.budget.spent
+            else going_on(quieter, selection) or chosen(quieter, seen, settled, train)
+        )
+        if again and not is_behind(again, selection):
             begun, selection = again
             noise = _noise_left(begun, selection)
     experiment = _over_everything(begun, seen, first)

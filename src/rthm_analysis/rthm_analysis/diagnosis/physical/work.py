@@ -9,6 +9,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.effects import effect
+from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -38,7 +39,7 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
     p = tuple(float(one.parameters[name]) for name in law.parameters)
     shape = law.excitation(p)
     if shape is not None:
-        return np.asarray(shape[0] + shape[1] * np.sin(shape[2] * time + shape[3]))
+        return sinusoid(*shape).force(time)
     z = [*law.initial(float(x[0]), p)]
     first, second, force = [0.0] * law.states, [0.0] * law.states, np.empty(time.size)
     limits = law.thresholds(p)

@@ -9,9 +9,9 @@
 ``windows``     where free runs begin
 ``model``       the nominal spec, retuned parameters, added effects
 ``motor``       motor positions on the grid, from the commands as they fell due
-``mechanics``   a spec as the arrays on which the compiled replay works
-``rates``       compiled: dy/dt of plant and wires
+``mechanics``   plant and wires of a spec, as the simulator's compiled code takes them
 ``switching``   compiled: where a law leaves its mode
+``steps``       compiled: one step, to where a law leaves its mode
 ``kernel``      compiled: the replay of plant and wires
 ``sensing``     what the sensors make of the motion
 ``budget``      how much of this one diagnosis may do

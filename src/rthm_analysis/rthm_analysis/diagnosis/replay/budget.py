@@ -5,7 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from threading import Lock
 
-from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS, REPLAY_OVERHEAD_STEPS
+from rthm_analysis.diagnosis.criteria.replay import (
+    BUDGET_MOST_RATIO,
+    BUDGET_RECORDING_S,
+    BUDGET_STEPS,
+    REPLAY_OVERHEAD_STEPS,
+)
+
+
+def budget_for(duration: float) -> Budget:
+    """What the diagnosis of a recording of some duration, s, may do."""
+    ratio = min(max(duration / BUDGET_RECORDING_S, 1.0), BUDGET_MOST_RATIO)
+    return Budget(BUDGET_STEPS * ratio)
 
 
 @dataclass

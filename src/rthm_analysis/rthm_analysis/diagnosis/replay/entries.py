@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import ZERO_ENTRY_SCALE
+from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.model import Parameter
     from rthm_core.spec import Spec
 
-MATRICES = ("plant.mass", "plant.damping", "plant.stiffness")
+OF_PLANT = {f"plant.{name}": unit for name, unit in MATRICES.items()}
+"""Matrices of the plant as a spec names them, and the units of their entries."""
+
 WIRE = "actuator.stiffness"
 
 ENTRY = re.compile(r"(.+)\[(\d+)\]")
@@ -40,7 +43,7 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
     section, _, field = name.partition(".")
     values = list(_values(spec, name))
     values[place] = value
-    if name in MATRICES:
+    if name in OF_PLANT:
         n = len(spec.plant.dofs)  # type: ignore[union-attr]
         values[place % n * n + place // n] = value
     changed: dict[str, Any] = {field: tuple(values)}
@@ -72,7 +75,7 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
         "damping": 2.0 * ZERO_ENTRY_SCALE * mass * frequency,
         "stiffness": ZERO_ENTRY_SCALE * mass * frequency**2,
     }
-    for name in MATRICES:
+    for name in OF_PLANT:
         for i in range(n):
             for j in range(i, n):
                 key, value = f"{name}[{i * n + j}]", float(_values(spec, name)[i * n + j])

@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.replay import CHANNEL_FEWEST_SHARE, STRAY_COMMANDS_SHARE
+from rthm_analysis.diagnosis.criteria.replay import (
+    CHANNEL_FEWEST_SHARE,
+    REST_MOST_SHARE,
+    STRAY_COMMANDS_SHARE,
+)
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -107,6 +111,18 @@ class Evidence:
     def only(self, *families: str) -> Evidence:
         """What channels of some families say."""
         return self.without([i for i, one in enumerate(self.channels) if one.family not in families])
+
+    def under_command(self) -> Evidence:
+        """The same without what wires and motors did before the first command arrived: where they stood until
+        then, the spec knows no better than its initial position. All of it where that lasted long.
+        """
+        rest = int(np.searchsorted(self.stamps_ns, self.due_ns[0])) if self.due_ns.size else 0
+        if not rest or rest > REST_MOST_SHARE * self.stamps_ns.size:
+            return self
+        moved = [k for k, one in enumerate(self.channels) if one.family in ("force", "motor")]
+        measured = self.measured.copy()
+        measured[:rest, moved] = np.nan
+        return replace(self, measured=measured)
 
     def without(self, columns: Container[int]) -> Evidence:
         """What the other channels say."""

@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
-from rthm_analysis.diagnosis.replay.kernel import replay_mechanics, working
+from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
@@ -217,10 +217,9 @@ class Experiment:
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
         steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self.is_draft)
-        replay_mechanics(
-            arrays, points.time, steps, motor, load, starts, windows.state,
-            time.ravel(), seen.reshape(time.size, m), out, working(arrays),
-        )  # fmt: skip
+        sample, seen_motor = time.ravel(), seen.reshape(time.size, m)
+        replay = Replay(points.time, motor, load, starts, windows.state, sample, seen_motor)
+        replay_mechanics(arrays, replay, steps, out, working(arrays))
         x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
         return Motion(x, v, force, seen), worth(spec) * steps * points.time.size + time.size
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_core.effects import effect
+from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -48,9 +49,7 @@ def hidden_loads(spec: Spec, points: Grid) -> Floats | None:
         law = effect(one.kind, one.block)
         shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
         if shape is not None:
-            constant, amplitude, frequency, phase = shape
             if loads is None:
                 loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
-            added = constant + amplitude * np.sin(frequency * points.points + phase)
-            loads[:, :, spec.plant.dofs.index(str(one.dof))] += added
+            loads[:, :, spec.plant.dofs.index(str(one.dof))] += sinusoid(*shape).force(points.points)
     return loads

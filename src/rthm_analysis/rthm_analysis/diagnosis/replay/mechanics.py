@@ -1,4 +1,4 @@
-"""From a spec to the arrays that the replay of plant and wire works on."""
+"""From a spec to the plant and wires that a replay moves: the simulator's, with a load on every dof."""
 
 from __future__ import annotations
 
@@ -6,49 +6,62 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
-from rthm_core.physical.laws import DOF, PULLEY
-from rthm_core.physical.model import PhysicalModel, physical_model
+from rthm_core.compiled import Floats
+from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table
+from rthm_core.physical.model import physical_model
 from rthm_core.physical.side import first_command
+from rthm_core.physical.start import rest
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-NO_NUMBERS, NO_VALUES = np.empty((0, 5), dtype=np.int64), np.empty((0, 8))
+NO_LAWS = law_table([])
 
 
 class Mechanics(NamedTuple):
-    """Plant and wires as arrays; see ``rthm_core.physical`` for the meaning of the tables.
+    """Those parts of a ``rthm_core.physical.model.PhysicalModel`` that `mechanics_rate` works on.
 
     Attributes
     ----------
-    a : (ny, ny) array
-        Linear mechanics.
-    b : (ny, m + n + m + r) array
-        Effect on dy/dt of motor positions, loads on the dofs, forces of nonlinear wires, of nonlinear laws.
+    n, m : int
+        Dofs and actuators.
+    mechanics : (ny, ny + m + n + m + L) array
+        ``dy/dt = mechanics [y, u, w, F, f]`` with a load w on each dof.
     inverse_mass : (n, n) array
-    wires : (m, 3) integers
-    stiffness : (m, 2) array
-    drive, force : (m, ny + m) arrays
-    wire_laws, wire_parameters : (W, 4), (W, 8) arrays
-    laws, parameters, thresholds, breakaway : (R, 5), (R, 8), (R, 2), (R,) arrays
+    wires : WireTable
+    laws : LawTable
+        A table without rows where all is linear, so that every spec runs the same compiled code.
     initial : (ny,) array
+        State before the test.
     """
 
-    a: Floats
-    b: Floats
+    n: int
+    m: int
+    mechanics: Floats
     inverse_mass: Floats
-    wires: Integers
-    stiffness: Floats
-    drive: Floats
-    force: Floats
-    wire_laws: Integers
-    wire_parameters: Floats
-    laws: Integers
-    parameters: Floats
-    thresholds: Floats
-    breakaway: Floats
+    wires: WireTable
+    laws: LawTable
     initial: Floats
+
+    @property
+    def a(self) -> Floats:
+        """Linear mechanics (ny, ny)."""
+        return self.mechanics[:, : self.initial.size]
+
+    @property
+    def by_motors(self) -> Floats:
+        """Effect (ny, m) of the motor positions."""
+        return self.mechanics[:, self.initial.size :][:, : self.m]
+
+    @property
+    def by_loads(self) -> Floats:
+        """Effect (ny, n) of the loads."""
+        return self.mechanics[:, self.initial.size + self.m :][:, : self.n]
+
+    @property
+    def by_wires(self) -> Floats:
+        """Effect (ny, m) of the forces of wires that are not linear."""
+        return self.mechanics[:, self.initial.size + self.m + self.n :][:, : self.m]
 
 
 def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
@@ -64,48 +77,37 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
     assert spec.plant is not None
     model, resting = physical_model(spec)
     n, m, ny = model.n, model.m, model.mechanics.shape[0]
-    loads = model.load_dof.size
-    columns = model.mechanics
-    by_force = np.zeros((ny, n))
-    by_force[n : 2 * n] = model.inverse_mass
-    b = np.hstack([columns[:, ny : ny + m], by_force, columns[:, ny + m + loads :]])
-    laws = model.laws
+    by_loads = np.zeros((ny, n))
+    by_loads[n : 2 * n] = model.inverse_mass
+    motion, _, fed_back = np.split(model.mechanics, [ny + m, ny + m + model.load_dof.size], axis=1)
     initial = np.zeros(ny)
     initial[:n], initial[n : 2 * n] = spec.plant.initial_position, spec.plant.initial_velocity
-    u = first_command(spec) if first_motor is None else first_motor
-    _rest(model, resting, initial, u)
+    rest(model, resting, initial, first_command(spec) if first_motor is None else first_motor)
     return Mechanics(
-        np.ascontiguousarray(columns[:, :ny]),
-        np.ascontiguousarray(b),
-        np.ascontiguousarray(model.inverse_mass),
-        model.wires.numbers,
-        model.wires.stiffness,
-        np.ascontiguousarray(model.wires.drive).reshape(m, ny + m),
-        np.ascontiguousarray(model.wires.force).reshape(m, ny + m),
-        model.wires.laws,
-        model.wires.parameters,
-        NO_NUMBERS if laws is None else laws.numbers,
-        NO_VALUES if laws is None else laws.parameters,
-        np.empty((0, 2)) if laws is None else laws.thresholds,
-        np.empty(0) if laws is None else laws.breakaway,
+        n,
+        m,
+        np.hstack([motion, by_loads, fed_back]),
+        model.inverse_mass,
+        model.wires,
+        NO_LAWS if model.laws is None else model.laws,
         initial,
     )
 
 
-def _rest(model: PhysicalModel, resting: list, y: Floats, u: Floats) -> None:  # type: ignore[type-arg]
-    """Own states of pulleys and laws in steady state at the initial position."""
-    wires = model.wires
-    for actuator, row in enumerate(wires.numbers.tolist()):
-        if row[PULLEY] >= 0:
-            k, nominal = wires.stiffness[actuator]
-            soft = 1.0 / (1.0 / nominal - 1.0 / k)
-            y[row[PULLEY]] = (soft * u[actuator] + k * y[row[DOF]]) / (soft + k)
-    for law, p, where, place, at in resting:
-        if where == "plant":
-            y[at : at + law.states] = law.initial(y[place], p)
-        else:
-            position = wires.drive[place] @ np.concatenate([y, u])
-            y[at : at + law.states] = law.initial(position, y[wires.numbers[place, DOF]], p)
+def wire_forces(mechanics: Mechanics) -> Floats:
+    """Force of every wire, N, as a row (m, ny) over the states: that of its spring where it is not linear."""
+    size, wires = mechanics.initial.size, mechanics.wires
+    rows = wires.force[:, :size].copy()
+    for actuator in np.flatnonzero(wires.numbers[:, NONLINEAR]):
+        stiffness = wires.stiffness[actuator, 0]
+        rows[actuator] = stiffness * wires.drive[actuator, :size]
+        rows[actuator, wires.numbers[actuator, DOF]] -= stiffness
+    return rows
+
+
+def state_matrix(mechanics: Mechanics) -> Floats:
+    """State matrix (ny, ny) with taut, linear wires and without the laws of the plant that are not linear."""
+    return np.asarray(mechanics.a + mechanics.by_wires @ wire_forces(mechanics))
 
 
 def fastest(mechanics: Mechanics, spec: Spec) -> float:
@@ -115,12 +117,7 @@ def fastest(mechanics: Mechanics, spec: Spec) -> float:
 
 def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
     """Eigenvalues (rad/s) of the mechanics with contacts closed and wires taut."""
-    a = mechanics.a.copy()
-    n, m = mechanics.inverse_mass.shape[0], mechanics.stiffness.shape[0]
-    for actuator in range(m):
-        force = np.zeros(a.shape[0])
-        force[mechanics.wires[actuator, DOF]] = -mechanics.stiffness[actuator, 0]
-        a += np.outer(mechanics.b[:, m + n + actuator], force)
+    a, n = state_matrix(mechanics), mechanics.n
     for effect in spec.effects:
         if effect.block == "plant" and effect.dof and spec.plant:
             dof = spec.plant.dofs.index(effect.dof)

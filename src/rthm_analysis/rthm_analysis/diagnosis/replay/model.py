@@ -8,23 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.entries import entry_of, with_entry
+from rthm_analysis.diagnosis.replay.entries import OF_PLANT, WIRE, entry_of, with_entry
 from rthm_core.effects import Effect, effect
 from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
+from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-PROPERTIES = {
-    "plant.mass": "kg",
-    "plant.damping": "N s/m",
-    "plant.stiffness": "N/m",
-    "actuator.stiffness": "N/m",
-}
+PROPERTIES = OF_PLANT | {WIRE: MATRICES["stiffness"]}
 """Properties that a spec can call uncertain, and their units."""
 
 
@@ -257,7 +253,7 @@ def _scaled(spec: Spec, key: str, factor: float) -> Spec:
 def nominal_values(spec: Spec, key: str) -> list[float]:
     """Values of an uncertain property in the spec."""
     section, _, name = key.partition(".")
-    values = spec.k_tot if key == "actuator.stiffness" else getattr(getattr(spec, section), name)
+    values = spec.k_tot if key == WIRE else getattr(getattr(spec, section), name)
     return [float(value) for value in values]
 
 

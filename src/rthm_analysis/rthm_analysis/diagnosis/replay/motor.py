@@ -10,7 +10,7 @@ import numpy.typing as npt
 from rthm_analysis.diagnosis.replay.compiled import compiled, inlined
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
-from rthm_core.physical.drive import LIMIT, QUANTUM, RATE, Drive, drive
+from rthm_core.physical.drive import RATE, Drive, accepted, drive
 from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     """
     motors = drive(spec)
     modes, vectors = _modes(motors)
-    accepted = _accepted(np.vstack([first[None], commands]), motors)
+    taken = accepted(motors, np.vstack([first[None], commands]))
     nq = modes.size
     entry = (
         np.linalg.solve(vectors, motors.system.b.astype(complex))
@@ -61,7 +61,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     _run(
         time_ns,
         due_ns,
-        accepted,
+        taken,
         motors.conditioning[RATE],
         modes,
         np.ascontiguousarray(entry),
@@ -81,14 +81,6 @@ def _modes(motors: Drive) -> tuple[Complex, Complex]:
     spread = np.diag(1.0 + 1e-7 * np.arange(a.shape[0]))
     modes, vectors = np.linalg.eig((a @ spread).astype(complex))
     return modes, vectors
-
-
-def _accepted(commands: Floats, motors: Drive) -> Floats:
-    """Commands (c, m) rounded and cut as the drive takes them."""
-    quantum, limit = motors.conditioning[QUANTUM], motors.conditioning[LIMIT]
-    steps = np.where(quantum > 0.0, quantum, 1.0)
-    rounded = np.where(quantum > 0.0, steps * np.floor(commands / steps + 0.5), commands)
-    return np.ascontiguousarray(np.clip(rounded, -limit, limit))
 
 
 class _Working(NamedTuple):

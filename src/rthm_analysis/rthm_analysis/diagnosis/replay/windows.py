@@ -17,8 +17,7 @@ from rthm_analysis.diagnosis.criteria.replay import (
     WINDOW_FEWEST_SAMPLES,
 )
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.replay.mechanics import mechanics
-from rthm_core.physical.laws import DOF, NONLINEAR
+from rthm_analysis.diagnosis.replay.mechanics import mechanics, state_matrix
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -98,15 +97,7 @@ def windows(
 
 
 def _drifts(spec: Spec, duration: float) -> bool:
-    arrays = mechanics(spec)
-    a = arrays.a.copy()
-    n, m = arrays.inverse_mass.shape[0], arrays.stiffness.shape[0]
-    for actuator in range(m):
-        if arrays.wires[actuator, NONLINEAR]:
-            row = np.zeros(a.shape[0])
-            row[arrays.wires[actuator, DOF]] = -arrays.stiffness[actuator, 0]
-            a += np.outer(arrays.b[:, m + n + actuator], row)
-    modes = np.linalg.eigvals(a)
+    modes = np.linalg.eigvals(state_matrix(mechanics(spec)))
     return bool(
         np.any(np.abs(modes) * duration < DRIFT_DECAY_EXPONENT)
         or np.any(modes.real * duration > DRIFT_DECAY_EXPONENT)

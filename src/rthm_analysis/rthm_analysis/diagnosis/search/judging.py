@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import (
+    ARITHMETIC_CHI2,
     DISTINGUISHING_GAIN,
     GAIN_OF_CHANCE,
     GAIN_PER_PARAMETER,
@@ -148,6 +149,8 @@ def relevant(fitting: Fitting, new: FittedCandidate, selection: Selection) -> bo
     noise = fitting.expected
     before, after = float(selection.best.left_out.sum()), new.error
     gain = before - after
+    if before < ARITHMETIC_CHI2 * noise:
+        return False
     start = float(selection.base.left_out.sum()) - noise
     if gain < max(_numerics(fitting), RELEVANT_SHARE_OF_REST * (before - noise)):
         return False

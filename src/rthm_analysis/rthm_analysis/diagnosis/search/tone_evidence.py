@@ -22,7 +22,7 @@ from rthm_analysis.diagnosis.criteria.search import (
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_analysis.diagnosis.replay.mechanics import mechanics, state_matrix
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.scene import seen_in
@@ -84,7 +84,7 @@ def _says_little(fitting: Fitting, model: Model, index: int) -> bool:
     frequency = float(model.effect_values(index % len(model.added))["frequency"])
     evidence = fitting.experiment.evidence
     width = TONE_RESOLUTION * seen_in(evidence.time).frequencies[0]
-    rig = np.abs(np.linalg.eigvals(mechanics(fitting.base.spec).a))
+    rig = np.abs(np.linalg.eigvals(state_matrix(mechanics(fitting.base.spec))))
     driven = np.abs(load_lines(evidence) - frequency) < width
     return bool(driven.any() or (np.abs(rig - frequency) < np.maximum(RINGING_SHARE * rig, width)).any())
 

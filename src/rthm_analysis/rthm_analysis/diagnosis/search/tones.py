@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import TONE_HIGHEST, TONE_HIGHEST_TO_MOTION, TONE_PADDING
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics
+from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics, state_matrix, wire_forces
 from rthm_analysis.diagnosis.replay.model import EffectInstance
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.scene import seen_in
@@ -73,16 +73,9 @@ def harmonic_starts(
 def _gains(arrays: Mechanics, spec: Spec, experiment: Experiment, omega: Floats, sigma: Floats) -> np.ndarray:
     """Response of every channel, over its noise, to a harmonic force on each dof: (k, frequencies, n)."""
     assert spec.plant is not None
-    n, m, ny = arrays.inverse_mass.shape[0], arrays.stiffness.shape[0], arrays.a.shape[0]
-    a = arrays.a.copy()
-    force = arrays.force[:, :ny].copy()
-    for actuator in range(m):
-        if arrays.wires[actuator, 2]:
-            force[actuator] = 0.0
-            force[actuator, arrays.wires[actuator, 0]] = -arrays.stiffness[actuator, 1]
-            a += np.outer(arrays.b[:, m + n + actuator], force[actuator])
-    modes, vectors = np.linalg.eig(a.astype(complex))
-    entry = np.linalg.lstsq(vectors, arrays.b[:, m : m + n].astype(complex), rcond=None)[0]
+    n, ny, force = arrays.n, arrays.initial.size, wire_forces(arrays)
+    modes, vectors = np.linalg.eig(state_matrix(arrays).astype(complex))
+    entry = np.linalg.lstsq(vectors, arrays.by_loads.astype(complex), rcond=None)[0]
     rows = []
     for channel, noise in zip(experiment.evidence.channels, sigma, strict=True):
         row = np.zeros(ny)

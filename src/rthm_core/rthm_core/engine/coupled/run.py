@@ -13,8 +13,8 @@ from rthm_core.engine.coupled.energies import energies_of
 from rthm_core.engine.coupled.motion import motions
 from rthm_core.engine.trajectory import Trajectory
 from rthm_core.errors import InputError
-from rthm_core.physical.advance import physical
 from rthm_core.physical.model import physical_model
+from rthm_core.physical.start import physical
 from rthm_core.substructure import interface, substructure
 
 if TYPE_CHECKING:

@@ -21,11 +21,12 @@ from rthm_core.energy import (
 from rthm_core.linear import polynomial, step_linear
 from rthm_core.loads import smooth_until
 from rthm_core.numerical import Numerical, advance_numerical, begin_numerical
-from rthm_core.physical.advance import Physical, advance_segment, mode_count, present_rate
+from rthm_core.physical.advance import Physical, advance_segment, present_rate
 from rthm_core.physical.drive import Drive, drive, motor_position, settled
 from rthm_core.physical.flow import mechanics_rate
 from rthm_core.physical.integrate import SCRATCH, inputs_at
 from rthm_core.physical.model import PhysicalModel
+from rthm_core.physical.start import mode_count
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec

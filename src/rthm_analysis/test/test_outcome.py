@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from rthm_analysis.energy import energy_of
+from rthm_analysis.lifted import radii
+from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.outcome import (
     IdealComparison,
     Lateness,
@@ -24,6 +26,8 @@ from rthm_analysis.outcome.outcome import error_words
 from rthm_analysis.recording import read_recording
 from rthm_analysis.report.verdict import verdict
 from rthm_analysis.stability import stability
+from rthm_analysis.stability.edges import first_lost
+from rthm_analysis.stability.search import scan
 from rthm_analysis.timing import timing_of
 from rthm_core.engine import simulate
 from rthm_core.engine.simulate import simulate_blocks
@@ -153,3 +157,28 @@ def test_late_samples_that_move_the_test_are_told() -> None:
         Lateness(0.02).words == "Timing mattered: late samples changed the motion by 2 % (of the ideal rms)."
     )
     assert not Lateness(0.02).ok and Lateness(0.002).ok
+
+
+def test_a_margin_looks_at_few_loops_and_compiles_nothing_for_many_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looked, monodromy = [], Lifted.monodromy
+    monkeypatch.setattr(Lifted, "monodromy", lambda one: looked.append(one) or monodromy(one))
+    monkeypatch.setattr(radii, "moduli", None)
+    assert margin_of(PAPER).scale == pytest.approx(21.1688, abs=1e-3)
+    assert len(looked) < 400  # 584 where every search goes on beyond the edge that it has found
+
+
+@pytest.mark.parametrize("points", [np.linspace(0.0, 1.0, 3), np.linspace(0.0, 1.0, 60)])
+def test_the_first_loss_of_stability_is_that_of_the_whole_scan(points: np.ndarray) -> None:
+    def rates(x: np.ndarray) -> np.ndarray:
+        return np.stack([0.3 - np.cos(12.0 * x) ** 2, np.full(x.size, -1.0)], axis=1)
+
+    def low(x: np.ndarray) -> np.ndarray:
+        return rates(x) - 1.0
+
+    assert first_lost(rates, points, 1e-9) == pytest.approx(
+        scan(rates, points, 1e-9).first_lost(0.0), abs=1e-9
+    )
+    assert first_lost(rates, points + 0.1, 1e-9) == 0.1
+    assert first_lost(low, points, 1e-9) is None

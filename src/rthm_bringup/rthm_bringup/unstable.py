@@ -43,28 +43,52 @@ def long_delays(spec: Spec) -> tuple[str, ...]:
     )
 
 
-def warn_of_delays(spec: Spec) -> bool:
-    """Print `long_delays` to standard error; return whether there are any."""
-    found = long_delays(spec)
-    for sentence in found:
+def refuse(spec: Spec) -> None:
+    """Move no real machine by a loop that is unstable, or has a delay longer than its motion.
+
+    Raises
+    ------
+    InputError
+        With the reason and the way out in one line.
+    """
+    late = long_delays(spec)
+    if late:
+        raise InputError(
+            f"{' '.join(late)} The machine will not be moved; correct it, or pass --unstable to run it "
+            "anyway."
+        )
+    margin = _unstable_margin(spec)
+    if margin is not None:
+        raise InputError(
+            f"{margin.words} The machine will not be moved; change the delays, or pass --unstable to run it "
+            "anyway."
+        )
+
+
+def warn_of_delays(spec: Spec) -> None:
+    """Print `long_delays` to standard error."""
+    for sentence in long_delays(spec):
         print("rthm: warning:", sentence, file=sys.stderr, flush=True)
-    return bool(found)
 
 
-def is_unstable(spec: Spec) -> bool:
-    """Whether a spec is that of a loop which is known to be unstable; then standard error says so."""
+def warn_of_growth(spec: Spec) -> None:
+    """Say on standard error that a loop is unstable, where it is known to be."""
+    margin = _unstable_margin(spec)
+    if margin is not None:
+        _print(margin)
+
+
+def _unstable_margin(spec: Spec) -> Margin | None:
+    """Margin of a loop that is known to be unstable; None: it is stable, not known, or no loop."""
     try:
-        if not spec.is_loop or spectral_radius(spec) < 1.0:
-            return False
-        _tell(margin_of(spec))
+        return margin_of(spec) if spec.is_loop and spectral_radius(spec) >= 1.0 else None
     except TooManySamplesError:  # a loop that may be unstable moves nothing
         raise
     except InputError:  # of what the compensator does no linear equations are known
-        return False
-    return True
+        return None
 
 
-def _tell(margin: Margin) -> None:
+def _print(margin: Margin) -> None:
     print("rthm:", margin.words, file=sys.stderr, flush=True)
 
 
@@ -73,5 +97,5 @@ def told_margin(spec: Spec) -> Margin | str:
     warn_of_delays(spec)
     margin = margin_or_why(spec)
     if isinstance(margin, Margin) and not margin.stable:
-        _tell(margin)
+        _print(margin)
     return margin

@@ -108,7 +108,8 @@ def test_an_unstable_loop_is_told_before_it_is_simulated(tmp_path: Path) -> None
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr.startswith("rthm: Unstable: a small motion doubles every 21.3 s.")
     assert len(done.stderr.splitlines()) == 1
-    assert "with tau2 below 78 ms (now 90 ms)" in done.stdout
+    assert "with tau2 below 78 ms (now 90 ms)" in done.stderr
+    assert "Unstable: a small motion doubles every 21.3 s.\n" in done.stdout  # and the way out only once
     assert "nan" not in done.stdout and "diverged" in done.stdout
 
 
@@ -132,3 +133,21 @@ def test_an_unstable_loop_does_not_move_a_real_machine_unless_asked_to(tmp_path:
     )
     assert done.returncode == 2
     assert "--unstable" in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_a_simulation_imports_neither_what_reads_recordings_nor_what_simulates_many(tmp_path: Path) -> None:
+    program = (
+        "import runpy, sys\n"
+        f"sys.argv = ['rthm', 'simulate', 'paper', '--duration', '1', '--out', {str(tmp_path / 'a.npz')!r}]\n"
+        "try:\n    runpy.run_module('rthm_bringup', run_name='__main__')\n"
+        "except SystemExit:\n    pass\n"
+        "print('MODULES', *sys.modules)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    imported = set(done.stdout.split("MODULES")[1].split())
+    assert "rthm_core.engine.simulate" in imported
+    assert not imported & {
+        "rthm_core.engine.many.ensemble",
+        "rthm_analysis.recording",
+        "rthm_analysis.lifted.radii",
+    }

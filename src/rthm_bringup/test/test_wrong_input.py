@@ -248,7 +248,7 @@ def test_a_delay_of_seconds_where_milliseconds_were_meant_is_told_before_the_wor
     assert status(monkeypatch, "simulate late.yaml --duration 1 --out a.npz") == 0
     told = capsys.readouterr()
     assert "warning: timing.tau1 is 4 s, 1.54 periods of the motion (2.6 s); write 0.004 if" in told.err
-    assert "Delay margin not computed" in told.out
+    assert "Delay margin not computed" in told.err
 
 
 def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
@@ -257,9 +257,20 @@ def test_a_real_machine_is_not_moved_with_a_delay_longer_than_its_motion(
     monkeypatch.chdir(tmp_path)
     Path("late.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau1": 4.0})))
     assert status(monkeypatch, "run late.yaml --plant external") == 2
-    assert (
-        "A delay is longer than a period of the motion, so the machine will not be moved"
-        in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "The machine will not be moved" in told and len(told.splitlines()) == 1
+
+
+def test_a_real_machine_is_not_moved_by_an_unstable_loop_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("unstable.yaml").write_text(write_spec(apply(shipped_spec("paper"), {"timing.tau2": 0.09})))
+    assert status(monkeypatch, "run unstable.yaml --plant external") == 2
+    assert capsys.readouterr().err == (
+        "rthm: Unstable: a small motion doubles every 21.3 s. It is stable below 0.713 times its periods and "
+        "delays, or with tau2 below 78 ms (now 90 ms). The machine will not be moved; change the delays, or "
+        "pass --unstable to run it anyway.\n"
     )
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from rthm_core.addressed import FIRST_ADDRESS, Call, caller
 from rthm_core.compile_cache import SharedCache, cache_folder
+from rthm_core.part_of_callers import PartOfCallers
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -85,29 +86,34 @@ def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:
     return compiled_there
 
 
+_PART: dict[str, Any] = {
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "pipeline_class": PartOfCallers,
+}
+"""How a function is compiled that only compiled functions call: without a way in from Python."""
+
+
 def inlined(function: Callable[..., Any]) -> Any:
-    """Compile a function that only compiled functions call and that makes no arrays: without a way in from
-    Python, and as part of its callers.
+    """Compile a function that only compiled functions call and that makes no arrays, as part of its callers.
 
     Left to itself the compiler calls all but the smallest; handing over the arrays of a small system then
     costs more than all arithmetic.
     """
-    without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(error_model="numpy", _nrt=False, forceinline=True, **without_entry)(function)
+    return numba.njit(_nrt=False, forceinline=True, **_PART)(function)
 
 
 def called(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call and that makes no arrays, and keep it on disk for
     all its callers: what is long and stands in several places takes minutes to compile otherwise.
     """
-    without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return kept(function, numba.njit(error_model="numpy", _nrt=False, **without_entry))
+    return kept(function, numba.njit(_nrt=False, **_PART))
 
 
 def inlined_allocating(function: Callable[..., Any]) -> Any:
     """As `inlined`, for a function that makes arrays."""
-    without_entry = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return numba.njit(error_model="numpy", **without_entry)(function)
+    return numba.njit(**_PART)(function)
 
 
 def chosen(

@@ -9,7 +9,7 @@ import numpy as np
 from rthm_analysis.lifted.compiled import compiled, inlined
 from rthm_analysis.lifted.cycle import NOWHERE, Cycle
 from rthm_analysis.lifted.matrices import LinearLoop
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Floats, Integers, called
 from rthm_core.schedule import COMMAND, REFERENCE, SAMPLE
 
 
@@ -75,22 +75,47 @@ def plan(loop: LinearLoop, cycle: Cycle, steps1: Floats, steps2: Floats, weights
     )
 
 
+# Whatever happens is a sum of rows, so that one loop over the columns is all that is compiled for speed.
+
+
+@called
+def _clear(target, i):  # type: ignore[no-untyped-def]
+    for c in range(target.shape[1]):
+        target[i, c] = 0.0
+
+
+@called
+def _put(target, i, source, j):  # type: ignore[no-untyped-def]
+    for c in range(target.shape[1]):
+        target[i, c] = source[j, c]
+
+
+@called
+def _add(target, i, weight, source, j):  # type: ignore[no-untyped-def]
+    for c in range(target.shape[1]):
+        target[i, c] += weight * source[j, c]
+
+
+@inlined
+def _begin(target, i, forcing, e, row):  # type: ignore[no-untyped-def]
+    if forcing.shape[0]:
+        _put(target, i, forcing[e], row)
+    else:
+        _clear(target, i)
+
+
 @inlined
 def _step(matrix, y, u, fresh):  # type: ignore[no-untyped-def]
     """``y = matrix [y, u]``, column by column; `fresh` is scratch."""
-    n, columns = y.shape
+    n = y.shape[0]
     for i in range(n):
-        for c in range(columns):
-            fresh[i, c] = 0.0
+        _clear(fresh, i)
         for j in range(n):
-            for c in range(columns):
-                fresh[i, c] += matrix[i, j] * y[j, c]
+            _add(fresh, i, matrix[i, j], y, j)
         for j in range(u.shape[0]):
-            for c in range(columns):
-                fresh[i, c] += matrix[i, n + j] * u[j, c]
+            _add(fresh, i, matrix[i, n + j], u, j)
     for i in range(n):
-        for c in range(columns):
-            y[i, c] = fresh[i, c]
+        _put(y, i, fresh, i)
 
 
 @inlined
@@ -102,11 +127,9 @@ def _sample(plan, columns, forcing, e):  # type: ignore[no-untyped-def]
             continue
         for a in range(m):
             row = channel * m + a
-            for c in range(columns.p.shape[1]):
-                value = forcing.sample[e, row, c] if forcing.sample.shape[0] else 0.0 * columns.p[0, c]
-                for j in range(columns.p.shape[0]):
-                    value += plan.sampled[row, j] * columns.p[j, c]
-                columns.store[place, a, c] = value
+            _begin(columns.store[place], a, forcing.sample, e, row)
+            for j in range(columns.p.shape[0]):
+                _add(columns.store[place], a, plan.sampled[row, j], columns.p, j)
 
 
 @inlined
@@ -114,19 +137,16 @@ def _reference(plan, columns, forcing, e):  # type: ignore[no-untyped-def]
     m = columns.u.shape[0]
     to, position, velocity = plan.place[e, 0], plan.place[e, 1], plan.place[e, 2]
     for a in range(m):
-        for c in range(columns.z.shape[1]):
-            columns.held[a, c] = columns.store[position, a, c]
-            columns.held[m + a, c] = columns.store[velocity, a, c]
+        _put(columns.held, a, columns.store[position], a)
+        _put(columns.held, m + a, columns.store[velocity], a)
     if to == NOWHERE:
         return
     for a in range(m):
-        for c in range(columns.z.shape[1]):
-            value = forcing.reference[e, a, c] if forcing.reference.shape[0] else 0.0 * columns.z[0, c]
-            for j in range(2 * m):
-                value += plan.force_held[a, j] * columns.held[j, c]
-            for j in range(columns.z.shape[0]):
-                value += plan.force_state[a, j] * columns.z[j, c]
-            columns.store[to, a, c] = value
+        _begin(columns.store[to], a, forcing.reference, e, a)
+        for j in range(2 * m):
+            _add(columns.store[to], a, plan.force_held[a, j], columns.held, j)
+        for j in range(columns.z.shape[0]):
+            _add(columns.store[to], a, plan.force_state[a, j], columns.z, j)
 
 
 @inlined
@@ -138,35 +158,24 @@ def _command(plan, columns, e):  # type: ignore[no-untyped-def]
         _predicted(plan, columns, e, to)
         return
     for a in range(columns.u.shape[0]):
-        for c in range(columns.u.shape[1]):
-            columns.store[to, a, c] = (
-                columns.store[position, a, c] + plan.flexibility[a] * columns.store[force, a, c]
-            )
+        _put(columns.store[to], a, columns.store[position], a)
+        _add(columns.store[to], a, plan.flexibility[a], columns.store[force], a)
 
 
 @inlined
 def _predicted(plan, columns, e, to):  # type: ignore[no-untyped-def]
     for a in range(columns.u.shape[0]):
-        for c in range(columns.u.shape[1]):
-            value = 0.0 * columns.u[a, c]
-            for kind in range(3):
-                for h in range(plan.past.shape[2]):
-                    value += plan.weights[e, kind, h, a] * columns.store[plan.past[e, kind, h], a, c]
-            columns.store[to, a, c] = value
+        _clear(columns.store[to], a)
+        for kind in range(3):
+            for h in range(plan.past.shape[2]):
+                source = columns.store[plan.past[e, kind, h]]
+                _add(columns.store[to], a, plan.weights[e, kind, h, a], source, a)
 
 
 @inlined
-def _motor(plan, columns, e):  # type: ignore[no-untyped-def]
-    for a in range(columns.u.shape[0]):
-        for c in range(columns.u.shape[1]):
-            columns.u[a, c] = columns.store[plan.place[e, 0], a, c]
-
-
-@inlined
-def _note(inputs, row):  # type: ignore[no-untyped-def]
-    for a in range(inputs.shape[0]):
-        for c in range(inputs.shape[1]):
-            row[a, c] = inputs[a, c]
+def _copy(rows, to):  # type: ignore[no-untyped-def]
+    for a in range(rows.shape[0]):
+        _put(to, a, rows, a)
 
 
 @compiled
@@ -186,10 +195,10 @@ def walk(plan: Plan, columns: Columns, forcing: Forcing) -> None:
         elif what == REFERENCE:
             _reference(plan, columns, forcing, e)
             if forcing.trace.shape[0]:
-                _note(columns.held, forcing.trace[e])
+                _copy(columns.held, forcing.trace[e])
         elif what == COMMAND:
             _command(plan, columns, e)
         else:
-            _motor(plan, columns, e)
+            _copy(columns.store[plan.place[e, 0]], columns.u)
             if forcing.trace.shape[0]:
-                _note(columns.u, forcing.trace[e])
+                _copy(columns.u, forcing.trace[e])

@@ -12,7 +12,8 @@ from rthm_analysis.lifted.commensurate import period_of
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import linear_loop
-from rthm_analysis.stability.limits import DELAYS, can_be_searched, delay_limit, scale_limit
+from rthm_analysis.stability.edges import delay_edge, scale_edge
+from rthm_analysis.stability.limits import DELAYS, can_be_searched
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -73,8 +74,14 @@ class Margin:
 
     @property
     def words(self) -> str:
-        """One sentence."""
-        return self._stable_words() if self.stable else self._unstable_words()
+        """Whether the loop is stable, and how far its edge is or what makes it stable."""
+        return self._stable_words() if self.stable else f"{self.brief} {self._remedy()}"
+
+    @property
+    def brief(self) -> str:
+        """Whether the loop is stable; how fast it grows where it is not."""
+        time = self.doubling_time
+        return "Stable." if time is None else f"Unstable: a small motion doubles every {time:.3g} s."
 
     def _stable_words(self) -> str:
         if not self.searched:
@@ -87,19 +94,17 @@ class Margin:
             margins.append((f"{name} alone", edge > nominal, f" from {_change(nominal, edge)}"))
         return f"Stable{_could(margins) or f', even with any one delay {SEARCHED:g} times as long'}."
 
-    def _unstable_words(self) -> str:
-        assert self.doubling_time is not None
-        growth = f"Unstable: a small motion doubles every {self.doubling_time:.3g} s."
+    def _remedy(self) -> str:
+        """What makes a loop stable that is not, as far as it is known."""
         if not self.searched:
-            return f"{growth} {UNSEARCHED}"
+            return UNSEARCHED
         ways = []
         if self.scale is not None and self.scale > 0.0:
             ways.append(f"below {self.scale:.3g} times its periods and delays")
         if self.nearest is not None:
             name, nominal, edge = self.nearest
             ways.append(f"with {name} below {_ms(edge)} ms (now {_ms(nominal)} ms)")
-        way = f"It is stable {', or '.join(ways)}." if ways else "No delay alone makes it stable."
-        return f"{growth} {way}"
+        return f"It is stable {', or '.join(ways)}." if ways else "No delay alone makes it stable."
 
     def as_dict(self) -> dict[str, object]:
         """Keys of ``verdict`` in the JSON (contract, section 5)."""
@@ -159,17 +164,11 @@ def margin_of(spec: Spec) -> Margin:
     radius = float(np.abs(np.linalg.eigvals(monodromy)).max())
     if not can_be_searched(cycle):
         return Margin(radius, cycle.hyperperiod, None, {}, left_out, searched=False)
-    delays = {}
-    for name in DELAYS:
-        limit = delay_limit(linear, loop, name, SEARCHED)
-        delays[name] = (limit.nominal, limit.critical_value)
-    return Margin(
-        radius,
-        cycle.hyperperiod,
-        scale_limit(linear, loop, cycle).critical_scale,
-        delays,
-        left_out,
-    )
+    timing = linear.loop().timing
+    delays = {
+        name: (float(getattr(timing, name)), delay_edge(linear, loop, name, SEARCHED)) for name in DELAYS
+    }
+    return Margin(radius, cycle.hyperperiod, scale_edge(linear, loop, cycle), delays, left_out)
 
 
 def margin_or_why(spec: Spec) -> Margin | str:

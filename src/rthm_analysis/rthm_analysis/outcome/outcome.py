@@ -81,10 +81,22 @@ class Outcome:
             return self.margin.words
         return f"Stability not determined: {self.margin}"
 
-    def lines(self) -> list[str]:
-        """For the terminal: stability first, then the error of every dof, its energy, timing and limits."""
+    @property
+    def _brief(self) -> str:
+        is_warning = isinstance(self.margin, Margin) and not self.margin.stable
+        return self.margin.brief if is_warning else self.stability
+
+    def lines(self, *, warned: bool = False) -> list[str]:
+        """For the terminal: stability first, then the error of every dof, its energy, timing and limits.
+
+        Parameters
+        ----------
+        warned : bool
+            Whether the same terminal was told before the test what makes an unstable loop stable.
+        """
         left_out = self.margin.left_out if isinstance(self.margin, Margin) else ()
-        said = [self.stability, *left_out, *(error_words(*one) for one in self.error.items())]
+        said = [self._brief if warned else self.stability, *left_out]
+        said += [error_words(*one) for one in self.error.items()]
         if self.energy_per_cycle is not None:
             said.append(cycle_words(self.energy_per_cycle))
         if self.lateness is not None:

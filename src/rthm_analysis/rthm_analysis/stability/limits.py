@@ -40,6 +40,9 @@ FEWEST, MOST = 100, 4000
 MOST_PLACES = 160
 """A delay alone is searched as far as at most this many samples are under way at the cut."""
 
+FINEST_FACTOR, FINEST_DELAY = 1e-9, 1e-9
+"""Distance to which an edge is known: in a factor, and in a delay, s."""
+
 LATTICE_POINTS = 200
 """Periods that are tried before the neighbourhood of each crossing is."""
 
@@ -92,18 +95,22 @@ class Limit:
         }
 
 
-def _points(loop: LinearLoop, begin: float, end: float, seconds: float) -> Floats:
+def _points(loop: LinearLoop, begin: float, end: float, seconds: float, fewest: int) -> Floats:
     """First points of a scan over a parameter that changes the time round the loop by `seconds` in all."""
     count = int(loop.fastest_oscillation * seconds / PHASE) + 1
-    return np.linspace(begin, end, min(max(count, FEWEST), MOST))
+    return np.linspace(begin, end, min(max(count, fewest), MOST))
+
+
+def scale_points(spec: Spec, loop: LinearLoop, upto: float, fewest: int = FEWEST) -> Floats:
+    """First factors on all periods and delays: from next to zero, where the loop is the ideal system."""
+    seconds = upto * sum(value for _, value in spec.loop().timing.items())
+    return np.concatenate([[1e-3, 1e-2, 0.1], _points(loop, 1e-3, upto, seconds, fewest)[1:]])
 
 
 def scale_limit(spec: Spec, loop: LinearLoop, cycle: Cycle, upto: float = LARGEST_FACTOR) -> Limit:
-    """Factor on all periods and delays. From zero, where the loop is the ideal system, to `upto`."""
-    seconds = upto * sum(value for _, value in spec.loop().timing.items())
-    points = _points(loop, 1e-3, upto, seconds)
-    found = scan(of_scale(loop, cycle), np.concatenate([[1e-3, 1e-2, 0.1], points[1:]]), 1e-9)
-    return Limit(1.0, _from_zero(found), 1e-9)
+    """Factor on all periods and delays, from zero to `upto`."""
+    found = scan(of_scale(loop, cycle), scale_points(spec, loop, upto), FINEST_FACTOR)
+    return Limit(1.0, _from_zero(found), FINEST_FACTOR)
 
 
 def _from_zero(found: Scan) -> Scan:
@@ -111,16 +118,21 @@ def _from_zero(found: Scan) -> Scan:
     return found._replace(begin=0.0)
 
 
-def delay_limit(spec: Spec, loop: LinearLoop, name: str, upto: float = LARGEST_FACTOR) -> Limit:
-    """One delay alone, s: from zero to `upto` times its value (of the longest delay when it is zero), or as
-    far as not too much is under way.
+def delay_points(spec: Spec, loop: LinearLoop, name: str, upto: float, fewest: int = FEWEST) -> Floats:
+    """First values of one delay alone, s: from zero to `upto` times its value (of the longest delay when it
+    is zero), or as far as not too much is under way.
     """
     timing = spec.loop().timing
     nominal = float(getattr(timing, name))
     end = upto * (nominal or max(getattr(timing, one) for one in DELAYS) or timing.td2)
     end = _affordable(spec, loop, name, end)
-    found = scan(of_delay(spec, loop, name), _points(loop, 0.0, end, end), 1e-9)
-    return Limit(nominal, found, 1e-9)
+    return _points(loop, 0.0, end, end, fewest)
+
+
+def delay_limit(spec: Spec, loop: LinearLoop, name: str, upto: float = LARGEST_FACTOR) -> Limit:
+    """One delay alone, s (see `delay_points`)."""
+    found = scan(of_delay(spec, loop, name), delay_points(spec, loop, name, upto), FINEST_DELAY)
+    return Limit(float(getattr(spec.loop().timing, name)), found, FINEST_DELAY)
 
 
 def can_be_searched(cycle: Cycle) -> bool:

@@ -13,7 +13,6 @@ from rthm_analysis.lifted.commensurate import commensurate
 from rthm_analysis.lifted.cycle import Cycle
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.matrices import LinearLoop, linear_loop
-from rthm_analysis.lifted.radii import moduli, stacked
 from rthm_analysis.stability.search import Rates
 from rthm_core.clock import NS, to_ns
 from rthm_core.compiled import Floats
@@ -55,17 +54,21 @@ def _at_each(one: Callable[[float], Floats]) -> Rates:
     return lambda values: np.array([one(float(value)) for value in values]).reshape(-1, LARGEST)
 
 
+def of_scale_at_each(loop: LinearLoop, cycle: Cycle) -> Rates:
+    """As `of_scale`, one factor after the other: for few of them, for which nothing more is compiled."""
+    return _at_each(lambda factor: growth_rates(loop, cycle.scaled(factor), cycle.unit))
+
+
 def of_scale(loop: LinearLoop, cycle: Cycle) -> Rates:
     """Rates over a factor on all periods and delays, in units of the scaled time."""
 
-    def one(factor: float) -> Floats:
-        return growth_rates(loop, cycle.scaled(factor), cycle.unit)
-
     def together(factors: Floats) -> Floats:
+        from rthm_analysis.lifted.radii import moduli, stacked
+
         found = moduli(stacked([loop] * factors.size), cycle, cycle.unit * factors)
         return _largest(found, cycle.hyperperiod * factors)
 
-    return together if loop.predictor is None else _at_each(one)
+    return together if loop.predictor is None else of_scale_at_each(loop, cycle)
 
 
 def _as_known(spec: Spec, loop: LinearLoop, name: str, value: float) -> LinearLoop:
@@ -111,6 +114,8 @@ def of_k_tot(loops: Callable[[float], LinearLoop], cycle: Cycle) -> Rates:
         return growth_rates(loops(float(np.exp(logarithm))), cycle)
 
     def together(logarithms: Floats) -> Floats:
+        from rthm_analysis.lifted.radii import moduli, stacked
+
         found = moduli(stacked([loops(float(np.exp(one))) for one in logarithms]), cycle)
         return _largest(found, np.full(logarithms.size, cycle.hyperperiod))
 

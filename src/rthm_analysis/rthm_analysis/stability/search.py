@@ -64,7 +64,8 @@ def scan(rates: Rates, points: Floats, resolution: float, finest: float | None =
     between points nearer than `finest` (a thousandth of the widest step when absent) are not sought.
     """
     x = np.asarray(points, dtype=float)
-    x, g = _refined(rates, x, max(resolution, FINEST * np.diff(x).max() if finest is None else finest))
+    finest = max(resolution, FINEST * np.diff(x).max() if finest is None else finest)
+    x, g = refined(rates, x, rates(x), finest)
     sides = g[:, 0] > 0.0
     at = np.flatnonzero(sides[1:] != sides[:-1])
     low, high, lost = x[at], x[at + 1], sides[at + 1]
@@ -78,9 +79,8 @@ def scan(rates: Rates, points: Floats, resolution: float, finest: float | None =
     return Scan(found, not bool(sides[0]), float(x[0]), float(x[-1]))
 
 
-def _refined(rates: Rates, x: Floats, finest: float) -> tuple[Floats, Floats]:
+def refined(rates: Rates, x: Floats, g: Floats, finest: float) -> tuple[Floats, Floats]:
     """Points and rates after halving every interval in which a crossing could hide."""
-    g = rates(x)
     while x.size < MOST_POINTS:
         split = np.flatnonzero(_suspect(x, g) & (np.diff(x) > finest))
         if split.size == 0:

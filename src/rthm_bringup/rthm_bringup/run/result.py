@@ -110,7 +110,7 @@ class Result:
             lines.append(f"equivalent damping of these three: {self.equivalent_damping:.3f} N s/m")
         if self.missed_deadlines is not None:
             lines.append(f"missed deadlines: {self._deadlines()}")
-        return [*lines, *(self.outcome.lines() if self.outcome else []), *self.problems]
+        return [*lines, *(self.outcome.lines(warned=True) if self.outcome else []), *self.problems]
 
     def _deadlines(self) -> str:
         if self.plan.virtual:

@@ -136,17 +136,9 @@ def verb(
 
 def _warn(test: Spec, *, refused: bool) -> None:
     """Warn of an unstable loop, or a delay longer than its motion; InputError where neither may start."""
-    from rthm_bringup.unstable import is_unstable, warn_of_delays
-    from rthm_core.errors import InputError
+    from rthm_bringup.unstable import refuse, warn_of_delays, warn_of_growth
 
-    late = warn_of_delays(test)
-    if late and refused:
-        raise InputError(
-            "A delay is longer than a period of the motion, so the machine will not be moved; correct it, or "
-            "pass --unstable to run it anyway."
-        )
-    if is_unstable(test) and refused:
-        raise InputError(
-            "The loop is unstable, so the machine will not be moved; change the delays, or pass "
-            "--unstable to run it anyway."
-        )
+    if refused:
+        refuse(test)
+    warn_of_delays(test)
+    warn_of_growth(test)

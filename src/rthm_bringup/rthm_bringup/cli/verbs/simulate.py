@@ -115,7 +115,7 @@ def verb(
     if beside is not None:
         outcome = Outcome(margin, beside.errors(), energy_per_cycle=beside.energy_per_cycle())
         result["verdict"] = outcome.as_dict()
-        lines += ["", *outcome.lines()]
+        lines += ["", *outcome.lines(warned=True)]
     if lost is not None:
         lines.append(f"The motion diverged at {lost:.4g} s; no values after that.")
     if plot is not None:

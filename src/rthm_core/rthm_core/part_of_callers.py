@@ -1,0 +1,51 @@
+"""Compiled functions that never run by themselves: their callers take them in, and optimise them there.
+
+Numba optimises every function, and makes machine code of it, before it hands it to a caller, which then
+optimises all of it once more. Of a chain of functions, each part of the next, all that is below is so
+optimised at each link; here it is once, at the top.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+
+
+class _Part(JITCodeLibrary):  # type: ignore[misc]
+    """Code that is only linked into that of callers."""
+
+    def _optimize_final_module(self) -> None:
+        """Left to the callers."""
+
+    def _finalize_final_module(self) -> None:
+        """Give the engine the variables that numba fills for this code, and nothing else to compile."""
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._codegen._add_module(self._variables())
+        self._codegen._engine.finalize_object()
+        self._finalized = True
+
+    def _variables(self) -> Any:
+        module = llvm.parse_assembly(
+            "\n".join(
+                str(one) for one in self._final_module.global_variables if one.linkage is llvm.Linkage.common
+            )
+        )
+        module.triple, module.data_layout = self._final_module.triple, self._codegen._data_layout
+        return module
+
+    def _get_compiled_object(self) -> bytes:
+        """Machine code that is kept on disk beside what is linked."""
+        return bytes(self._codegen._tm.emit_object(self._variables()))
+
+
+class PartOfCallers(Compiler):  # type: ignore[misc]
+    """How numba compiles such a function."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function in Python."""
+        self.state.library = _Part(self.state.targetctx.codegen(), function.__qualname__)
+        return super().compile_extra(function)

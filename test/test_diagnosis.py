@@ -108,7 +108,9 @@ def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: P
 @pytest.mark.parametrize(
     ("name", "verdict", "kinds"),
     [  # the axis is simulated to 3.6 of its noise and no nearer
-        ("emps_identification", "improved", {"coulomb_friction", "constant_load"}),
+        pytest.param(
+            "emps_identification", "improved", {"coulomb_friction", "constant_load"}, marks=pytest.mark.long
+        ),
         ("hysteresis_multisine", "explained", {"bouc_wen"}),
     ],
 )

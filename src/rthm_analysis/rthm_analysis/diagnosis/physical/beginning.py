@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
-from rthm_analysis.diagnosis.physical.colours import coloured, left_by
+from rthm_analysis.diagnosis.physical.colours import left_by
 from rthm_analysis.diagnosis.replay.between import ways
 from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -90,7 +89,7 @@ def begin(
     if _explains_most(best.fitting, best.retuned, begun[0].retuned):
         others = [one for one in begun if one is not best]
         begun = [best._replace(retuned=retuned_from(best.fitting, best.nominal)), *others]
-    return _whitened(begun)
+    return begun
 
 
 def fitting_of(
@@ -98,13 +97,6 @@ def fitting_of(
 ) -> Fitting:
     """Fits of the training part that weigh its channels by their noise."""
     return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours)
-
-
-def _whitened(begun: list[Baseline]) -> list[Baseline]:
-    """The same weighed by the colour of the noise, where no way of the loads leaves white noise."""
-    noise = reduce(Noise.smaller, [coloured(one.fitting, one.retuned, one.noise) for one in begun])
-    noise = noise.not_shared(begun[0].noise)
-    return begun if noise.is_white else [with_noise(one, noise) for one in begun]
 
 
 def with_noise(begun: Baseline, noise: Noise) -> Baseline:

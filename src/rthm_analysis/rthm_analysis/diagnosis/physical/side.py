@@ -20,6 +20,7 @@ from rthm_analysis.diagnosis.physical.colours import coloured
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
+from rthm_analysis.diagnosis.physical.whitening import whitened
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -103,7 +104,7 @@ def diagnose_physical(
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only("position", "velocity", "force")
     settled = drives.model
-    begun, *others = begin(seen, settled, first, train, progress)
+    begun, *others = whitened(begin(seen, settled, first, train, progress))
     begun, selection = chosen(begun, seen, settled, train)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)

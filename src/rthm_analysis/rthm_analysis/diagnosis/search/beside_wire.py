@@ -89,9 +89,7 @@ def one_by_one(fitting: Fitting, wire: FittedCandidate) -> list[FittedCandidate]
     """The effect of a wire, with one kind after the other until they come near the noise."""
     found = [wire]
     while (
-        len(found) <= BESIDE_WIRE_MOST_EFFECTS
-        and not _near(fitting, found[-1])
-        and not fitting.budget.spent
+        len(found) <= BESIDE_WIRE_MOST_EFFECTS and not _near(fitting, found[-1]) and not fitting.budget.spent
     ):
         fitting.rebase(found[-1].fitted.model)
         beside = companions(fitting, found[-1].fitted)

@@ -17,12 +17,17 @@ from rthm_analysis.diagnosis.criteria.search import (
     COMBINATION_FIRST_STEPS,
     COMBINATIONS_IN_TURN,
     DISTINGUISHING_GAIN,
-    FINISHED_CHI2,
     NEAR_NOISE_CHI2,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, price, reduced_chi2
+from rthm_analysis.diagnosis.search.judging import (
+    FittedCandidate,
+    Selection,
+    noise_and_no_more,
+    price,
+    reduced_chi2,
+)
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
 from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
@@ -44,14 +49,10 @@ def combined(fitting: Fitting, selection: Selection) -> Selection:
 
 
 def _questionable(fitting: Fitting, selection: Selection) -> bool:
-    """Whether another combination may do better: not where one plain effect leaves noise and no more.
-
-    A draft leaves a little more, and is asked again with all samples.
-    """
-    enough = NEAR_NOISE_CHI2 if fitting.experiment.is_draft else FINISHED_CHI2
+    """Whether another combination may do better: not where one plain effect leaves noise and no more."""
     starts = [tried[0].start for tried in selection.rounds]
     alone = len(starts) == 1 and is_plain(starts[0])
-    return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < enough)
+    return bool(starts) and not (alone and reduced_chi2(fitting, selection.best) < noise_and_no_more(fitting))
 
 
 def _cost(fitting: Fitting, selection: Selection, fitted: Fitted) -> float:

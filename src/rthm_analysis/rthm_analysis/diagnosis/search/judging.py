@@ -11,6 +11,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.search import (
     ARITHMETIC_CHI2,
     DISTINGUISHING_GAIN,
+    FINISHED_CHI2,
     GAIN_OF_CHANCE,
     GAIN_PER_PARAMETER,
     NEAR_NOISE_CHI2,
@@ -128,6 +129,14 @@ def looked_for(fitting: Fitting, starts: Iterable[InitialGuess]) -> Iterator[Ini
 def reduced_chi2(fitting: Fitting, fitted: Fitted) -> float:
     """Squared error per sample of a model, in units of the noise; at least 1."""
     return max(1.0, float(fitted.sums.squares.sum()) / max(fitting.expected, 1.0))
+
+
+def noise_and_no_more(fitting: Fitting) -> float:
+    """Reduced chi-squared below which a model leaves noise and no more.
+
+    A draft leaves a little more, and is asked again with all samples.
+    """
+    return NEAR_NOISE_CHI2 if fitting.experiment.is_draft else FINISHED_CHI2
 
 
 def clear_gain(old: Fitted, new: Fitted, enough: float) -> bool:

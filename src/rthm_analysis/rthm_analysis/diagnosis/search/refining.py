@@ -25,6 +25,7 @@ from rthm_analysis.diagnosis.search.judging import (
     FittedCandidate,
     best_of_labels,
     distinguishable,
+    noise_and_no_more,
     reduced_chi2,
 )
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate
@@ -38,7 +39,28 @@ from rthm_core.errors import InputError
 def refined(
     fitting: Fitting, fitted: Fitted, known: Floats, promising: list[ScoredCandidate]
 ) -> list[FittedCandidate]:
-    """Fit the promising candidates, the better the longer; best first by what data left out say."""
+    """Fit the promising candidates, the better the longer; best first by what data left out say.
+
+    Kinds that need many short steps are fitted where no plain kind suffices.
+    """
+    slow = [one for one in promising if one.start.added.law.kinked]
+    begun = partial(_begun_fits, fitting, fitted, known)
+    tried = _in_heats(fitting, known, begun([one for one in promising if one not in slow], []))
+    if slow and not any(_suffices(fitting, one) for one in tried):
+        tried = _in_heats(fitting, known, [*tried, *begun(slow, tried)])
+    meaningful = [one for one in tried if _meaningful(one)]
+    ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
+    return without_unproven_tones(fitting, ordered, fitted)
+
+
+def _begun_fits(
+    fitting: Fitting,
+    fitted: Fitted,
+    known: Floats,
+    promising: list[ScoredCandidate],
+    others: list[FittedCandidate],
+) -> list[FittedCandidate]:
+    """First steps of the fits of some candidates, and of kinds that grow from a plainer one of all."""
 
     def first(start: InitialGuess, model: Model) -> FittedCandidate:
         return fit_further(fitting, unfitted(start, fitted, model), known, HEATS[0][0])
@@ -47,17 +69,24 @@ def refined(
         return first(one.start, _begun(fitting, fitted.model, one))
 
     tried = fitting.cores.each_in_parts(begun, promising)
-    grown = _grown(tried, promising)
+    grown = _grown([*others, *tried], promising)
     tried += fitting.cores.each_in_parts(lambda start: first(start, start.added_to(fitted.model)), grown)
-    tried = [one for one in tried if np.isfinite(one.error)]
+    return [one for one in tried if np.isfinite(one.error)]
+
+
+def _in_heats(fitting: Fitting, known: Floats, tried: list[FittedCandidate]) -> list[FittedCandidate]:
+    """The same, the better ones fitted longer."""
     for steps, most in HEATS[1:]:
-        tried.sort(key=lambda t: t.fitted.squares)
+        tried = sorted(tried, key=lambda t: t.fitted.squares)
         most = 1 if fitting.budget.spent else min(most, _within_reach(fitting, tried))
         further = partial(fit_further, fitting, known=known, steps=steps)
         tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
-    meaningful = [one for one in tried if _meaningful(one)]
-    ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
-    return without_unproven_tones(fitting, ordered, fitted)
+    return tried
+
+
+def _suffices(fitting: Fitting, tried: FittedCandidate) -> bool:
+    """Whether a plain kind leaves noise and no more."""
+    return not tried.law.flexible and reduced_chi2(fitting, tried.fitted) < noise_and_no_more(fitting)
 
 
 def unfitted(start: InitialGuess, fitted: Fitted, model: Model) -> FittedCandidate:

@@ -3,7 +3,7 @@
 PLAN_GAIN_RATIO = 1.3
 """A planned test has to tell hypotheses apart by so many times as much as the present one."""
 
-PLAN_SIMULATIONS = 120
+PLAN_SIMULATIONS = 80
 """Simulations of one plan, about 1 ms each for a loop with one dof a side; work and not time is counted, so
 that a busy host plans the same."""
 

@@ -269,7 +269,8 @@ class Experiment:
 
 def _key(bare: Spec, windows: Windows) -> str:
     """What tells a model, started in some windows, from others."""
-    return f"{bare!r} {hash(windows.state.tobytes())} "
+    moved = (bare.plant, bare.actuator, bare.interface, bare.effects)
+    return f"{moved!r} {hash(windows.state.tobytes())} "
 
 
 def _without_sensors(spec: Spec) -> Spec:

@@ -107,8 +107,9 @@ def children_cpu() -> float:
 def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
     """One row per recording and version of the code; its first diagnosis of all compiles."""
     codes = {"today": dict(os.environ)}
+    codes["today"].pop("PYTHONDONTWRITEBYTECODE", None)  # a second start of a user's finds bytecode
     if options.beside:
-        codes[options.beside] = os.environ | {"PYTHONPATH": sources_of(options.beside, folder / "beside")}
+        codes[options.beside] = codes["today"] | {"PYTHONPATH": sources_of(options.beside, folder / "beside")}
     codes = {
         code: environment | {"RTHM_CACHE_DIR": str(folder / f"cache-{code}")}
         for code, environment in codes.items()

@@ -11,6 +11,7 @@ probed with unit motions and become part of A, so that their equation, too, is w
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -40,6 +41,11 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
+Resting = tuple[Any, tuple[float, ...], str, int, int]
+"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own
+state."""
+
+
 class PhysicalModel(NamedTuple):
     """Everything that the compiled code needs to know of motor, wire and plant.
 
@@ -60,6 +66,38 @@ class PhysicalModel(NamedTuple):
     wires: WireTable
     laws: LawTable | None
     sensors: Sensors
+
+
+class Mechanical(NamedTuple):
+    """Plant, wires and laws of a spec, put together.
+
+    Attributes
+    ----------
+    parts : _Assembly
+    wires : WireTable
+    laws : LawTable or None
+        None when all is linear.
+    sensors : Sensors
+    resting : list
+        Laws with own states, for their values at the start of a test.
+    """
+
+    parts: _Assembly
+    wires: WireTable
+    laws: LawTable | None
+    sensors: Sensors
+    resting: list[Resting]
+
+    @property
+    def n(self) -> int:
+        """Number of dofs."""
+        return self.parts.n
+
+    @property
+    def matrix(self) -> Floats:
+        """``dy/dt = matrix [y, u, w, F, f]``."""
+        parts = self.parts
+        return np.asarray(np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]), dtype=float)
 
 
 class _Assembly:
@@ -159,11 +197,6 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
     return loads, dofs, listed
 
 
-Resting = tuple[Any, tuple[float, ...], str, int, int]
-"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own
-state."""
-
-
 def physical_model(
     spec: Spec, body: Substructure | None = None, further: list[tuple[Load, int]] | None = None
 ) -> tuple[PhysicalModel, list[Resting]]:
@@ -190,6 +223,37 @@ def physical_model(
     InputError
         When the spec has no plant.
     """
+    loads, load_dofs, listed = _loads(spec, further or [])
+    built = mechanical(spec, body, load_dofs, measured=body is None)
+    orders = max([one.orders for one in loads] + [2 if _limits_rate(spec) else 1])
+    motors = drive(spec, orders, actuators=built.parts.m)
+    model = PhysicalModel(
+        built.n,
+        built.parts.m,
+        motors,
+        _whole(motors, built.parts, orders),
+        built.matrix,
+        np.asarray(built.parts.inverse_mass, dtype=float),
+        together(loads),
+        np.array(load_dofs, dtype=np.int64),
+        listed,
+        built.wires,
+        built.laws,
+        built.sensors,
+    )
+    return model, built.resting
+
+
+def mechanical(
+    spec: Spec, body: Substructure | None = None, load_dofs: Sequence[int] = (), *, measured: bool = False
+) -> Mechanical:
+    """Plant and wires of a spec without motors, with loads on some dofs, and its sensors if it is `measured`.
+
+    Raises
+    ------
+    InputError
+        When the spec has no plant.
+    """
     if spec.plant is None:
         raise InputError(
             "plant is missing: nothing can be simulated without it; add a plant section with "
@@ -197,57 +261,36 @@ def physical_model(
         )
     plant = body or substructure(spec.plant)
     m = len(spec.actuator.names) if spec.actuator and body is None else 0
-    loads, load_dofs, listed = _loads(spec, further or [])
     forces = [(law, p, dof) for law, p, dof in plant_laws(spec) if law.excitation(p) is None]
-    at = 2 * plant.dofs
-    wires, at = wire_table(spec, at, m)
+    wires, at = wire_table(spec, 2 * plant.dofs, m)
     wire_list, at = wire_laws(spec, at, m)
-    law_at = np.cumsum([at, *[law.states for law, _, _ in forces]])
-    sensor_at = int(law_at[-1])
-    size = sensor_at + (0 if body else sensor_states(spec))
-    nonlinear = [
-        (law, p, dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if not law.linear
-    ]
-    parts = _Assembly(spec, plant, m, size, len(loads), len(nonlinear))
+    law_at = np.cumsum([at, *[law.states for law, _, _ in forces]]).tolist()
+    placed = [(law, p, dof, z) for (law, p, dof), z in zip(forces, law_at, strict=False)]
+    nonlinear = [one for one in placed if not one[0].linear]
+    size = law_at[-1] + (sensor_states(spec) if measured else 0)
+    parts = _Assembly(spec, plant, m, size, len(load_dofs), len(nonlinear))
     parts.add_plant()
     for i, dof in enumerate(load_dofs):
         parts.b_w[:, i] = parts.push(dof)
     for i, (_, _, dof, _) in enumerate(nonlinear):
         parts.b_p[:, i] = parts.push(dof)
-    for (law, p, dof), z in zip(forces, law_at, strict=False):
+    for law, p, dof, z in placed:
         if law.linear:
-            parts.add_linear_law(law, p, dof, int(z))
+            parts.add_linear_law(law, p, dof, z)
     wires = wires.sized(size)
     for actuator in range(m):
         parts.b_f[:, actuator] = parts.push(int(wires.numbers[actuator, DOF]))
         if wires.numbers[actuator, PULLEY] >= 0:
             parts.add_transmission(actuator, int(wires.numbers[actuator, PULLEY]))
-    measured = sensors(spec, parts, sensor_at, measured=body is None)
+    sensed = sensors(spec, parts, law_at[-1], measured=measured)
     for actuator in range(m):
         if not wires.numbers[actuator, NONLINEAR]:
             parts.add_linear_wire(wires, actuator, wire_list)
-    orders = max([one.orders for one in loads] + [2 if _limits_rate(spec) else 1])
-    motors = drive(spec, orders, actuators=m)
-    resting: list[Resting] = [
-        (law, p, "plant", dof, int(z)) for (law, p, dof), z in zip(forces, law_at, strict=False) if law.states
-    ]
+    resting: list[Resting] = [(law, p, "plant", dof, z) for law, p, dof, z in placed if law.states]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in nonlinear_wires(wires) if law.states]
-    model = PhysicalModel(
-        plant.dofs,
-        m,
-        motors,
-        _whole(motors, parts, orders),
-        np.asarray(np.hstack([parts.a, parts.b_u, parts.b_w, parts.b_f, parts.b_p]), dtype=float),
-        np.asarray(parts.inverse_mass, dtype=float),
-        together(loads),
-        np.array(load_dofs, dtype=np.int64),
-        listed,
-        wires,
-        law_table(nonlinear) if nonlinear or wires.numbers[:, NONLINEAR].any() else None,
-        measured,
-    )
-    return model, resting
+    laws = law_table(nonlinear) if nonlinear or wires.numbers[:, NONLINEAR].any() else None
+    return Mechanical(parts, wires, laws, sensed, resting)
 
 
 def _limits_rate(spec: Spec) -> bool:

@@ -9,7 +9,7 @@ from rthm_core.physical.advance import Physical, PhysicalState
 from rthm_core.physical.drive import accepted, settled
 from rthm_core.physical.integrate import trace, work
 from rthm_core.physical.laws import DOF, PULLEY
-from rthm_core.physical.model import PhysicalModel, Resting
+from rthm_core.physical.model import Mechanical, PhysicalModel, Resting
 from rthm_core.physical.switching import first_mode
 
 
@@ -42,7 +42,7 @@ def physical(
     return Physical(model, state, work(ny, nq, model.m, model.load_dof.size, laws), trace(ny, laws))
 
 
-def rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) -> None:
+def rest(model: PhysicalModel | Mechanical, resting: list[Resting], y: Floats, u: Floats) -> None:
     """Write the own states of pulleys, laws and sensors in steady state into `y` (ny,), whose positions and
     velocities are there, with the motors at `u` (m,).
     """
@@ -61,7 +61,7 @@ def rest(model: PhysicalModel, resting: list[Resting], y: Floats, u: Floats) -> 
     _rest_sensors(model, y, u)
 
 
-def _rest_sensors(model: PhysicalModel, y: Floats, u: Floats) -> None:
+def _rest_sensors(model: PhysicalModel | Mechanical, y: Floats, u: Floats) -> None:
     """What lags behind a signal that is constant has its value."""
     wires, sensors = model.wires, model.sensors
     for row in np.flatnonzero(sensors.lagged >= 0).tolist():

@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats
 from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table
-from rthm_core.physical.model import physical_model
+from rthm_core.physical.model import mechanical
 from rthm_core.physical.side import first_command
 from rthm_core.physical.start import rest
 
@@ -75,21 +75,18 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
         Motor positions before the test; by default what the spec's first command gives.
     """
     assert spec.plant is not None
-    model, resting = physical_model(spec)
-    n, m, ny = model.n, model.m, model.mechanics.shape[0]
-    by_loads = np.zeros((ny, n))
-    by_loads[n : 2 * n] = model.inverse_mass
-    motion, _, fed_back = np.split(model.mechanics, [ny + m, ny + m + model.load_dof.size], axis=1)
-    initial = np.zeros(ny)
+    n = len(spec.plant.dofs)
+    built = mechanical(spec, load_dofs=range(n))
+    initial = np.zeros(built.parts.a.shape[0])
     initial[:n], initial[n : 2 * n] = spec.plant.initial_position, spec.plant.initial_velocity
-    rest(model, resting, initial, first_command(spec) if first_motor is None else first_motor)
+    rest(built, built.resting, initial, first_command(spec) if first_motor is None else first_motor)
     return Mechanics(
         n,
-        m,
-        np.hstack([motion, by_loads, fed_back]),
-        model.inverse_mass,
-        model.wires,
-        NO_LAWS if model.laws is None else model.laws,
+        built.parts.m,
+        built.matrix,
+        built.parts.inverse_mass,
+        built.wires,
+        NO_LAWS if built.laws is None else built.laws,
         initial,
     )
 

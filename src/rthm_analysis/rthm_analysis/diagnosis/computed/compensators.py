@@ -144,7 +144,7 @@ def _best_root(curves: Floats, told: Floats) -> float:
         return float(np.median(np.abs(h**order @ curves - told)))
 
     row = np.linspace(0.0, COMPENSATOR_LONGEST_HORIZON, 401)
-    best = min(row.tolist(), key=typical)
+    best: float = min(row.tolist(), key=typical)
     for _ in range(30):
         slope = (order[1:] * best ** order[:-1]) @ curves[1:]
         off = told - best**order @ curves

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -37,6 +37,7 @@ from rthm_core.schedule import Schedule
 from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.computed.replayed import Used
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
@@ -114,7 +115,9 @@ def _as_specified(recording: Recording, spec: Spec, held: Latched, found: Mismat
     """Mismatch of a controller whose compensator is not the one of the spec."""
     used = samples_used(recording, spec)
     plain = spec.loop().actuator.compensator == "none" or isinstance(used, str)
-    position = held_position(recording, held) if plain else law_with(recording, spec, used).position
+    position = (
+        held_position(recording, held) if plain else law_with(recording, spec, cast("Used", used)).position
+    )
     off = []
     for i, k in enumerate(believed_stiffness(spec)):
         commands = commands_of(recording, spec, position, i)

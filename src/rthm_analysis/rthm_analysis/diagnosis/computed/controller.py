@@ -15,7 +15,7 @@ from rthm_core.substructure import as_built
 from rthm_core.topics import COMMAND
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats, Integers
+    from rthm_core.compiled import Flags, Floats, Integers
     from rthm_core.spec import Spec
 
 
@@ -36,7 +36,7 @@ class Commands:
     x1: Floats
     force: Floats
 
-    def rows(self, which: Floats | Integers) -> Commands:
+    def rows(self, which: Flags | Integers) -> Commands:
         """Return some of the commands."""
         return Commands(self.time[which], self.u_d[which], self.x1[which], self.force[which])
 
@@ -105,7 +105,7 @@ def fitted_compliance(commands: Commands) -> tuple[float, float]:
 def affine(commands: Commands) -> tuple[Floats, float]:
     """Gains of x1 and F_d and a constant that fit the commands best, and the rms that is left, m."""
     basis = np.column_stack([commands.x1, commands.force, np.ones(commands.u_d.size)])
-    gains = np.linalg.lstsq(basis, commands.u_d, rcond=None)[0]
+    gains = np.asarray(np.linalg.lstsq(basis, commands.u_d, rcond=None)[0], dtype=float)
     return gains, float(np.sqrt(np.mean((commands.u_d - basis @ gains) ** 2)))
 
 

@@ -64,20 +64,22 @@ class Ticks:
     def steps(self) -> Integers:
         """Rows from which the next tick is known and can be predicted."""
         follows = np.diff(self.time) == self.period
-        known = np.isfinite(self.held[:-1]).all(axis=1) & np.isfinite(self.z2).all(axis=1)[1:]
-        return np.flatnonzero(follows & known & np.isfinite(self.z2).all(axis=1)[:-1])
+        state = np.asarray(np.isfinite(self.z2).all(axis=1))
+        known = np.isfinite(self.held[:-1]).all(axis=1) & state[1:]
+        return np.flatnonzero(follows & known & state[:-1])
 
     @property
     def told(self) -> Integers:
         """Rows whose force reference can be computed."""
-        known = np.isfinite(self.force) & np.isfinite(self.held).all(axis=1)[:, None]
+        known = np.isfinite(self.force) & np.asarray(np.isfinite(self.held).all(axis=1))[:, None]
         return np.flatnonzero(known.all(axis=1) & np.isfinite(self.z2).all(axis=1))
 
     def part(self, begin_ns: int, end_ns: int) -> Ticks:
         """Return the ticks in a span of time."""
         rows = (self.time >= begin_ns) & (self.time < end_ns)
-        columns = (self.time, self.z2, self.force, self.held, self.load)
-        return Ticks(*(column[rows] for column in columns), self.period)
+        return Ticks(
+            self.time[rows], self.z2[rows], self.force[rows], self.held[rows], self.load[rows], self.period
+        )
 
 
 def ticks_of(recording: Recording, spec: Spec, held: Latched) -> Ticks:
@@ -163,7 +165,7 @@ def fitted(
         slope = np.column_stack([_slope(ticks, one, name, sizes, error) for name in names])
         if not np.isfinite(slope).all():
             break
-        change = np.linalg.lstsq(slope, error, rcond=None)[0]
+        change = np.asarray(np.linalg.lstsq(slope, error, rcond=None)[0], dtype=float)
         other = _moved(one, names, change)
         after = errors(ticks, other, sizes)
         if size_of(after) > size_of(error):

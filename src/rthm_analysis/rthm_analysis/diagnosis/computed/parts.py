@@ -36,6 +36,7 @@ from rthm_core.schedule import Schedule
 from rthm_core.topics import FORCE_REFERENCE, NUMERICAL_STATE
 
 if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
 
@@ -203,6 +204,7 @@ def _term_energy(recording: Recording, spec: Spec, ticks: Ticks, found: Search, 
     n = nominal.mass.shape[0]
     x2, v2 = ticks.z2[:, :n], ticks.z2[:, n:]
     a2 = np.gradient(v2, ticks.time / NS, axis=0)
+    terms: tuple[tuple[Floats, Floats], ...]
     terms = ((wrong.mass - nominal.mass, a2), (wrong.damping - nominal.damping, v2))
     terms = (*terms, (wrong.stiffness - nominal.stiffness, x2))
     own = -sum(np.einsum("ij,nj,ni->n", change, motion, v2) for change, motion in terms)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def with_motion(recording: Recording, evidence: Evidence) -> Recording:
         Of it, corrected; what was left out of it stays as recorded.
     """
     plant = recording.plant
-    fields = {"position": plant.position.copy(), "velocity": plant.velocity.copy()}
+    fields: dict[str, Any] = {"position": plant.position.copy(), "velocity": plant.velocity.copy()}
     for column, channel in enumerate(evidence.channels):
         if channel.family in fields:
             values, at = evidence.measured[:, column], plant.names.index(channel.place)

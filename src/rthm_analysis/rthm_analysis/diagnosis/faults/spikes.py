@@ -150,7 +150,7 @@ def _spikes(values: Floats) -> list[Stretch]:
         for one in stretches((size > least) & known)
         if one[1] - one[0] <= SPIKE_MOST_SAMPLES and _returns(whole, one, float(size[one[0] : one[1]].max()))
     ]
-    middling = np.count_nonzero((size > SPIKE_BETWEEN_SHARE * least) & (size <= least) & known)
+    middling = int(np.count_nonzero((size > SPIKE_BETWEEN_SHARE * least) & (size <= least) & known))
     heights = [float((size / least)[a:b].max()) for a, b in found]
     if len(found) < SEVERAL_SPIKES:
         rare = max(

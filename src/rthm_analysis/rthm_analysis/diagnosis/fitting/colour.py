@@ -203,7 +203,7 @@ def whitened_from(errors: Floats, colours: Sequence[Colour], starts: Integers) -
 
 
 @compiled
-def _whiten(signal, pole, zero):  # type: ignore[no-untyped-def]
+def _whiten(signal: Floats, pole: float, zero: float) -> None:
     """Put the innovations of a signal (s,), 0 before its first sample, in its place."""
     before, error = 0.0, 0.0
     for t in range(signal.size):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -49,7 +49,8 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
     present = {(one.law, one.place) for one in model.added}
     places = [one.place for one in fitting.experiment.evidence.channels]
     apart = _apart(fitting.experiment.evidence, model.spec)
-    asked = [(law, place) for law in ranked("motor") for place in places if (law, place) not in present]
+    laws = cast("tuple[type[MotorEffect], ...]", ranked("motor"))
+    asked = [(law, place) for law in laws for place in places if (law, place) not in present]
 
     def limit(one: tuple[type[MotorEffect], str]) -> float | None:
         law, place = one

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
 
 
-GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
+GOLDEN: float = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True)

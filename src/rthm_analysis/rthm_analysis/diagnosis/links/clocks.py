@@ -115,7 +115,7 @@ def _explains(stamps: Integers, period: int, share: float, references: int | Non
     on_tick = _near(stamps, ticks, ON_TICK_PERIOD_SHARE * period)
     if ticks.size < PERIOD_FEWEST_STAMPS or np.count_nonzero(on_tick) < share * ticks.size:
         return False
-    return (
+    return bool(
         references is None
         or np.count_nonzero(~on_tick) <= COMMANDS_PER_REFERENCE * references + PERIOD_FEWEST_STAMPS
     )
@@ -126,7 +126,7 @@ def _near(stamps: Integers, ticks: Integers, reach: float) -> Flags:
     row = np.clip(np.searchsorted(ticks, stamps), 1, max(ticks.size - 1, 1))
     if ticks.size < 2:
         return np.zeros(stamps.size, dtype=bool)
-    return np.minimum(np.abs(stamps - ticks[row]), np.abs(stamps - ticks[row - 1])) <= reach
+    return np.asarray(np.minimum(np.abs(stamps - ticks[row]), np.abs(stamps - ticks[row - 1])) <= reach)
 
 
 def _reference_period(recording: Recording, nominal: int, td2: int) -> int | None:

@@ -190,8 +190,12 @@ def _searched(data: Counted, names: tuple[str, ...], start: Model, reach: float)
 
     steps = np.array([reach * max(0.3 * abs(start.delay), 1e-4) if n == "delay" else reach for n in names])
     origin = _encoded(start, names)
+
+    def unlikely(z: Floats) -> float:
+        return -data.total(_decoded(z, names))
+
     found = minimize(
-        lambda z: -data.total(_decoded(z, names)),
+        unlikely,
         origin,
         method="Nelder-Mead",
         options={

@@ -42,10 +42,10 @@ class Selection:
         Gain of each other selection over the chosen one, nats; negative.
     """
 
-    kinds: tuple[str, ...]
+    kinds: tuple[Change, ...]
     model: Model
     nothing: Model
-    gains: dict[tuple[str, ...], float]
+    gains: dict[tuple[Change, ...], float]
 
 
 def is_exact(evidence: LinkEvidence) -> bool:
@@ -66,7 +66,7 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
     if is_exact(evidence):
         return Selection((), exact, exact, {})
     nothing = fitted(data, (), late=True) if machine else exact
-    alone: list[tuple[str, ...]] = [(kind,) for kind in KINDS]
+    alone: list[tuple[Change, ...]] = [(kind,) for kind in KINDS]
     single = {kinds: fitted(data, kinds, late=False) for kinds in alone}
     best = _plainest(data, single)
     late = fitted(data, best, late=True)
@@ -80,7 +80,7 @@ def choose(evidence: LinkEvidence, machine: bool = True) -> Selection:
     return _with_more(data, halves, best, single, nothing)
 
 
-def _plainest(data: Counted, models: dict[tuple[str, ...], Model]) -> tuple[str, ...]:
+def _plainest(data: Counted, models: dict[tuple[Change, ...], Model]) -> tuple[Change, ...]:
     """The most likely kind, or one that is as likely and needs no distribution of times."""
     best = max(data.total(model) for model in models.values())
     likely = [kinds for kinds, model in models.items() if data.total(model) > best - LINK_TELLING_GAIN]
@@ -90,8 +90,8 @@ def _plainest(data: Counted, models: dict[tuple[str, ...], Model]) -> tuple[str,
 def _with_more(
     data: Counted,
     halves: tuple[Counted, Counted],
-    best: tuple[str, ...],
-    models: dict[tuple[str, ...], Model],
+    best: tuple[Change, ...],
+    models: dict[tuple[Change, ...], Model],
     nothing: Model,
 ) -> Selection:
     """Add a second kind where it is needed."""

@@ -68,7 +68,7 @@ def _shifts(source: Integers, used: Integers, reach: int) -> Integers:
     shifts, votes = np.unique(np.repeat(used, counts) - source[rows], return_counts=True)
     inside = (used - reach >= source[0]) & (used + reach <= source[-1])
     enough = SHIFT_VOTES_SHARE * max(int(np.count_nonzero(inside)), used.size // 2)
-    return shifts[votes >= max(enough, SHIFT_VOTES_TO_BEST * votes.max(initial=0))]
+    return np.asarray(shifts[votes >= max(enough, SHIFT_VOTES_TO_BEST * votes.max(initial=0))])
 
 
 def _told_by_values(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from rthm_analysis.diagnosis.numbers import number, percent
 from rthm_analysis.diagnosis.result import Value
@@ -10,6 +10,7 @@ from rthm_core.effects import effect
 
 if TYPE_CHECKING:
     from rthm_analysis.timing.host_stalls import HostStalls
+    from rthm_core.effects.link import LinkEffect
 
 RECEIVERS = {
     "tau1": "states of the plant on their way to the controller",
@@ -40,7 +41,7 @@ def sentence(name: str, kind: str, value: Value, share: float) -> str:
     share : float
         Part of the squared error in the age of the samples, on unseen data, that it removes.
     """
-    law = effect(kind, f"link.{name}")
+    law = cast("type[LinkEffect]", effect(kind, f"link.{name}"))
     size = Value(abs(value.value), value.std, value.unit) if law.ways else value
     way = law.ways[value.value > 0.0] if law.ways else ""
     first = law.finding.format(samples=RECEIVERS[name], name=name, value=shown(size), way=way)

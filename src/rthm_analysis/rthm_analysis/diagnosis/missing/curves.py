@@ -205,7 +205,7 @@ def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
     n = len(before.dofs)
 
     def change(one: Sequence[float], other: Sequence[float]) -> Floats:
-        return (np.reshape(other, (n, n)) - np.reshape(one, (n, n))) / step
+        return np.asarray((np.reshape(other, (n, n)) - np.reshape(one, (n, n))) / step)
 
     return change(before.damping, after.damping), change(before.stiffness, after.stiffness)
 

@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.remainder import slow_power
 from rthm_analysis.diagnosis.physical.unrelated import is_rare, possible_causes, unrelated
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Flags, Floats, Integers
 
 
 def coloured(fitting: Fitting, fitted: Fitted, noise: Noise, *, named: bool = False) -> Noise:
@@ -86,7 +86,7 @@ def _coherent(pair: npt.NDArray[np.complex128], count: int) -> bool:
     """Whether two signals have more in common at some frequencies (n, 2) than chance would have it."""
     power = np.square(np.abs(pair)).sum(axis=0)
     both = float(np.abs(np.vdot(pair[:, 0], pair[:, 1]))) ** 2
-    return both > (1.0 - COHERENCE_CHANCE ** (1.0 / (count - 1))) * float(power.prod())
+    return bool(both > (1.0 - COHERENCE_CHANCE ** (1.0 / (count - 1))) * float(power.prod()))
 
 
 def left_by(fitting: Fitting, fitted: Fitted) -> Floats:
@@ -122,7 +122,7 @@ def _without_own(error: Floats, predicted: Floats) -> Floats:
     return np.asarray(error - _steps(error, level, known)[level])
 
 
-def _steps(error: Floats, level: Floats, known: Floats) -> Floats:
+def _steps(error: Floats, level: npt.NDArray[np.intp], known: Flags) -> Floats:
     """Mean error (l,) at each level, 0 where none is known."""
     count = np.bincount(level[known], minlength=OWN_VALUE_LEVELS)
     return np.bincount(level[known], error[known], OWN_VALUE_LEVELS) / np.maximum(count, 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING, cast
 
 from rthm_analysis.diagnosis.criteria.noise import COLOURED_STD_RATIO
 from rthm_analysis.diagnosis.criteria.verdict import CONFIRMING_GAIN, CONTACT_EXPLAINED_SHARE
@@ -12,6 +13,9 @@ from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_a
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.judging import Selection, imitates
+
+if TYPE_CHECKING:
+    from rthm_core.effects.laws import PlantLaw
 
 PATCHING = "beside a curved spring it did little but bend the curve of that spring"
 
@@ -86,7 +90,8 @@ def _patches(selection: Selection) -> bool:
     """Whether the last effect is a contact beside a curved spring on the same dof: it may patch its curve."""
     *others, last = (tried[0] for tried in selection.rounds)
     springs = [one.label[2] for one in others if one.label[0] == "plant" and (one.law.power or 0) > 1]
-    return last.label[0] == "plant" and last.law.partition == "position" and last.label[2] in springs
+    law = cast("type[PlantLaw]", last.law)
+    return last.label[0] == "plant" and law.partition == "position" and last.label[2] in springs
 
 
 def _without_last(selection: Selection) -> Selection:

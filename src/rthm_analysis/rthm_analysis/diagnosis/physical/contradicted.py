@@ -49,7 +49,8 @@ def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof
         * physical.noise.sigma[channel]
         / np.sqrt(SLOW_SAMPLES)
     )
-    response = _response(physical, families, dof, 2.0 * np.pi * np.fft.rfftfreq(here.size, step))
+    omega = np.asarray(2.0 * np.pi * np.fft.rfftfreq(here.size, step), dtype=float)
+    response = _response(physical, families, dof, omega)
     shown, chance = (_shown(one, families, step, response) for one in (here, noise))
     power, usual = float(shown @ shown), float(chance @ chance)
     of_noise = here.size * float(physical.noise.sigma[other]) ** 2 / SLOW_SAMPLES

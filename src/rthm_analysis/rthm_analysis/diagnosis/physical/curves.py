@@ -51,7 +51,7 @@ def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | 
     effects = [one for one in model.spec.effects if one.name in names]
     if not effects:
         return None
-    return np.sum([law_force(one, physical.evidence.time, x, v) for one in effects], axis=0)
+    return np.asarray(np.sum([law_force(one, physical.evidence.time, x, v) for one in effects], axis=0))
 
 
 def residual_force(physical: Physical, predicted: Floats, dof: str) -> tuple[Floats, Floats, Floats] | None:

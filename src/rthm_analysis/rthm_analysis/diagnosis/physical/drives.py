@@ -110,7 +110,8 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
     n = len(spec.plant.dofs)
     runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
     rounds: list[list[FittedCandidate]] = []
-    model, limits = Model(spec, prefix=PREFIX), {}
+    limits: Limits = {}
+    model = Model(spec, prefix=PREFIX)
     for _ in range(DRIVE_MOST_EFFECTS):
         fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
         here = fitting.fit(model)

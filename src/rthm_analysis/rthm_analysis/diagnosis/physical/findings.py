@@ -283,7 +283,7 @@ def _wire_error(physical: Physical, residual: Floats, k: int) -> Floats:
         if channel.family == "position" and channel.place == dof:
             noise = np.hypot(physical.sigma[k], stiffness * physical.sigma[i])
             return np.asarray((residual[:, k] + stiffness * residual[:, i]) / noise)
-    return residual[:, k] / physical.sigma[k]
+    return np.asarray(residual[:, k] / physical.sigma[k])
 
 
 def _rms(error: Floats) -> float:
@@ -317,6 +317,7 @@ def _effects(physical: Physical, judged: Judgement) -> tuple[dict[str, object], 
         model = physical.drives[-1][0].fitted.model
         for i, one in enumerate(model.added):
             told = settled_by_plant(physical, model.name(i), one).items()
+            known: dict[str, float | str]
             known = {key: value.value for key, value in told if isinstance(value, Value)}
             sections.append(one.section(model.effect_values(i) | known))
     if not judged.earned:

@@ -44,7 +44,7 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
     values = list(_values(spec, name))
     values[place] = value
     if name in OF_PLANT:
-        n = len(spec.plant.dofs)  # type: ignore[union-attr]
+        n = len(spec.plant.dofs)
         values[place % n * n + place // n] = value
     changed: dict[str, Any] = {field: tuple(values)}
     if section == "actuator":

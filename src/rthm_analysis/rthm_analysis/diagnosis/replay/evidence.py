@@ -184,7 +184,7 @@ def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats: 
     if spec.actuator and spec.interface:
         places = dict(zip(spec.actuator.names, spec.interface.plant_dof, strict=False))
     for name, column in zip(others, np.nan_to_num(plant.columns("effort", others)).T, strict=True):
-        dof = spec.plant.dofs.index(places[name]) if name in places else 0  # type: ignore[union-attr]
+        dof = spec.plant.dofs.index(places[name]) if name in places else 0
         total[:, dof] += column
     return total
 

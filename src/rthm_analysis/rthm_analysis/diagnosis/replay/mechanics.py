@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from rthm_core.physical.side import first_command
 from rthm_core.physical.start import rest
 
 if TYPE_CHECKING:
+    from rthm_core.effects.laws import PlantLaw
     from rthm_core.spec import Spec
 
 NO_LAWS = law_table([])
@@ -118,7 +119,7 @@ def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
     for effect in spec.effects:
         if effect.block == "plant" and effect.dof and spec.plant:
             dof = spec.plant.dofs.index(effect.dof)
-            stiffness, damping = effect.law.steepest(effect.numbers)
+            stiffness, damping = cast("type[PlantLaw]", effect.law).steepest(effect.numbers)
             a[n : 2 * n, dof] -= mechanics.inverse_mass[:, dof] * abs(stiffness)
             a[n : 2 * n, n + dof] -= mechanics.inverse_mass[:, dof] * damping
     return np.asarray(np.linalg.eigvals(a))

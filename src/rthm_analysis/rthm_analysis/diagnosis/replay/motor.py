@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -103,7 +103,8 @@ class _Working(NamedTuple):
 
 
 def _working(m: int, nq: int) -> _Working:
-    commands, modes = (np.zeros(m) for _ in range(6)), (np.zeros(nq, complex) for _ in range(5))
+    commands: Any = (np.zeros(m) for _ in range(6))
+    modes: Any = (np.zeros(nq, complex) for _ in range(5))
     return _Working(*commands, *modes)
 
 

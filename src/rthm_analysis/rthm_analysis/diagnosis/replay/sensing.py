@@ -62,7 +62,7 @@ def lagged(time: Floats, signal: Floats, time_constant: float) -> Floats:
 
 
 @compiled
-def _lag_into(out, time, signal, time_constant):  # type: ignore[no-untyped-def]
+def _lag_into(out: Floats, time: Floats, signal: Floats, time_constant: float) -> None:
     out[0] = signal[0, 0]
     for g in range(time.size - 1):
         first, middle, last = signal[g]

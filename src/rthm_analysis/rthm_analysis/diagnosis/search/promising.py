@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import (
@@ -54,7 +56,7 @@ def screened(fitting: Fitting, fitted: Fitted, known: Floats) -> list[ScoredCand
     return [s for s, no in zip(both, denied, strict=True) if not no]
 
 
-def tones(fitting: Fitting, fitted: Fitted) -> list[InitialGuess]:
+def tones(fitting: Fitting, fitted: Fitted) -> Iterable[InitialGuess]:
     """Tones that what a model leaves shows."""
     if fitting.simple:
         return []

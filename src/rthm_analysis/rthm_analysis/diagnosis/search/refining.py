@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
+from typing import Any, cast
 
 import numpy as np
 
@@ -113,7 +114,8 @@ def _beyond(plainer: Plainer, start: InitialGuess, tried: list[FittedCandidate])
         return
     best = min(fitted, key=lambda one: one.error)
     plain = best.fitted.model.effect_values(len(best.fitted.model.added) - 1)
-    for values in plainer.beyond(plain, start.added.parameters):
+    beyond = cast("Callable[..., Iterable[dict[str, Any]]]", plainer.beyond)
+    for values in beyond(plain, start.added.parameters):
         added = replace(start.added, place=best.label[2], parameters=values)
         yield replace(start, added=added, scales=dict(values))
 

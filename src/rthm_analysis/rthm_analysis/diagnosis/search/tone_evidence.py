@@ -51,7 +51,8 @@ def without_unproven_tones(
     )
     enough = share * (before - lasting[0].error)
     instead = [one for one in lasting if not one.law.is_tone and before - one.error > enough]
-    return [*instead[:1], *(one for one in lasting if one is not (instead or [None])[0])]
+    first = instead[0] if instead else None
+    return [*instead[:1], *(one for one in lasting if one is not first)]
 
 
 def lasts(fitting: Fitting, fitted: Fitted, index: int) -> bool:

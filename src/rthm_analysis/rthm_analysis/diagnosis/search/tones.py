@@ -86,4 +86,4 @@ def _gains(arrays: Mechanics, spec: Spec, experiment: Experiment, omega: Floats,
             row = force[spec.actuator.names.index(channel.place)]
         rows.append(row / noise)
     seen = np.stack(rows) @ vectors
-    return np.einsum("km,fm,mn->kfn", seen, 1.0 / (1j * omega[:, None] - modes), entry)
+    return np.asarray(np.einsum("km,fm,mn->kfn", seen, 1.0 / (1j * omega[:, None] - modes), entry))

@@ -131,10 +131,12 @@ def _fitted(alone: WiresAlone, without: Model, model: Model, most: int) -> _Alon
         moved = np.where(positive, size * np.exp(values - 1.0), size + (values - 1.0) * scale)
         return model.at(np.concatenate([without.values, moved]))
 
-    done = least_squares(
-        lambda values: _left(alone, at(values)), np.ones(len(own)), diff_step=1e-3, max_nfev=most
-    )
-    stds = WIRE_STD_FACTOR * scale * np.sqrt(np.diag(np.linalg.pinv(done.jac.T @ done.jac)))
+    def left(values: Floats) -> Floats:
+        return _left(alone, at(values))
+
+    done = least_squares(left, np.ones(len(own)), diff_step=1e-3, max_nfev=most)  # type: ignore[arg-type]
+    jac = np.asarray(done.jac)
+    stds = WIRE_STD_FACTOR * scale * np.sqrt(np.diag(np.linalg.pinv(jac.T @ jac)))
     return _alone(alone, at(done.x), done.fun, stds)
 
 

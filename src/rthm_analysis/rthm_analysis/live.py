@@ -6,6 +6,8 @@ recording, so that listening costs little and the energy balance of a test and o
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from rthm_analysis.energy import EnergyLedger, Rows
@@ -113,6 +115,6 @@ class LiveLedger:
         assert self._last is not None and self._first is not None
         work = dict(zip(TERMS, self._last.work[-1].tolist(), strict=True))
         total = float(self._last.total[-1])
-        terms = with_error(work) | {"E_total": total}
+        terms: dict[str, Any] = with_error(work) | {"E_total": total}
         balance = total - float(self._first[0]) - sum(work.values())
         return int(self._last.stamp_ns[-1]), terms | {"balance_error": balance}

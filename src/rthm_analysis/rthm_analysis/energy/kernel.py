@@ -68,7 +68,7 @@ class Events(NamedTuple):
 
     time: Integers
     what: Integers
-    index: Integers
+    index: Integers  # type: ignore[assignment]
     command: Floats
     tick: Floats
     held: Floats

@@ -20,10 +20,9 @@ from rthm_analysis.recording.uses import tick_of_each
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats, Integers
 from rthm_core.link import NEVER
-from rthm_core.numerical import as_built
 from rthm_core.schedule import Schedule, newest_arrived, overtaking
 from rthm_core.spec import Spec
-from rthm_core.substructure import interface
+from rthm_core.substructure import as_built, interface
 
 KEPT_NS = 2_000_000_000
 """How long samples are kept after they were counted, beyond what the links need."""
@@ -157,7 +156,9 @@ class EnergyLedger:
         """Open the balance at the first of the `chosen` samples before which everything is known."""
         stamps = self._plant.stamps
         if self._schedule is None:
-            opening = Opening(int(chosen[0]), np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+            opening: Opening | None = Opening(
+                int(chosen[0]), np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+            )
         elif begins(self.spec, self.start_ns, self._ticks):
             opening = Opening(int(chosen[0]), *first_parts(self.spec))
         else:
@@ -283,5 +284,6 @@ class EnergyLedger:
         if self._schedule is not None:
             links, motor = self._schedule.links, self._schedule.motor_delay
             reach += 2 * (links["tau2"].reach_ns + links["tau4"].reach_ns + motor + self._schedule.td2)
-        for series in (self._plant, self._ticks, self._commands, *self._uses.values()):
+        every: tuple[Series | Uses, ...] = (self._plant, self._ticks, self._commands, *self._uses.values())
+        for series in every:
             series.forget(self._done - reach)

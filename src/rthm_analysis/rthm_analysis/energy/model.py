@@ -15,10 +15,10 @@ from rthm_core.energy import delay_matrices
 from rthm_core.engine.general.ledger import Ledger, ledger
 from rthm_core.linear import linear_system
 from rthm_core.loads import NO_LOAD, load, together
-from rthm_core.numerical import Numerical, NumericalSide, as_built, numerical
+from rthm_core.numerical import Numerical, NumericalSide, numerical
 from rthm_core.physical.model import physical_model
 from rthm_core.physical.start import physical
-from rthm_core.substructure import interface
+from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -111,7 +111,7 @@ def estimated_power(spec: Spec, velocity: Floats, acceleration: Floats) -> Float
     """
     mass, damping = delay_matrices(spec)
     power = np.einsum("ti,ij,tj->t", velocity, mass, acceleration)
-    return -power - np.einsum("ti,ij,tj->t", velocity, damping, velocity)
+    return np.asarray(-power - np.einsum("ti,ij,tj->t", velocity, damping, velocity))
 
 
 def first_parts(spec: Spec) -> tuple[Floats, Floats, Floats, Floats]:

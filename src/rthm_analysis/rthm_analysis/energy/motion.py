@@ -85,4 +85,4 @@ def _slopes(stamps_ns: Integers, position: Floats, width: int) -> Floats:
     powers = np.stack([np.ones_like(t), t, t * t][: min(3, size)], axis=2)
     scale = np.abs(t).max(axis=1)[:, None] ** np.arange(powers.shape[2])
     fit = np.linalg.pinv(powers / scale[:, None, :])
-    return np.einsum("nw,nwk->nk", fit[:, 1], position[window]) / scale[:, 1:2]
+    return np.asarray(np.einsum("nw,nwk->nk", fit[:, 1], position[window]) / scale[:, 1:2])

@@ -197,7 +197,7 @@ def numerical_matrices(ticks: Ticks, connected: Sequence[int]) -> Matrices | Non
 
 def _solved(columns: Floats, values: Floats) -> tuple[Floats, float]:
     """Least squares, and the part of the values that it leaves."""
-    solved = np.linalg.lstsq(columns, values, rcond=None)[0]
+    solved = np.asarray(np.linalg.lstsq(columns, values, rcond=None)[0], dtype=float)
     size = float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
     left = float(np.sqrt(np.mean(np.square(values - columns @ solved)))) if values.size else 0.0
     return solved, left / size if size else np.inf

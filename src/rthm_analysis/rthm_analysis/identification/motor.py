@@ -142,8 +142,8 @@ def _fitted(motion: Motion, start: Floats, fixed: dict[int, float]) -> Fit:
     highest = np.array([2.0 * LONGEST, LONGEST, LONGEST, np.inf, np.inf])[which]
     scale = np.array([1e-3, 1e-3, 1e-3, 1.0, max(float(np.ptp(motion.motor)), 1e-9)])[which]
     found = least_squares(left, known[which], bounds=(lowest, highest), x_scale=scale, xtol=1e-12)
-    full = np.zeros((5, 5))
-    full[np.ix_(which, which)] = covariance(found.jac, found.jac, found.fun)
+    full, jac = np.zeros((5, 5)), np.asarray(found.jac)
+    full[np.ix_(which, which)] = covariance(jac, jac, found.fun)
     fit = Fit(whole(found.x), full, found.fun)
     return fit if fixed else _slow_first(fit)
 

@@ -30,8 +30,8 @@ def components(lifted: Lifted, states: Complex, s: Complex, forcing: Forcing | N
     first = columns.u.copy()
     trace = np.zeros((cycle.time.size, 2 * m, count), dtype=complex)
     none = np.zeros((0, 2 * m, count), dtype=complex)
-    parts = (none, none[:, :m]) if forcing is None else (forcing.sample, forcing.reference)
-    walk(lifted.plan, columns, Forcing(*parts, trace))
+    sample, held = (none, none[:, :m]) if forcing is None else (forcing.sample, forcing.reference)
+    walk(lifted.plan, columns, Forcing(sample, held, trace))
     motor, reference = cycle.what == MOTOR, cycle.what == REFERENCE
     u = _staircase(cycle.time[motor], np.concatenate([first[None], trace[motor, :m]]), lifted, s)
     h = _staircase(cycle.time[reference], np.concatenate([0.0 * trace[:1], trace[reference]]), lifted, s)
@@ -49,7 +49,7 @@ def _staircase(time: Floats, values: Complex, lifted: Lifted, s: Complex) -> Com
     ends = np.concatenate([[0], time, [lifted.cycle.duration]]) * lifted.cycle.unit
     middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
     weights = np.exp(-s[:, None] * middle) * _sinhc(s[:, None] * half) * 2.0 * half
-    return np.einsum("st,trc->src", weights, values) / lifted.cycle.hyperperiod
+    return np.asarray(np.einsum("st,trc->src", weights, values) / lifted.cycle.hyperperiod)
 
 
 def _sinhc(x: Complex) -> Complex:

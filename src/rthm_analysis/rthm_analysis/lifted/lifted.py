@@ -30,7 +30,7 @@ class Lifted:
 
     def __post_init__(self) -> None:
         loop, unit = self.loop, self.cycle.unit
-        first, second = (part * unit for part in self.cycle.intervals)
+        first, second = (np.asarray(part * unit, dtype=float) for part in self.cycle.intervals)
         every = (steps(loop.a1, loop.b1, first), steps(loop.a2, loop.b2, second))
         object.__setattr__(self, "plan", plan(loop, self.cycle, *every, self._weights()))
 

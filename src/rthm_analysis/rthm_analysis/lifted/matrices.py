@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.predictor import Predictor, history, predictor
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import controller
 from rthm_core.loads import NO_LOAD
 from rthm_core.numerical import numerical
@@ -128,7 +128,7 @@ def _reading(sensors: Sensors, channel: int) -> tuple[int, float]:
     return (lagged if lagged >= 0 else channel), float(sensors.values[channel, 0])
 
 
-def _reference_rows(dofs: Floats, k2: Floats, c2: Floats, n2: int) -> tuple[Floats, Floats]:
+def _reference_rows(dofs: Integers, k2: Floats, c2: Floats, n2: int) -> tuple[Floats, Floats]:
     m = k2.size
     held, state = np.hstack([-np.diag(k2), -np.diag(c2)]), np.zeros((m, 2 * n2))
     for a, dof in enumerate(dofs):

@@ -83,8 +83,9 @@ class Outcome:
 
     @property
     def _brief(self) -> str:
-        is_warning = isinstance(self.margin, Margin) and not self.margin.stable
-        return self.margin.brief if is_warning else self.stability
+        if isinstance(self.margin, Margin) and not self.margin.stable:
+            return self.margin.brief
+        return self.stability
 
     def lines(self, *, warned: bool = False) -> list[str]:
         """For the terminal: stability first, then the error of every dof, its energy, timing and limits.

@@ -109,7 +109,7 @@ class LoopTransfer:
 
     def _apart(self, omega: Floats) -> Complex:
         r = np.stack([once_round(self.loop, self.ways, 1j * w) for w in np.atleast_1d(omega)])
-        return np.eye(self.loop.actuators) - r
+        return np.asarray(np.eye(self.loop.actuators) - r)
 
 
 def margins_of(transfer: LoopTransfer, names: tuple[str, ...]) -> tuple[Margins, ...]:
@@ -191,7 +191,7 @@ def _frequencies(transfer: LoopTransfer, one: Callable[[Floats], Complex]) -> Fl
 
 def _turns(values: Complex) -> Floats:
     """By how much each value is turned from the one before it, rad."""
-    return np.angle(values[1:] * np.conj(values[:-1]))
+    return np.asarray(np.angle(values[1:] * np.conj(values[:-1])))
 
 
 def _column(transfer: LoopTransfer, k: int) -> Callable[[Floats], Complex]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -40,7 +40,8 @@ def draw(over: StabilityMap, nominal: tuple[float | None, float | None], path: P
         bent = np.arcsinh(rate / (limit / 50.0))  # steep on one side and flat on the other would be jagged
         axis.contour(first.values, second.values, bent, levels=[0.0], colors="black", linewidths=1.5)
     if None not in nominal:
-        axis.plot(*nominal, marker="+", color="black", markersize=11, markeredgewidth=1.8, clip_on=False)
+        place = cast("tuple[float, float]", nominal)
+        axis.plot(*place, marker="+", color="black", markersize=11, markeredgewidth=1.8, clip_on=False)
     _name_regions(axis, first.values, second.values, rate)
     title = "black line: edge of stability; +: the spec"
     axis.set(xlabel=label(first.key), ylabel=label(second.key), title=title)

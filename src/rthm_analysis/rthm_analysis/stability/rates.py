@@ -36,7 +36,7 @@ SLOWEST = -1e6
 def growth_rates(loop: LinearLoop, cycle: Cycle, nominal_unit: float = 0.0) -> Floats:
     """The largest growth rates (LARGEST,), 1/s, descending (`nominal_unit` as in `Lifted`)."""
     size = np.abs(np.linalg.eigvals(Lifted(loop, cycle, nominal_unit).monodromy()))
-    return _largest(size[None], np.array([cycle.hyperperiod]))[0]
+    return np.asarray(_largest(size[None], np.array([cycle.hyperperiod]))[0])
 
 
 def _largest(moduli: Floats, hyperperiods: Floats) -> Floats:
@@ -47,7 +47,7 @@ def _largest(moduli: Floats, hyperperiods: Floats) -> Floats:
     largest = np.sort(moduli, axis=1)[:, ::-1][:, :LARGEST]
     with np.errstate(divide="ignore"):
         rates[:, : largest.shape[1]] = np.log(largest) / hyperperiods[:, None]
-    return np.clip(rates, SLOWEST, -SLOWEST)
+    return np.asarray(np.clip(rates, SLOWEST, -SLOWEST))
 
 
 def _at_each(one: Callable[[float], Floats]) -> Rates:

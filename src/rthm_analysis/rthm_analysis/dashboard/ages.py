@@ -15,6 +15,8 @@ from rthm_core.link import Link
 from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from rthm_core.spec import Spec
 
 LOOKS = 10
@@ -24,7 +26,7 @@ LOOKS = 10
 class Use(NamedTuple):
     """Uses between two looks: how many, the sum of their ages and the largest one, ns."""
 
-    count: int
+    count: int  # type: ignore[assignment]
     total: float
     largest: float
 
@@ -78,7 +80,7 @@ class Ages:
         return found
 
 
-_OVER = (sum, sum, max)
+_OVER: tuple[Callable[[Iterable[float]], float], ...] = (sum, sum, max)
 
 
 def _columns(uses: deque[Use]) -> list[tuple[float, ...]]:

@@ -81,7 +81,7 @@ def _flat(data: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 def _columns(data: Any, name: str) -> Columns:
     values = {**_of("u", data.u), **_of("y", data.y)}
-    time = getattr(data, "sampling_time", None)
+    time: Any = getattr(data, "sampling_time", None)
     if np.ndim(time) == 1 and np.size(time) == np.size(values.get("y", ())):
         return Columns(name, values | {"time": np.asarray(time, dtype=float)})
     period = float(time) if np.size(time) == 1 and time is not None else None

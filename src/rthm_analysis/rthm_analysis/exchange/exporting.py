@@ -91,4 +91,6 @@ def _instants(recording: Recording, rate: float | None) -> Integers:
     rows = recording.duration * rate + 1.0
     if not 0.0 < rate <= 1e7 or rows > MOST_ROWS:
         raise refusal("--rate", rate, f"above 0 and up to 1e7 Hz, with at most {MOST_ROWS} rows")
-    return recording.start_ns + np.rint(np.arange(int(rows + 1e-9)) * (NS / rate)).astype(np.int64)
+    return np.asarray(
+        recording.start_ns + np.rint(np.arange(int(rows + 1e-9)) * (NS / rate)).astype(np.int64)
+    )

@@ -70,7 +70,7 @@ def _usual(columns: Columns) -> str | None:
 
 def _even(period: float, count: int) -> Integers:
     """Instants k * period, none of which is rounded twice."""
-    return np.rint(np.arange(count) * (period * NS)).astype(np.int64)
+    return np.asarray(np.rint(np.arange(count) * (period * NS)).astype(np.int64))
 
 
 def _absolute(columns: Columns, wanted: Wanted, name: str) -> tuple[Integers, list[str]]:

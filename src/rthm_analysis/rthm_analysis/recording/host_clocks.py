@@ -54,13 +54,13 @@ class HostClock:
         for slope, first in (self._line(0), self._line(1)):
             if np.all(np.abs(self.offset - first - slope * self._seconds) <= self.uncertainty):
                 since = (at_ns - self.at_ns[0]) / NS  # which is later by the lead than on the leader's clock
-                return np.rint((first + slope * since) / (1.0 + slope) * NS).astype(np.int64)
+                return np.asarray(np.rint((first + slope * since) / (1.0 + slope) * NS).astype(np.int64))
         lead = self.offset * NS
         return np.rint(np.interp(at_ns, self.at_ns + lead, lead)).astype(np.int64)
 
     @property
     def _seconds(self) -> Floats:
-        return (self.at_ns - self.at_ns[0]) / NS
+        return np.asarray((self.at_ns - self.at_ns[0]) / NS)
 
     def _line(self, degree: int) -> tuple[float, float]:
         """Slope and first value of a constant (0) or straight (1) lead, weighted by the uncertainties."""

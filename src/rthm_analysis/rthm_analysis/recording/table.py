@@ -91,7 +91,10 @@ class LinkTable:
 T = TypeVar("T", Table, LinkTable)
 
 
-def hold(table_times: Integers, values: Floats, at: Integers) -> Floats:
+Held = TypeVar("Held", "Floats", "Integers")
+
+
+def hold(table_times: Integers, values: Held, at: Integers) -> Held:
     """Value of a held signal at the instants `at`.
 
     Parameters
@@ -147,7 +150,7 @@ def joint_table(topic: RawTopic) -> tuple[Table, list[str]]:
         where = [names.index(name) for name in block.names]
         for field, values in block.values.items():
             if values.shape[1] == len(where):
-                fields[field][np.ix_(block.indices, where)] = values
+                fields[field][np.ix_(block.indices, np.asarray(where, dtype=np.int64))] = values
             elif values.shape[1]:
                 unlike += len(block.indices)
     table = Table(stamps, topic.received_ns, topic.sent_ns, names, **fields).rows(np.flatnonzero(filled))

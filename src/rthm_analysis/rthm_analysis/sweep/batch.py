@@ -27,7 +27,7 @@ class Batch(NamedTuple):
     `seconds` is what the batch took, without what a fresh worker takes to get ready.
     """
 
-    index: Integers
+    index: Integers  # type: ignore[assignment]
     values: Floats
     found: dict[str, list[Any]]
     seconds: float

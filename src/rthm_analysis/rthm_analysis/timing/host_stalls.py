@@ -15,7 +15,7 @@ import numpy as np
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
-    from rthm_analysis.recording import Recording
+    from rthm_analysis.recording import LinkTable, Recording, Table
     from rthm_core.compiled import Flags, Integers
 
 LATE_NS = 1_000_000
@@ -32,6 +32,7 @@ def host_stalls(recording: Recording) -> Integers:
 
     Empty where the recording does not tell when samples were sent.
     """
+    told: list[tuple[Integers, Table | LinkTable]]
     told = [(table.stamp_ns, table) for topic, table in recording.tables.items() if topic != "energy"]
     told += [(link.use_ns, link) for link in recording.links.values()]
     spans = [
@@ -59,7 +60,7 @@ def _merged(spans: Integers) -> Integers:
 class HostStalls(NamedTuple):
     """How often a host stalled, for which share of a test, and how long at most, s."""
 
-    count: int
+    count: int  # type: ignore[assignment]
     share: float
     longest: float
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from bokeh.models import (
@@ -58,9 +58,10 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
     span = Range1d(*_first_view(fit.time, fit.recorded))
     shown = Curves(f"{fit.signal} ({fit.block}), recorded and simulated", label, span)
     left = Curves(f"{fit.signal}: what each simulation leaves", label, span)
+    nominal: Any = fit.nominal
     for name, colour in MODELS.items():
         simulated = getattr(fit, name)
-        if simulated is None or (name == "retuned" and np.array_equal(simulated, fit.nominal)):
+        if simulated is None or (name == "retuned" and np.array_equal(simulated, nominal)):
             continue
         words = f"{MODEL_WORDS[name]} ({percent(fit.nrmse.get(name, math.nan), 3)})"
         shown.add(words, fit.time, simulated, colour, line_width=2.4)

@@ -165,6 +165,7 @@ def motion(gathered: Gathered, span: Range1d) -> list[figure]:
         curves.add(f"{dof} plant", t, position, COLOURS[k])
     numerical = recording.tables.get(NUMERICAL_STATE)
     for k, dof in enumerate(spec.numerical.dofs if spec and spec.numerical and numerical else ()):
+        assert numerical is not None
         colour = COLOURS[(len(dofs) + k) % len(COLOURS)]
         when, position = recording.seconds(numerical.stamp_ns), numerical.columns("position", [dof])[:, 0]
         if ideal:

@@ -117,6 +117,7 @@ def anchor(title: str) -> str:
 def _sections(gathered: Gathered) -> list[Section]:
     from rthm_analysis.report import figures  # a second of bokeh, which who only asks for the verdict saves
 
+    clocks: list[str | list[figure]]
     span, spec, timing = figures.time_axis(gathered), gathered.spec, gathered.timing
     loop = [draw_loop(spec, timing)] if spec and spec.is_loop else []
     single = [[plot] for plot in figures.motion(gathered, span)]

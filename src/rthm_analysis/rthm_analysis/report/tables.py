@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
+from typing import Any
 
 from rthm_analysis.timing import TimingResult
 
@@ -16,7 +17,7 @@ def links(timing: TimingResult) -> str:
     head = ("link", "uses", "age mean", "p50", "p99", "max", "excess mean", "p99", "max", "lost", "late")
     rows = []
     for name, link in timing.links.items():
-        told = link.as_dict()
+        told: dict[str, Any] = link.as_dict()
         age, excess = told["age"], told["excess"]
         cells = [name, str(told["count"])]
         cells += [_ms(age[key]) for key in ("mean", "p50", "p99", "max")]
@@ -30,7 +31,7 @@ def clocks(timing: TimingResult) -> str:
     head = ("clock", "ticks", "period mean (ms)", "period p99 (ms)", "missed")
     rows = []
     for name, clock in timing.clocks.items():
-        told = clock.as_dict()
+        told: dict[str, Any] = clock.as_dict()
         cells = [
             name.capitalize(),
             str(clock.period.size + 1),

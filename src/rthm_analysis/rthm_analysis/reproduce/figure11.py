@@ -21,9 +21,9 @@ def compute() -> Numbers:
     """Magnitude and phase, five ways; the exact loop for every other set."""
     found, omega = responses()[CHOSEN], grid()
     columns: dict[str, np.ndarray] = {"omega [rad/s]": omega}
-    for way, values in found.ways.items():
-        columns[f"magnitude {way} [m/N]"] = np.abs(values[:, 0, 0])
-        columns[f"phase {way} [deg]"] = unwrapped(np.angle(values[:, 0, 0]))
+    for way, response in found.ways.items():
+        columns[f"magnitude {way} [m/N]"] = np.abs(response[:, 0, 0])
+        columns[f"phase {way} [deg]"] = unwrapped(np.angle(response[:, 0, 0]))
     others: dict[str, np.ndarray] = {"omega [rad/s]": omega}
     for one in OTHERS:
         others[f"magnitude sampled [m/N], {one.label}"] = np.abs(responses()[one].ways["sampled"][:, 0, 0])

@@ -19,7 +19,7 @@ PAIRS = tuple((output, load) for output in range(2) for load in range(2))
 
 
 def _decibel(values: np.ndarray) -> np.ndarray:
-    return 20.0 * np.log10(np.abs(values))
+    return np.asarray(20.0 * np.log10(np.abs(values)))
 
 
 def _name(output: int, load: int) -> str:

@@ -54,7 +54,8 @@ def page(
 
 
 def _contents(plates: Sequence[Plate], tables: Mapping[str, Table]) -> str:
-    titles = {one.name: one.title for one in (*tables.values(), *plates)} | {"errata": "Errata"}
+    parts: tuple[Table | Plate, ...] = (*tables.values(), *plates)
+    titles = {one.name: one.title for one in parts} | {"errata": "Errata"}
     links = "".join(f"<a href='#{name}'>{escape(title)}</a>" for name, title in titles.items())
     return f"<nav class='contents' aria-label='Contents'>{links}</nav>"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +33,12 @@ TERMS = ("E_fx", "E_ff", "E_num", "E_err")
 MISJUDGED = (-0.005, -0.0025, 0.0, 0.0025, 0.005)
 """By how much the compensator may be wrong about the delay of the motor, s."""
 
-NOISE = {"noise.position": 1e-4, "noise.velocity": 2e-3, "noise.motor": 1e-5, "noise.force": 0.02}
+NOISE: dict[str, Any] = {
+    "noise.position": 1e-4,
+    "noise.velocity": 2e-3,
+    "noise.motor": 1e-5,
+    "noise.force": 0.02,
+}
 
 
 def compensated(way: str, one: Candidate = CHOSEN, **changes: object) -> Spec:
@@ -84,7 +89,8 @@ def _spread(way: str, chosen: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def _misjudged(way: str, by: float) -> float:
-    spec = compensated(way, **{"actuator.compensator_horizon": loop().loop().timing.tau4 + by})
+    horizon: dict[str, Any] = {"actuator.compensator_horizon": loop().loop().timing.tau4 + by}
+    spec = compensated(way, **horizon)
     return float(simulate(spec, DURATION, DURATION).energies["E_fx"][-1])
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import RcKeyType
 
 WIDTH, DOUBLE = 3.4, 7.0
 """Widths of one and of two columns, in."""
@@ -37,7 +38,7 @@ TERM_NAMES = {
 SHADES = ("#222222", "#6baed6", "#3182bd", "#08519c", "#081d58")
 """From no delay to the longest."""
 
-LOOK = {
+LOOK: dict[RcKeyType, Any] = {
     "font.size": 7.5,
     "axes.labelsize": 7.5,
     "axes.titlesize": 7.5,
@@ -64,12 +65,14 @@ LOOK = {
 }
 
 
-def panels(rows: int, columns: int = 1, *, height: float, width: float = WIDTH, **options: Any) -> Any:
+def panels(
+    rows: int, columns: int = 1, *, height: float, width: float = WIDTH, **options: Any
+) -> tuple[Figure, Any]:
     """Figure and its axes, (rows, columns); sizes in inches."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.03, h_pad=0.03)  # type: ignore[union-attr]
+    figure.get_layout_engine().set(w_pad=0.03, h_pad=0.03)  # type: ignore[union-attr,call-arg]
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 

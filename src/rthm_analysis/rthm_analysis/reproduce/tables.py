@@ -105,6 +105,7 @@ def table3() -> Table:
 
 def sets() -> Table:
     """The sets that fit, with their natural frequencies."""
+    rows: list[tuple[str | float, ...]]
     rows = [(f"{one.M2:g}", one.k1, one.k3, *(float(w) for w in modes(one))) for one in ALL]
     return Table(
         "sets",

@@ -6,6 +6,7 @@ What is printed with a wrong sign shows in the energy balance: with it, the bala
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,7 @@ def stiffness_in_the_cancellation() -> Erratum:
 def place_of_epsilon() -> Erratum:
     """(26f): where a constant error of the wire's force moves the masses to, in the end."""
     force = 0.1
+    rest: dict[str, Any]
     rest = {"plant.initial_position": 0.0, "load.plant": {"dof": "x1", "kind": "constant", "force": force}}
     run = simulate(loop(**rest), 120.0, 120.0, energies=False)
     moved = np.array([run.plant_position[-1, 0], run.numerical_position[-1, 0]])

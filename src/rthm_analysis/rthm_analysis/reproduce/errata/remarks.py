@@ -40,7 +40,7 @@ def dynamic_stiffness(s: complex, tau2: float, tau14: float, tau234: float, tau3
     mass = np.diag([one.mass[0], two.mass[0]])
     damping = np.array([[c1 + c2 * e234, -c2 * e34], [-c2 * e2, c2 + c3]])
     stiffness = np.array([[k1 + k_tot * (1.0 - e14) + k2 * e234, -k2 * e34], [-k2 * e2, k2 + k3]])
-    return mass * s**2 + damping * s + stiffness
+    return np.asarray(mass * s**2 + damping * s + stiffness)
 
 
 def first_order_matrices() -> Erratum:

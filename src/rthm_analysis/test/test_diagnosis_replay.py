@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS
 from rthm_analysis.diagnosis.physical.drives import choose_drives
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import state_at, windows
@@ -115,6 +117,18 @@ def test_a_delay_between_two_samples_is_left_to_the_plant() -> None:
     assert found.key == "drive1.delay"
     assert found.low <= alike[0] + 1e-6 and found.high >= alike[-1] - 1e-6
     assert found.high - found.low < alike[-1] - alike[0] + 4e-5
+
+
+def test_before_the_first_command_wires_and_motors_count_as_not_measured() -> None:
+    kept = np.isfinite(EVIDENCE.under_command().measured)
+    assert kept[:, :2].all() and not kept[:9, 2:].any() and kept[9:, 2:].all()
+    late = replace(EVIDENCE, due_ns=DUE + 1_000_000_000)
+    assert late.under_command() is late
+
+
+def test_a_longer_recording_may_take_more_work_up_to_four_times() -> None:
+    shares = [budget_for(seconds).limit / BUDGET_STEPS for seconds in (5.0, 60.0, 90.0, 3600.0)]
+    assert shares == [1.0, 1.0, 1.5, 4.0]
 
 
 def test_what_a_law_does_is_not_lost_in_the_replay() -> None:

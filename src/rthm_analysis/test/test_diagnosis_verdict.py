@@ -32,6 +32,14 @@ def test_noise_that_wanders_is_no_physics() -> None:
     assert not part.physics and not part.unexplained and not part.retuned
 
 
+def test_a_load_that_is_off_is_no_colour_of_the_noise() -> None:
+    seen = recorded(duration=6.0)
+    part = part_of(
+        replace(seen, load=1.07 * seen.load, channels=seen.channels[:1], measured=seen.measured[:, :1])
+    )
+    assert part.retuned and not part.physics and not part.unexplained
+
+
 def test_other_damping_and_stiffness_than_the_exact_ones_of_the_spec_are_no_missing_physics() -> None:
     part = part_of(recorded(damping=3.0 * DAMPING, stiffness=1.027 * STIFFNESS))
     assert not part.physics and not part.unexplained

@@ -10,8 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN
-from rthm_analysis.diagnosis.criteria.search import FINISHING_STEPS
 from rthm_analysis.diagnosis.criteria.verdict import (
     CURVE_SHARE_OF_REST,
     FRICTION_EXPLAINED_SHARE,
@@ -54,9 +52,6 @@ def certain_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, st
             break
         vague.append(selection.rounds[index][0].label)
         selection = _left_out(selection, index, without)
-    if vague:
-        end = physical.fitting.fit(selection.best.model, most=FINISHING_STEPS, least=FINE_FIT_GAIN)
-        selection = replace(selection, best=end)
     return replace(physical, selection=selection), tuple(vague)
 
 

@@ -44,9 +44,9 @@ def refined(
 
     Kinds that need many short steps are fitted where no plain kind suffices.
     """
-    slow = [one for one in promising if one.start.added.law.kinked]
+    quick, slow = ([one for one in promising if one.start.added.law.kinked == way] for way in (False, True))
     begun = partial(_begun_fits, fitting, fitted, known)
-    tried = _in_heats(fitting, known, begun([one for one in promising if one not in slow], []))
+    tried = _in_heats(fitting, known, begun(quick, []))
     if slow and not any(_suffices(fitting, one) for one in tried):
         tried = _in_heats(fitting, known, [*tried, *begun(slow, tried)])
     meaningful = [one for one in tried if _meaningful(one)]

@@ -4,6 +4,7 @@
 ``side``         all of it, as `Part` of the diagnosis
 ``beginning``    free runs, noise, loads between samples, retuned model
 ``colours``      noise that has a colour
+``whitening``    fits weighed by that colour
 ``explaining``   from the retuned model to an explanation
 ``late_sensors`` lags that are delays
 ``foreseeing``    how far ahead a model tells a motion

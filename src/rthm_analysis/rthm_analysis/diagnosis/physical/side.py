@@ -110,12 +110,13 @@ def diagnose_physical(
     noise = _noise_left(begun, selection)
     if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
         quieter = with_noise(begun, noise)
-        again = (
-            fitted_again(quieter, selection)
-            if begun.fitting.budget.spent
-            else going_on(quieter, selection) or chosen(quieter, seen, settled, train)
-        )
-        if again and not is_behind(again, selection):
+        again: tuple[Baseline, Selection] | None
+        if begun.fitting.budget.spent:
+            again = fitted_again(quieter, selection)
+        else:
+            again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)
+            again = None if is_behind(again, selection) else again
+        if again is not None:
             begun, selection = again
             noise = _noise_left(begun, selection)
     experiment = _over_everything(begun, seen, first)

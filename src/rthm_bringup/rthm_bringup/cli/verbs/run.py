@@ -140,5 +140,6 @@ def _warn(test: Spec, *, refused: bool) -> None:
 
     if refused:
         refuse(test)
+        return
     warn_of_delays(test)
     warn_of_growth(test)

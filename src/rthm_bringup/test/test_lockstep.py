@@ -209,3 +209,25 @@ def test_nothing_is_granted_before_everybody_has_greeted() -> None:
         step.hear(part.done(0))
     assert step.advance() == {}
     assert list(step.silent()) == ["recorder"]
+
+
+def test_time_stands_still_once_an_observer_holds_what_was_sent() -> None:
+    step, parts = LockStep(shipped_spec("paper"), NS, ["recorder"]), loop_of(shipped_spec("paper"))
+    recorder = PARTS.index("recorder")
+    step.hear(Done(recorder, 0, Position(NEVER, 0), NOTHING))
+    for part in parts:
+        step.hear(part.done(0))
+    grants = step.advance()
+    step.stopping = True
+    assert not step.settled
+    chance = random.Random(1)
+    for part in parts:
+        step.hear(part.work(grants[part.name], chance))
+    told = step.advance()
+    assert list(told) == ["recorder"]  # a few samples that it lacks are enough, and nobody else goes on
+    assert told["recorder"].messages == tuple(sum(part.sent[topic] for part in parts) for topic in SOURCES)
+    assert not step.settled
+    step.hear(Done(recorder, told["recorder"].round, Position(NEVER, 0), NOTHING))
+    assert step.settled
+    assert step.advance() == {}
+    assert not step.finished

@@ -49,6 +49,7 @@ class Coordinator(LifecycleNode):  # type: ignore[misc]
         self._time = self.create_publisher(Float64, TIME, latched())
         self.create_subscription(Int64MultiArray, DONE, self._hear, samples(), raw=True)
         self.create_service(Trigger, "~/ready", self._ready)
+        self.create_service(Trigger, "~/stand", self._stand)
         self._greetings: dict[int, Done] = {}
         self._step: LockStep | None = None
         self._told = self._moved = 0.0
@@ -116,6 +117,16 @@ class Coordinator(LifecycleNode):  # type: ignore[misc]
         absent = [part for part in wanted if not self._grants[part].get_subscription_count()]
         response.success = not absent and self.count_publishers(DONE) >= len(wanted)
         response.message = f"waits for {', '.join(absent) or 'answers'}"
+        return response
+
+    def _stand(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Service ``~/stand``: let time stand; whether all that was sent has been recorded."""
+        response.success = True
+        if self._step is not None:
+            self._step.stopping = True
+            self._move()
+            response.success = self._step.settled
+            response.message = f"waits for {' and '.join(self._step.silent())}"
         return response
 
     def _value(self, name: str) -> Any:

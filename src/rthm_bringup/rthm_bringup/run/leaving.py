@@ -76,6 +76,8 @@ class Leaving:
         """Deactivate the loop first, the recorder last."""
         self._wake_silent()
         alive = self._answering()
+        if "coordinator" in alive and set(alive) == set(self._parts.managed):
+            self._let_time_stand()
         self._deactivate(name for name in alive if name == "coordinator")
         # The controller first: its motors come to rest while the plant still moves.
         self._deactivate(name for name in reversed(roles.LOOP) if name in alive)
@@ -86,6 +88,13 @@ class Leaving:
             self._wait_for_analysis()
         with suppress(StoppedError):
             self._conductor.step("cleanup", [name for name in alive if name in self._plan.external], 5.0)
+
+    def _let_time_stand(self) -> None:
+        """End simulated time with all of it recorded: a sample that was lost has to be sent again."""
+        deadline = time.monotonic() + MISSED / NS
+        with suppress(StoppedError):
+            while not self._conductor.trigger("coordinator", "stand", 5.0)[0] and time.monotonic() < deadline:
+                self._conductor.sleep_until(time.time_ns() + NS // 20)
 
     def _wait_for_analysis(self) -> None:
         """Give the analysis node the time that it needs for the recording that was closed."""

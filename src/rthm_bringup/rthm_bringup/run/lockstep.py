@@ -124,9 +124,15 @@ class LockStep:
         Last instant of the test, ns after its start.
     observers
         Who only listens, and may be a little behind.
+
+    Attributes
+    ----------
+    stopping
+        Whether time is to stand still: the loop gets no more grants, and observers what they still miss.
     """
 
     def __init__(self, spec: Spec, until: int, observers: Sequence[str] = ()) -> None:
+        self.stopping = False
         timing = spec.loop().timing
         self._longest = WINDOW * min(timing.ns(name) for name in ("td1", "td2", "td3"))
         self._end = Position(until + 1, 0)
@@ -137,10 +143,13 @@ class LockStep:
     @property
     def finished(self) -> bool:
         """Whether everybody has done everything, and observers have all messages."""
+        return self.settled and not self._worth(self._sent())
+
+    @property
+    def settled(self) -> bool:
+        """Whether nobody is at work, and observers have all messages."""
         sent = self._sent()
-        return (
-            not self.silent() and not self._worth(sent) and not any(o.behind(sent) for o in self._observers)
-        )
+        return not self.silent() and not any(o.behind(sent) for o in self._observers)
 
     @property
     def reached(self) -> int:
@@ -163,8 +172,9 @@ class LockStep:
             return {}
         sent = self._sent()
         backlog = max((observer.behind(sent) for observer in self._observers), default=0)
-        made = [] if backlog > HELD else self._worth(sent)
-        tolerated = HELD // 2 if any(part.next < self._end for part in self._parts) else 0
+        made = [] if backlog > HELD or self.stopping else self._worth(sent)
+        under_way = any(part.next < self._end for part in self._parts) and not self.stopping
+        tolerated = HELD // 2 if under_way else 0
         made += [(o, self._end) for o in self._observers if o.idle and o.behind(sent) > tolerated]
         return {part.name: part.allow(bound, sent) for part, bound in made}
 

@@ -29,6 +29,7 @@ MAGIC = b"\x89MCAP0\r\n"
 NO_RECORD = 0
 """What no record begins with: a file that a crash left full of zeros ends here."""
 
+_OF_MESSAGE = int(Opcode.MESSAGE)
 _HEAD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<HIQQ")
 _DAMAGE = (
@@ -68,22 +69,25 @@ class _Reader:
 
     def read(self, data: bytes | mmap.mmap, at: int) -> None:
         """Take the records of the file, or of an unpacked chunk, from position `at` on."""
+        end, topic_of = len(data), self.channels.get
         for opcode, start, stop in _records(data, at):
             try:
-                self._take(opcode, data, start, stop)
+                if opcode != _OF_MESSAGE:
+                    self._take(opcode, data, start, stop)
+                elif stop <= end:
+                    channel, _, received_ns, sent_ns = _MESSAGE.unpack_from(data, start)
+                    topic = topic_of(channel)
+                    if topic is not None:
+                        topic.append(received_ns, data[start + _MESSAGE.size : stop], sent_ns)
             except InputError:
                 raise
             except _DAMAGE:
                 self.damaged += 1
 
     def _take(self, opcode: int, data: bytes | mmap.mmap, start: int, stop: int) -> None:
+        """Take a record that is no message."""
         cut = stop > len(data)
-        if opcode == Opcode.MESSAGE and not cut:
-            channel, _, received_ns, sent_ns = _MESSAGE.unpack_from(data, start)
-            topic = self.channels.get(channel)
-            if topic is not None:
-                topic.append(received_ns, data[start + _MESSAGE.size : stop], sent_ns)
-        elif opcode == Opcode.CHUNK:
+        if opcode == Opcode.CHUNK:
             chunk = Chunk.read(ReadDataStream(BytesIO(data[start:stop])))
             self.read(_unpacked(chunk, cut, self.bag.allowance), 0)
         elif opcode == Opcode.SCHEMA and not cut:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +72,15 @@ def _bounded(draft: Draft, log: Recording) -> bool:
     return bool(np.isfinite(log.plant).all() and least < np.abs(x1).max() < LARGEST)
 
 
+def _in_time_of(time: float, one: Hidden) -> Hidden:
+    """The same with its interval in seconds of the rig."""
+    return (
+        one
+        if one.interval is None
+        else replace(one, interval=(time * one.interval[0], time * one.interval[1]))
+    )
+
+
 def _write(folder: Path, name: str, seed: int, draft: Draft, log: Recording, seen: float) -> OpenCase:
     folder.mkdir(parents=True, exist_ok=True)
     scale, setting = draft.setting.scale, draft.setting
@@ -94,6 +103,7 @@ def _write(folder: Path, name: str, seed: int, draft: Draft, log: Recording, see
         "seed": seed, "name": name, "class": class_of(name), "rig": setting.rig, "plain": setting.plain,
         "samples": len(log.plant), "visibility": seen, "spec": scale.spec(draft.spec),
         "effects": draft.effects, "told": told, "loaded": setting.loaded, "velocity": setting.velocity,
-        "noise": (draft.noise_size * scale.channels).tolist(),
+        "time": scale.time, "noise": (draft.noise_size * scale.channels).tolist(),
     }  # fmt: skip
-    return OpenCase(bag, spec, name, draft.hidden, draft.allowed, draft.tolerated, truth)
+    hidden = [_in_time_of(scale.time, one) for one in draft.hidden]
+    return OpenCase(bag, spec, name, hidden, draft.allowed, draft.tolerated, truth)

@@ -56,7 +56,9 @@ def other_mass(name: str) -> Recipe:
         more = draft.size(0.02, 0.3) * draft.spec["plant"]["mass"][0]
         value = until if name == "drifting_mass" else rng.uniform(0.25, 0.75) * until
         draft.conceal({"block": "plant", "kind": name, "values": [more, value]})
-        draft.hidden.append(Hidden(name, ("plant",), ("varying",), depends=("t", "a", "x")))
+        acts = (value, until) if name == "stepping_mass" else None
+        hidden = Hidden(name, ("plant",), ("varying",), depends=("t", "a", "x"), interval=acts, several=True)
+        draft.hidden.append(hidden)
         draft.measure = "force"
         return draft
 
@@ -73,7 +75,9 @@ def absorber(rng: np.random.Generator, boost: float) -> Draft:
     ]  # fmt: skip
     draft.conceal({"block": "plant", "kind": "nonlinear_absorber", "values": values})
     variables = ("x", "v", "a")
-    draft.hidden.append(Hidden("nonlinear absorber", ("plant",), ("memory",), depends=variables))
+    draft.hidden.append(
+        Hidden("nonlinear absorber", ("plant",), ("memory",), depends=variables, several=True)
+    )
     draft.measure = "force"
     return draft
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from benchmarks.concealed.open.catalogue import CLASSES
 
-SHARES = {"unlisted": 0.30, "spoiled": 0.15, "parameters": 0.12, "listed": 0.10, "clean": 0.33}
+SHARES = {"unlisted": 0.50, "spoiled": 0.07, "parameters": 0.05, "listed": 0.05, "clean": 0.33}
 
 
 @dataclass(frozen=True)

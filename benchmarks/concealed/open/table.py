@@ -7,7 +7,7 @@ from collections.abc import Callable
 from statistics import median
 from typing import Any
 
-from benchmarks.concealed.open import score
+from benchmarks.concealed.open import description, score
 from benchmarks.concealed.table import share, summed
 
 Row = dict[str, Any]
@@ -43,6 +43,9 @@ def summary(rows: list[Row]) -> dict[str, Any]:
         "invented": _count(rows, "invented"),
         "block": _count(open_ends, "block"),
         "values": summed(r["values"] for r in rows if "values" in r),
+        "description": _description(rows),
+        "cpu_median": median([r["cpu"] for r in rows if "cpu" in r] or [0.0]),
+        "cpu_largest": max((r["cpu"] for r in rows if "cpu" in r), default=0.0),
         "seconds_median": median(r["seconds"] for r in rows) if rows else None,
         "seconds_largest": max((r["seconds"] for r in rows), default=None),
     }
@@ -50,6 +53,13 @@ def summary(rows: list[Row]) -> dict[str, Any]:
 
 def _count(rows: list[Row], key: str) -> list[int]:
     return [sum(bool(r.get(key)) for r in rows), len(rows)]
+
+
+def _description(rows: list[Row]) -> dict[str, list[int]]:
+    """Return what was right about the descriptions of forces that no kind states, as counts."""
+    told = [r["description"] for r in rows if "description" in r]
+    keys = ("variables", "interval", "formula", "twice", "near")
+    return {key: [sum(d[key] for d in told if key in d), sum(key in d for d in told)] for key in keys}
 
 
 def _of(rows: list[Row], key: str, value: str) -> dict[str, Any]:
@@ -109,6 +119,24 @@ def _headline(s: dict[str, Any]) -> list[str]:
     if s["seconds_median"] is not None:
         took = f"{s['seconds_median']:.1f} s, at most {s['seconds_largest']:.0f} s"
         out += ["", f"Median time of a diagnosis, start of the program included: {took}."]
+    if s.get("cpu_largest"):
+        out += ["", f"CPU time: median {s['cpu_median']:.1f} s, at most {s['cpu_largest']:.0f} s."]
+    return [*out, "", *_descriptions(s.get("description") or {})]
+
+
+def _descriptions(counts: dict[str, list[int]]) -> list[str]:
+    """Return how forces were described that no kind of the library states."""
+    lines = [
+        ("variables", "variables right", "80 %"),
+        ("interval", "interval right within 1 s, of those that have one", "80 %"),
+        ("formula", "told as a formula", ""),
+        ("twice", "held-out error of the model with it within twice the noise floor", "60 %"),
+        ("near", "the same within 1.3 times", "40 %"),
+    ]
+    if not counts:
+        return []
+    out = ["### Forces that no kind states", "", "| | counted | asked |", "|---|---|---|"]
+    out += [f"| {words} | {share(counts[key])} | {asked} |" for key, words, asked in lines]
     return [*out, ""]
 
 
@@ -126,5 +154,5 @@ COLUMNS = ("right", "wrong", "invented", "block")
 
 def _rules() -> list[str]:
     """Return how it is scored, from where it is scored."""
-    _, rules = (score.__doc__ or "").split("\n", 2)[1:]
-    return rules.strip().splitlines()
+    told = [(module.__doc__ or "").split("\n", 1)[1] for module in (score, description)]
+    return "\n\n".join(text.strip() for text in told).splitlines()

@@ -44,6 +44,10 @@ class Hidden:
         True values of a kind's or spec entry's parameters, in the rig's units.
     kind
         Of the library, where it is one.
+    interval
+        When it acts, in seconds of the simulation, where it does not all the time.
+    several
+        Whether some of the variables may be enough: forces with a memory, or of a mass.
     """
 
     what: str
@@ -54,6 +58,8 @@ class Hidden:
     retuned: tuple[str, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     kind: str = ""
+    interval: tuple[float, float] | None = None
+    several: bool = False
 
     def stated_by_kind(self, block: str, kind: str) -> bool:
         """Whether a named kind states this."""

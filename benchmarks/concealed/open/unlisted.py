@@ -84,6 +84,16 @@ PLANT: dict[str, tuple[Values, tuple[str, ...], str]] = {
     "rectified_input": (lambda s, T: [_load(s)], (), "load"),
     "modulated_input": (lambda s, T: [_load(s), s.x], (), "xload"),
 }  # fmt: skip
+ACTS: dict[str, Callable[[list[float], float], tuple[float, float]]] = {
+    "catching_cable": lambda q, T: (q[2], q[3]),
+    "late_cable": lambda q, T: (q[2], T),
+    "rubbing_seal": lambda q, T: (q[1], q[2]),
+    "stepping_stiffness": lambda q, T: (q[1], T),
+    "stepping_damping": lambda q, T: (q[1], T),
+    "stepping_friction": lambda q, T: (q[0], T),
+}
+"""When laws act that do not all the time, from their parameters and the length of the test."""
+MEMORY = ("lugre",)
 NAMES = {"late_cable": "catching_cable"}  # of the law, where the case has another name
 DRIVEN = ("square_input", "rectified_input", "modulated_input")
 _VARIABLES = {"xload": ("x", "load"), "load": ("load",)}
@@ -120,7 +130,10 @@ def plant_law(name: str) -> Callable[[np.random.Generator, float], Draft]:
         A = amplitude(law, q, draft.size(), scene, draft.setting.duration)
         draft.conceal({"block": "plant", "kind": law, "values": [A, *q]})
         variables = _VARIABLES.get(depends, tuple(depends))
-        draft.hidden.append(Hidden(name, ("plant",), families, depends=variables))
+        until = draft.setting.duration
+        acts = ACTS[name](q, until) if name in ACTS else None
+        hidden = Hidden(name, ("plant",), families, depends=variables, interval=acts, several=name in MEMORY)
+        draft.hidden.append(hidden)
         draft.measure = "force"
         return draft
 

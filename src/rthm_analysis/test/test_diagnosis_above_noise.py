@@ -116,9 +116,9 @@ def test_curves_are_tried_with_forces_of_the_rigs_size_where_there_is_no_spring(
     experiment.begin_at(seen.stamps_ns[start])
     windows = Windows(start, states, 2.0)
     noise = white_noise(np.array(NOISE))
-    scale = Regression(experiment, windows, noise, Model(spec), train).force_scale
-    assert 0.1 < scale / np.std(evidence.load) < 10.0
-    curves = free_curves(experiment, windows, noise, Model(spec), train)
+    regression = Regression(experiment, windows, noise, Model(spec), train)
+    assert 0.1 < regression.force_scale / np.std(evidence.load) < 10.0
+    curves = free_curves(regression)
     over_v = next(one for one in curves if one.feature.depends_on == ("v",))
     assert min(over_v.share, over_v.held_out_share) > 0.9
     assert np.corrcoef(over_v.force, -np.sign(over_v.at.v))[0, 1] > 0.9

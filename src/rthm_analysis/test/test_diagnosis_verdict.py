@@ -77,9 +77,9 @@ def test_a_name_that_predicts_no_better_than_rest_is_not_earned(monkeypatch: pyt
     monkeypatch.setattr(verdict, "spread", lambda physical, channel: 1.0)
     physical = SimpleNamespace(noise=SimpleNamespace(level=[0.01]))
     runs = {name: Simulated(cast("Fitted", None), cast("np.ndarray", name)) for name in errors}
-    assert Judgement(cast("Physical", physical), runs)._worse
+    assert Judgement(cast("Physical", physical), runs).is_worse
     errors["explained"] = 0.5
-    assert not Judgement(cast("Physical", physical), runs)._worse
+    assert not Judgement(cast("Physical", physical), runs).is_worse
 
 
 def test_few_samples_of_each_period_are_no_mismatch() -> None:
@@ -100,12 +100,14 @@ def test_a_stiffness_that_is_off_is_retuned_with_few_samples_of_each_period() ->
 
 
 def test_no_more_changes_of_a_model_are_told_than_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, said in (("_worse", False), ("_are_seen", True), ("_is_enough_at_noise", True)):
+    for name, said in (("is_worse", False), ("_are_seen", True), ("_is_enough_at_noise", True)):
         monkeypatch.setattr(Judgement, name, said)
 
     def earned(spec: Spec, *freed: str) -> bool:
         base = SimpleNamespace(model=SimpleNamespace(parameters=[SimpleNamespace(key=key) for key in freed]))
-        selection = SimpleNamespace(rounds=[0, 0, 0], in_pieces=False, blames_several=False, base=base)
+        selection = SimpleNamespace(
+            rounds=[0, 0, 0], in_pieces=False, blames_several=False, formulas=0, base=base
+        )
         judgement = Judgement(cast("Physical", SimpleNamespace(selection=selection, spec=spec)), {})
         vars(judgement).update(is_driven_wrong=False, at_noise=True)
         return judgement.earned
@@ -117,8 +119,9 @@ def test_no_more_changes_of_a_model_are_told_than_are_looked_for(monkeypatch: py
 
 def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:
     part = part_of(recorded(lambda t, x, v: -40.0 * max(x - 0.05, 0.0) if t > 19.0 else 0.0))
-    assert not part.physics and not part.described and not part.effects
+    assert not part.physics and not part.effects
     assert any("unconfirmed" in said for said in part.unexplained)
+    assert all(one.held_out_gain == 0.0 for one in part.described)
 
 
 @pytest.mark.parametrize(
@@ -131,10 +134,11 @@ def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:
 )
 def test_a_force_of_no_kind_is_described_and_not_named(law, depends_on: tuple[str, ...]) -> None:  # type: ignore[no-untyped-def]
     part = part_of(recorded(law))
-    assert not part.physics and part.unexplained
+    assert not part.physics
     assert part.described[0].depends_on == depends_on
     assert part.described[0].held_out_gain > 0.9
-    assert {one.kind for one in part.refused}
+    assert part.described[0].formula
+    assert [one["kind"] for one in part.effects] == ["formula"] * len(part.effects)
 
 
 def test_a_sensor_that_knows_no_sign_makes_no_laws_of_the_plant() -> None:

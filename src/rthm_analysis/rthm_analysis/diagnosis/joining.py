@@ -40,8 +40,9 @@ def joined(parts: list[Part], spec: Spec) -> Diagnosis:
 def _verdict(whole: Part) -> Verdict:
     """Contract, section 7: what is left lowers everything; what is wrong with the recording explains."""
     if whole.unexplained:
-        return "improved" if whole.physics or whole.described else "unexplained"
-    if whole.physics or any(not one.marked for one in whole.faults):
+        confirmed = any(one.held_out_gain > 0.0 for one in whole.described)
+        return "improved" if whole.physics or confirmed else "unexplained"
+    if whole.physics or whole.described or any(not one.marked for one in whole.faults):
         return "explained"
     return "retuned" if whole.retuned else "match"
 

@@ -103,6 +103,8 @@ class Effect:
         Whether a rig may have several of it at one place.
     common
         Whether most rigs have a little of it.
+    written
+        Whether its law is written in the spec, so that `given` makes it.
     """
 
     kind: ClassVar[str]
@@ -130,6 +132,12 @@ class Effect:
     flexible: ClassVar[bool] = False
     repeats: ClassVar[bool] = False
     common: ClassVar[bool] = False
+    written: ClassVar[bool] = False
+
+    @classmethod
+    def given(cls, values: Mapping[str, Any]) -> type[Effect]:
+        """What it is with these parameters; of most kinds the same whatever they are."""
+        return cls
 
     @classmethod
     def guesses(cls, signals: Any) -> Iterable[Guess]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rthm_core.spec.schema import EffectSpec
 
 _SHIPPED: tuple[Any, ...] = shipped("plant")
-PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not law.linear]
+PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not (law.linear or law.written)]
 WIRE_LAWS: list[Any] = list(shipped("wire"))
 SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
 """Code of the law by which a wire goes slack."""
@@ -145,7 +145,7 @@ def wire_law(code: int) -> Any:
 
 def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
     """Law of an effect of the spec, and its parameters in the order of their declaration."""
-    return entry.law, tuple(float(entry.parameters[name]) for name in entry.law.parameters)
+    return entry.law, entry.ordered
 
 
 def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:

@@ -32,12 +32,18 @@ class EffectSpec(Section):
     @property
     def law(self) -> type[Effect]:
         """What its kind declares."""
-        return effect(self.kind, self.block)
+        return effect(self.kind, self.block).given(self.parameters)
 
     @property
     def numbers(self) -> dict[str, float]:
         """Its parameters but for texts."""
         return {name: value for name, value in self.parameters.items() if not isinstance(value, str)}
+
+    @property
+    def ordered(self) -> tuple[float, ...]:
+        """Its numbers in the order in which the functions of its law get them."""
+        numbers = self.numbers
+        return tuple(numbers[name] for name in self.law.parameters if name in numbers)
 
     @property
     def link(self) -> str | None:
@@ -69,7 +75,7 @@ class EffectSpec(Section):
     def _known_parameters(cls, given: dict[str, Any], info: ValidationInfo) -> dict[str, float | str]:
         if "block" not in info.data or "kind" not in info.data:
             return {}
-        declared = effect(info.data["kind"], info.data["block"]).parameters
+        declared = effect(info.data["kind"], info.data["block"]).given(given).parameters
         for name in given:
             if name not in declared:
                 raise _unknown(name, given[name], info.data, tuple(declared))

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rthm_core.effects import effect
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec.effect import EffectSpec
 from rthm_core.spec.entries import Entry, Name, Names
@@ -86,7 +85,7 @@ def _of_effect(one: EffectSpec) -> Iterator[Placed]:
         value = getattr(one, key)
         if value is not None:
             yield f"{one.name}.{key}", value, entries[key], None
-    declared = effect(one.kind, one.block)
+    declared = one.law
     for name, value in one.parameters.items():
         entry = declared.parameters[name]
         unit = declared.unit(name, one.block)

@@ -29,6 +29,10 @@ CURVE_TRIAL_FORCE_RATIO = 1e-3
 CURVE_RIDGE = 1e-7
 """Weight of a size of zero, over that of the data, where shapes cannot be told apart."""
 
+CURVE_STIFFNESSES = (0.0, 1e-5, 1e-3, 1e-1)
+"""Weights, over the mean one of the data, with which neighbouring sizes of a free curve are held together;
+what predicts data left out best is taken."""
+
 CURVE_LEAST_RESPONSE = 1e-14
 """Squared response to a shape over the largest of all, below which the data do not reach it."""
 
@@ -57,3 +61,70 @@ they have at least."""
 
 RESIDUAL_PARABOLA_SAMPLES = 9
 """Samples of the parabola through which the residual motion is differentiated."""
+
+MOST_RESPONSE_BYTES = 1_000_000_000
+"""Memory for responses to free curves that are kept until formulas were looked for."""
+
+MOST_TERMS = 3
+"""Terms of a formula."""
+
+TERM_GAIN_SHARE = 0.03
+"""Share of the mismatch that each term of a formula must explain beside those before it."""
+
+FORMULA_GAIN_SHARE = 0.9
+"""Share of what the best free curve explains that a formula must explain to take its place."""
+
+SHAPES_REFINED = 4
+"""Shapes of a term that are fitted to the recording itself, of all that were compared with the curves."""
+
+REFINING_STEPS = 40
+"""Responses that may be computed to find the numbers within a shape."""
+
+FORMULA_FIT_STEPS = 12
+"""Steps of the fit of a formula in free runs."""
+
+THRESHOLD_COUNT = 11
+"""Places within the range of a variable at which something is supposed to begin or end at first."""
+
+SHAPE_SCALES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
+"""Scales of shapes that are tried at first, over the largest size of their variable."""
+
+SHAPE_POWERS = (0.5, 1.5, 2.5)
+"""Powers that are tried at first, beside the whole ones."""
+
+BEYOND_SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+"""Distances from the range of a position at which poles are tried at first, over the length of the range."""
+
+PITCH_COUNT = 40
+"""Pitches of forces that come back with the position that are tried at first, from 25 in the range to half of
+one."""
+
+SWING_HIGHEST_RATIO = 4.0
+"""Highest frequency of a stiffness or damping that swings, over that of the motion."""
+
+SWING_PERIODS = 2.0
+"""Periods of a swing that a recording must hold."""
+
+SWING_PEAKS = 3
+"""Frequencies at which a swing is tried."""
+
+UNCONFIRMED_SHARE = 0.8
+"""Share of what shows in the unseen part alone that one term must explain to be told as unconfirmed."""
+
+PRODUCT_GAIN_RATIO = 1.03
+"""Gain of a term times a free curve over another variable, over that of the term, from which the product is
+asked for a shape."""
+
+PRODUCTS_REFINED = 2
+"""Shapes of such a product that are fitted to the recording itself."""
+
+FORETOLD_SHARE = 0.75
+"""Share of the mismatch that a force must explain, where it was fitted and on unseen data, to be told as what
+motion and load foretell: else a force that nobody recorded is likelier."""
+
+TERM_SHARE_ABOVE_NOISE = 0.1
+"""The same share where a formula leaves more than the noise: small terms then only imitate what is left."""
+
+INSTANT_SAMPLES = 3.0
+INSTANT_TRIALS = 14
+"""Samples around the instant at which a term begins or ends among which it is looked for, and trials."""

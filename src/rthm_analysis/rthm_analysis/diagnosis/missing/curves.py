@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +12,9 @@ from rthm_analysis.diagnosis.criteria.fitting import DIFFERENCE_STEP
 from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_LEAST_RESPONSE,
     CURVE_RIDGE,
+    CURVE_STIFFNESSES,
     CURVE_TRIAL_FORCE_RATIO,
+    MOST_RESPONSE_BYTES,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
@@ -43,6 +46,8 @@ class CurveFit:
     at : Along
     beside : (s,) array
         Force of what damping and stiffness changed by when the curve was fitted, N.
+    normal : Normal, optional
+        Normal equations of the training part: of what is known first, then of its shapes.
     """
 
     dof: str
@@ -55,6 +60,7 @@ class CurveFit:
     held_out_excess: float
     at: Along
     beside: Floats
+    normal: Normal | None = None
 
     @property
     def share(self) -> float:
@@ -105,6 +111,23 @@ class Regression:
         self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
         self.motion = self.experiment.motion(model.spec, windows)
         self.motion_forces = _motion_forces(model, self.motion)
+        self._responses: dict[tuple[Feature, int], Floats] = {}
+
+    def dof(self, name: str) -> int:
+        """Place of a dof."""
+        assert self.model.spec.plant is not None
+        return self.model.spec.plant.dofs.index(name)
+
+    def along(self, dof: int) -> Along:
+        """Motion of a dof along the recording."""
+        assert self.model.spec.plant is not None
+        return along(self.experiment.evidence, self.motion, dof, self.model.spec.plant.dofs[dof])
+
+    def beside(self, columns: Floats) -> Regression:
+        """The same with further forces whose responses (q, s k) are known and whose sizes are free."""
+        more = copy(self)
+        more.known = np.vstack([self.known, columns])
+        return more
 
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
@@ -131,34 +154,56 @@ class Regression:
 
     def fit(self, feature: Feature, dof: int, name: str, at: Along) -> CurveFit | None:
         """Fit a free curve; None where the model diverges under it."""
-        columns = np.vstack([self.known, self.response(feature.shapes, dof)])
-        if not np.isfinite(columns).all():
+        response = self._response_to(feature, dof)
+        whole, columns = self.normal(response), np.vstack([self.known, response])
+        if whole is None:
             return None
-        first = self.known.shape[0]
-        whole = _normal(columns, self.left, self.train, self.precision)
-        base = _normal(columns[:first], self.left, self.train, self.precision)
-        sizes, inverse = _solved(*whole.total)
+        first, own = self.known.shape[0], self.motion_forces.shape[2]
+        stiff = (whole.stiffened(feature.roughness, one) for one in CURVE_STIFFNESSES)
+        smooth = min(stiff, key=lambda one: float(one.left_out().sum()))
+        base = whole.leading(first)
+        sizes, inverse = _solved(*smooth.total)
         plain, _ = _solved(*base.total)
         held = self.held
         before = sum(_squares(self.left[b] - plain @ columns[:first, b]) for b in held)
         after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
         scatter = max(float(np.median(whole.squares / whole.count)), 1.0)
+        left_out = float(base.left_out().sum())
         return CurveFit(
             name,
             feature,
             sizes[first:],
             np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
-            float(base.left_out().sum() - whole.left_out().sum()),
-            float(base.left_out().sum() - whole.count.sum()),
+            left_out - float(smooth.left_out().sum()),
+            left_out - float(whole.count.sum()),
             float(before - after),
             float(before - sum(self.left[b].size for b in held)),
             at,
-            self.motion_forces[:, dof, :first] @ sizes[:first],
+            self.motion_forces[:, dof] @ sizes[:own],
+            whole,
         )
+
+    def normal(self, responses: Floats) -> Normal | None:
+        """Normal equations of the training part for what is known, then of forces whose responses (q, s k)
+        are given; None where the model diverges under them.
+        """
+        columns = np.vstack([self.known, responses])
+        if not np.isfinite(columns).all():
+            return None
+        return _normal(columns, self.left, self.train, self.precision)
+
+    def _response_to(self, feature: Feature, dof: int) -> Floats:
+        """Response to a feature; kept, as the same features are asked again beside others."""
+        kept = self._responses.get((feature, dof))
+        if kept is None:
+            kept = self.response(feature.shapes, dof)
+            if kept.nbytes + sum(one.nbytes for one in self._responses.values()) < MOST_RESPONSE_BYTES:
+                self._responses[feature, dof] = kept
+        return kept
 
 
 @dataclass(frozen=True)
-class _Normal:
+class Normal:
     """Normal equations by block, and what is known of the sizes beside the data."""
 
     hessian: Floats
@@ -169,7 +214,35 @@ class _Normal:
 
     @property
     def total(self) -> tuple[Floats, Floats]:
+        """Hessian and gradient of all blocks."""
         return self.hessian.sum(0) + self.prior, self.gradient.sum(0)
+
+    @property
+    def sizes(self) -> Floats:
+        """Sizes (p,) that fit best."""
+        return _solved(*self.total)[0]
+
+    def leading(self, count: int) -> Normal:
+        """Those of the first sizes alone."""
+        return self.within(np.eye(self.prior.shape[0])[:, :count])
+
+    def within(self, directions: Floats) -> Normal:
+        """Those of sizes that are sums of some directions (p, q)."""
+        return Normal(
+            directions.T @ self.hessian @ directions,
+            self.gradient @ directions,
+            self.squares,
+            self.count,
+            directions.T @ self.prior @ directions,
+        )
+
+    def stiffened(self, roughness: Floats, stiffness: float) -> Normal:
+        """The same with the last sizes held together: `roughness` (p, p), of the mean weight of the data."""
+        count = roughness.shape[0]
+        weight = float(np.diag(self.total[0])[-count:].mean())
+        prior = self.prior.copy()
+        prior[-count:, -count:] += stiffness * weight * roughness
+        return replace(self, prior=prior)
 
     def left_out(self) -> Floats:
         """Squared error (b,) of each block under the fit to all others."""
@@ -210,10 +283,10 @@ def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
     return change(before.damping, after.damping), change(before.stiffness, after.stiffness)
 
 
-def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Floats) -> _Normal:
+def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Floats) -> Normal:
     prior = np.zeros(columns.shape[0])
     prior[: precision.size] = precision
-    return _Normal(
+    return Normal(
         np.stack([columns[:, b] @ columns[:, b].T for b in blocks]),
         np.stack([columns[:, b] @ left[b] for b in blocks]),
         np.array([_squares(left[b]) for b in blocks]),
@@ -240,18 +313,19 @@ def _squares(values: Floats) -> float:
     return float(values @ values)
 
 
-def free_curves(
-    experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
-) -> list[CurveFit]:
+def free_curves(regression: Regression) -> list[CurveFit]:
     """Every free curve on every dof, the one that explains most of data left out first."""
-    regression = Regression(experiment, windows, noise, model, train)
-    spec, evidence = model.spec, experiment.evidence
-    assert spec.plant is not None
+    assert regression.model.spec.plant is not None
     found = []
-    for dof, name in enumerate(spec.plant.dofs):
-        at = along(evidence, regression.motion, dof, name)
-        for feature in features(at, evidence.time, evidence.load[:, dof]):
-            one = regression.fit(feature, dof, name, at)
-            if one is not None:
-                found.append(one)
+    for dof, name in enumerate(regression.model.spec.plant.dofs):
+        at = regression.along(dof)
+        found += [one for feature in features(at) if (one := regression.fit(feature, dof, name, at))]
     return sorted(found, key=lambda one: -one.gain)
+
+
+def beside(curves: list[CurveFit], regression: Regression, columns: Floats) -> list[CurveFit]:
+    """The same curves fitted beside other forces whose responses (q, s k) are known."""
+    assert regression.model.spec.plant is not None
+    dofs, more = regression.model.spec.plant.dofs, regression.beside(columns)
+    found = (more.fit(one.feature, dofs.index(one.dof), one.dof, one.at) for one in curves)
+    return sorted(filter(None, found), key=lambda one: -one.gain)

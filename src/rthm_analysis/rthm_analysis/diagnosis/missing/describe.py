@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
@@ -14,6 +16,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.result import Described
 from rthm_core.compiled import Floats
@@ -58,9 +61,9 @@ def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bo
     variable = one.feature.depends_on[0]
     values = one.at._asdict()
     at, force, std = _drawn(one, values[variable])
-    takes = _takes(one)
-    domain = {name: _range(values[name]) for name in one.feature.depends_on if name != "t"}
-    symmetry = _symmetry(at, force) if variable in ("x", "v") else "neither"
+    takes = takes_energy(one.force, one.at)
+    domain = domain_of(one.at, one.feature.depends_on)
+    symmetry = symmetry_of(at, force) if variable in ("x", "v") else "neither"
     words = _words(one, symmetry, takes, interval, domain, "what is left" if beside else "the mismatch")
     return Described(
         "plant", one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
@@ -75,11 +78,14 @@ def _drawn(one: CurveFit, over: Floats) -> tuple[Floats, Floats, Floats]:
     return at, force, np.hypot(spread, typical)
 
 
-def _range(values: Floats) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
+def domain_of(at: Along, depends_on: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Range of each variable but time in which a force was seen."""
+    seen = {name: values for name, values in at._asdict().items() if name in depends_on and name != "t"}
+    return {name: (float(values.min()), float(values.max())) for name, values in seen.items()}
 
 
-def _symmetry(at: Floats, force: Floats) -> str:
+def symmetry_of(at: Floats, force: Floats) -> str:
+    """Whether a curve is ``odd``, ``even`` or ``neither``."""
     reach = min(-float(at.min()), float(at.max()))
     if reach <= 0.0:
         return "neither"
@@ -90,10 +96,15 @@ def _symmetry(at: Floats, force: Floats) -> str:
     return "odd" if share > SYMMETRIC_SHARE else "even" if share < 1.0 - SYMMETRIC_SHARE else "neither"
 
 
-def _takes(one: CurveFit) -> bool:
-    """Whether the force takes energy out."""
-    power = one.force * one.at.v
+def takes_energy(force: Floats, at: Along) -> bool:
+    """Whether a force (s,) takes energy out."""
+    power = force * at.v
     return bool(-power.sum() > DISSIPATED_SHARE * np.abs(power).sum())
+
+
+def ranges_of(domain: dict[str, tuple[float, float]]) -> str:
+    """Ranges in words: ``-0.1 to 0.2 m``."""
+    return ", ".join(f"{bare(low)} to {bare(high)} {VARIABLE_UNITS[v]}" for v, (low, high) in domain.items())
 
 
 def _words(
@@ -107,10 +118,7 @@ def _words(
     names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
     when = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
-    ranges = ", ".join(
-        f"{bare(low)} to {bare(high)} {VARIABLE_UNITS[v]}" for v, (low, high) in domain.items()
-    )
-    seen = f" (seen from {ranges})" if ranges else ""
+    seen = f" (seen from {ranges})" if (ranges := ranges_of(domain)) else ""
     energy = " It takes energy out." if takes else ""
     size = bare(one.largest, 2)
     share = percent(min(one.held_out_share, 1.0))

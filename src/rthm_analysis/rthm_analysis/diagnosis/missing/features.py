@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,11 +15,45 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_core.compiled import Floats
+from rthm_core.effects.formula import evaluated
+
+NOTHING = np.empty(0)
 
 
 @dataclass(frozen=True)
+class Curve:
+    """A free curve over one variable, times something that is known.
+
+    Attributes
+    ----------
+    carrier : str
+        What it is multiplied with, as a formula of the variables.
+    over : str
+        Its variable, in the words of the contract.
+    knots : (p,) array
+        Where it is free, ascending; none: it is a number.
+    """
+
+    carrier: str
+    over: str
+    knots: Floats
+
+    def shapes(self, variables: Mapping[str, Floats]) -> Floats:
+        """Force (s, p) along the recording of a curve that is 1 N at one knot and 0 at all others."""
+        return hats(variables[self.over], self.knots) * evaluated(self.carrier, {}, **variables)[:, None]
+
+
+def _roughness(count: int) -> Floats:
+    """Sum (p, p) of the squared steps from each of some sizes to the next, as a quadratic form."""
+    if count < 2:
+        return np.zeros((count, count))
+    steps = np.diff(np.eye(count), axis=0)
+    return np.asarray(steps.T @ steps)
+
+
+@dataclass(frozen=True, eq=False)
 class Feature:
-    """A free curve.
+    """A free force.
 
     Attributes
     ----------
@@ -29,36 +63,76 @@ class Feature:
         The force of each shape of size 1, N, along the recording.
     straight : bool
         Whether it is a straight line over time: it says what follows, but any slow change is partly that.
+    curves : tuple of Curve
+        Those of which it is the sum, in the order of their shapes; none for a surface.
     """
 
     depends_on: tuple[str, ...]
     shapes: Floats
     straight: bool = False
+    curves: tuple[Curve, ...] = ()
+
+    @property
+    def roughness(self) -> Floats:
+        """How rough its curves are, as a quadratic form (p, p) of the sizes of its shapes; of a surface, how
+        large.
+        """
+        if not self.curves:
+            return np.eye(self.shapes.shape[1])
+        from scipy.linalg import block_diag
+
+        return np.asarray(block_diag(*(_roughness(max(one.knots.size, 1)) for one in self.curves)))
 
 
-def features(at: Along, time: Floats, load: Floats) -> Iterator[Feature]:
+def features(at: Along) -> Iterator[Feature]:
     """Curves over one variable, surfaces over motion, coefficients that change with time.
 
     What grows steadily with time is told by straight lines: they alone say what follows.
     """
-    x, v = hats(at.x, knots(at.x, CURVE_KNOTS)), hats(at.v, knots(at.v, CURVE_KNOTS))
-    slow = hats(time, np.linspace(time[0], time[-1], TIME_CURVE_KNOTS))
-    sign = np.sign(at.v)[:, None]
-    line = np.column_stack([np.ones_like(time), (time - time[0]) / (time[-1] - time[0])])
-    yield Feature(("x",), x)
-    yield Feature(("x",), hats(at.x, np.linspace(at.x.min(), at.x.max(), PERIODIC_CURVE_KNOTS)))
-    yield Feature(("v",), np.hstack([v, sign]))
-    yield Feature(("t",), slow)
-    yield Feature(("t",), line, straight=True)
-    coarse = hats(at.x, knots(at.x, SURFACE_KNOTS)), hats(at.v, knots(at.v, SURFACE_KNOTS))
-    yield Feature(("x", "v"), np.hstack([_products(*coarse), coarse[0] * sign]))
-    yield Feature(("x", "v"), hats(at.x, np.linspace(at.x.min(), at.x.max(), 2 * CURVE_KNOTS)) * sign)
-    yield Feature(("x", "t"), slow * at.x[:, None])
-    yield Feature(("v", "t"), np.hstack([slow * at.v[:, None], slow * sign]))
-    yield Feature(("x", "t"), line * at.x[:, None], straight=True)
-    yield Feature(("v", "t"), np.hstack([line * at.v[:, None], line * sign]), straight=True)
+    variables = at._asdict()
+    x, v, t, load = at
+    over_x, over_v, over_load = (knots(one, CURVE_KNOTS) for one in (x, v, load))
+    slow, line = (np.linspace(t[0], t[-1], count) for count in (TIME_CURVE_KNOTS, 2))
+    fine, finer = (np.linspace(x.min(), x.max(), n) for n in (2 * CURVE_KNOTS, PERIODIC_CURVE_KNOTS))
+
+    def feature(depends_on: str, *curves: Curve, straight: bool = False) -> Feature:
+        shapes = np.hstack([one.shapes(variables) for one in curves])
+        return Feature(tuple(depends_on.split()), shapes, straight, curves)
+
+    yield feature("x", Curve("1", "x", over_x))
+    yield feature("x", Curve("1", "x", finer))
+    yield feature("v", Curve("1", "v", over_v), Curve("sign(v)", "v", NOTHING))
+    yield feature("t", Curve("1", "t", slow))
+    yield feature("t", Curve("1", "t", line), straight=True)
+    yield _surface(x, v)
+    yield feature("x v", Curve("sign(v)", "x", fine))
+    yield feature("x v", Curve("v", "x", over_x))
+    yield feature("x t", Curve("x", "t", slow))
+    yield feature("v t", Curve("v", "t", slow), Curve("sign(v)", "t", slow))
+    yield feature("x t", Curve("x", "t", line), straight=True)
+    yield feature("v t", Curve("v", "t", line), Curve("sign(v)", "t", line), straight=True)
     if np.any(load):
-        yield Feature(("load",), hats(load, knots(load, CURVE_KNOTS)))
+        yield feature("load", Curve("1", "load", over_load))
+        yield feature("x load", Curve("x", "load", over_load))
+
+
+def feature_of(at: Along, curve: Curve) -> Feature:
+    """One curve by itself."""
+    return Feature((curve.over,), curve.shapes(at._asdict()), curves=(curve,))
+
+
+def knots_over(at: Along, variable: str) -> Floats:
+    """Knots of a curve over x, v or t."""
+    values = at._asdict()[variable]
+    if variable == "t":
+        return np.linspace(values[0], values[-1], TIME_CURVE_KNOTS)
+    return knots(values, CURVE_KNOTS)
+
+
+def _surface(x: Floats, v: Floats) -> Feature:
+    """A force over position and velocity, with a jump at rest that differs from place to place."""
+    over_x, over_v = hats(x, knots(x, SURFACE_KNOTS)), hats(v, knots(v, SURFACE_KNOTS))
+    return Feature(("x", "v"), np.hstack([_products(over_x, over_v), over_x * np.sign(v)[:, None]]))
 
 
 def knots(values: Floats, count: int) -> Floats:

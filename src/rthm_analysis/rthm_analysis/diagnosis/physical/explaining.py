@@ -15,8 +15,9 @@ from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2, NOISE_FLOOR_RATI
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
 from rthm_analysis.diagnosis.physical.drafting import Draft, draft_of, drafted
+from rthm_analysis.diagnosis.physical.formula_first import FormulaFirst
+from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_fit
-from rthm_analysis.diagnosis.physical.remainder import slow_power, tolerance
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.choosing import choose, is_lost
@@ -45,7 +46,11 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    explained, selection = _by_effects(begun, near, draft)
+    first = FormulaFirst(begun, near or begun)
+    explained, selection = _by_effects(begun, near, draft, first)
+    if first.found is not None:
+        there, formula = first.found
+        return there, replace(formula, limits=selection.limits)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
         reached = at_noise(fitting, selection.best)
         if not (hopeless and reached):
@@ -125,17 +130,6 @@ def is_behind(again: tuple[Baseline, Selection], before: Selection) -> bool:
     )
 
 
-def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
-    """Whether a model leaves nothing but noise of the training part."""
-    if reduced_chi2(fitting, fitted) > NEAR_NOISE_CHI2:
-        return False
-    errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
-    return all(
-        slow_power(column)[0] < tolerance(white)
-        for column, white in zip(errors.T, fitting.whites, strict=True)
-    )
-
-
 def _plainer(fitting: Fitting, selection: Selection, plain: Fitted, *, reached: bool) -> Selection:
     """The selection, or the plainer hypothesis, with effects beside it where it alone is not enough.
 
@@ -166,12 +160,21 @@ def _lost(begun: Baseline) -> float:
 
 
 def _by_effects(
-    begun: Baseline, short: Baseline | None, draft: Draft | None = None
+    begun: Baseline, short: Baseline | None, draft: Draft | None = None, first: FormulaFirst | None = None
 ) -> tuple[Baseline, Selection]:
-    """Effects that explain what is left, and the runs in which they were found: short ones if need be."""
+    """Effects that explain what is left, and the runs in which they were found: short ones if need be.
+
+    A formula that is enough by itself ends the search.
+    """
     fitting, lost = begun.fitting, _lost(begun)
     fitting.reduced_chi2 = reduced_chi2(fitting, begun.retuned)
-    selection = _choice(begun, lambda left: left > lost, draft)
+
+    def is_over(left: float) -> bool:
+        return (first is not None and first.is_enough(left)) or left > lost
+
+    selection = _choice(begun, is_over, draft)
+    if first is not None and first.found is not None:
+        return begun, selection
     if short is None or fitting.reduced_chi2 <= lost:
         return begun, selection
     return _led_by(short, begun, selection)

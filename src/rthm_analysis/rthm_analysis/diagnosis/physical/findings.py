@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     RIVAL_GAIN_SHARE,
 )
 from rthm_analysis.diagnosis.missing.describe import described, told
+from rthm_analysis.diagnosis.physical.composing import compose
 from rthm_analysis.diagnosis.physical.confirming import (
     because,
     confirmed,
@@ -24,11 +25,14 @@ from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
+from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
+from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
 from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve
@@ -72,6 +76,8 @@ def physical_part(physical: Physical) -> Part:
     physical, refused = confirmed(physical)
     physical, judged, fewer = _with_fewer(physical, _judged(physical))
     refused = (*refused, *fewer)
+    judged, force = _with_force(judged)
+    physical = judged.physical
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
     retuned = _determined(retuned_values(physical))
     left = not judged.settled
@@ -79,8 +85,8 @@ def physical_part(physical: Physical) -> Part:
     physics, traces, vague = _named(physical, judged)
     physics = [*_drive_physics(physical), *physics, *rounded]
     driven = DRIVEN if judged.is_driven_wrong else READ_WRONG if motors_read_wrong(physical) else ()
-    curves = _described(judged) if left else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
+    located |= {one.block for one in force if judged.earned}
     if left and not judged.earned and not driven:
         located |= judged.wrong_sensors or ({"wire"} if wires_are_off(physical) else {"plant"})
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
@@ -103,7 +109,7 @@ def physical_part(physical: Physical) -> Part:
             *_on_the_load(physical),
             *filter(None, [physical.fitting.budget.note]),
         ),
-        described=curves,
+        described=force,
         traces=tuple(traces),
         refused=(*refused, *vague, *judged.refused),
         free_run=free_runs(physical, runs),
@@ -146,12 +152,18 @@ def _helps(judged: Judgement) -> bool:
     return after < RETUNED_LEFT_SHARE * before
 
 
-def _described(judged: Judgement) -> tuple[Described, ...]:
-    """The force that is left, as a curve, where unseen data confirm one."""
-    if judged.is_driven_wrong or not any(one.in_train for one in judged.left_over):
-        return ()
-    one = told(judged.curves if judged.earned else judged.curves_without)
-    return () if one is None else (described(one, when(judged), beside=judged.earned),)
+def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
+    """The force that is left, described, and a formula of it in the model where one was earned."""
+    if not (judged.settled or judged.is_driven_wrong):
+        if not any(one.in_train for one in judged.left_over):
+            return judged, unconfirmed(judged)
+        free = told((judged.missing if judged.earned else judged.missing_without).curves)
+        judged = (compose(judged, free) if free else None) or judged
+        if not judged.composed:
+            curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
+            return judged, curve if is_foretold(free) else unforeseen(judged) or curve
+    formula = judged.earned and judged.physical.selection.formulas
+    return judged, tuple(formulated(judged)) if formula else ()
 
 
 def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
@@ -193,7 +205,7 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
     if not judged.earned:
         return [], [], []
     whole = max(judged.gone * judged.mismatch, 1e-300)
-    for i, share in enumerate(judged.shares):
+    for i, share in enumerate(judged.shares[: len(selection.rounds) - selection.formulas]):
         one = selection.best.model.added[i]
         values = values_of(selection.best, i)
         energy = _energy(physical, selection.best.model, i)

@@ -111,7 +111,7 @@ def diagnose_physical(
     if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
         quieter = with_noise(begun, noise)
         again: tuple[Baseline, Selection] | None
-        if begun.fitting.budget.spent:
+        if begun.fitting.budget.spent or selection.formulas:
             again = fitted_again(quieter, selection)
         else:
             again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)

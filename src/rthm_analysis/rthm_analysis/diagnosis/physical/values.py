@@ -13,7 +13,6 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, nominal_values
 from rthm_analysis.diagnosis.result import Retuned, Value
-from rthm_core.effects import effect
 
 
 def stds_of(fitted: Fitted) -> dict[str, float]:
@@ -29,7 +28,7 @@ def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
     """Parameters of an added effect with their standard deviations."""
     stds, model = stds_of(fitted), fitted.model
     one = model.added[index]
-    declared = effect(one.kind, one.block)
+    declared = one.law
     values: dict[str, Value | str] = {}
     for key, value in model.effect_values(index).items():
         if isinstance(value, str):
@@ -43,7 +42,7 @@ def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
 def settled_by_plant(physical: Physical, name: str, one: EffectInstance) -> dict[str, Value | str]:
     """What the motion of the plant tells of an effect of a motor."""
     best = physical.selection.best
-    stds, declared = stds_of(best), effect(one.kind, one.block)
+    stds, declared = stds_of(best), one.law
     found = (p for p in best.model.parameters if p.key.startswith(f"{name}."))
     keys = ((p.key.partition(".")[2], p) for p in found)
     return {key: Value(p.value, stds[p.key], declared.unit(key, one.block)) for key, p in keys}

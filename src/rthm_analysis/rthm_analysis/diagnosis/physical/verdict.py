@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     TRAINING_SLOW_POWER,
     WORSE_ERROR_RATIO,
 )
-from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import is_clear
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.above_noise import Laws, found
@@ -45,6 +46,13 @@ from rthm_analysis.diagnosis.result import Refused
 from rthm_analysis.diagnosis.search.replacing import is_identified, is_seen
 
 
+class Missing(NamedTuple):
+    """What a model leaves of the recording, and the free curves of it, best first."""
+
+    regression: Regression
+    curves: list[CurveFit]
+
+
 @dataclass(frozen=True)
 class Judgement:
     """What the recording as a whole says of the nominal, the retuned and the explaining model.
@@ -54,10 +62,13 @@ class Judgement:
     physical : Physical
     runs : dict
         Simulated: ``nominal``, ``retuned``, ``explained``.
+    composed : bool
+        Whether its last effects are a formula that was compared with free curves, and so earned.
     """
 
     physical: Physical
     runs: dict[str, Simulated]
+    composed: bool = False
 
     @cached_property
     def left(self) -> dict[str, tuple[Remainder, ...]]:
@@ -153,7 +164,7 @@ class Judgement:
         return len(selection.rounds) + sum(name not in unsure for name in entries)
 
     @property
-    def _worse(self) -> bool:
+    def is_worse(self) -> bool:
         """Whether a signal is further from unseen data with the names than without, or than where nothing
         moves, whatever the noise.
         """
@@ -197,20 +208,26 @@ class Judgement:
         before, after = self.squares["retuned"] - self.expected, self.squares["explained"] - self.expected
         return 1.0 - max(after, 0.0) / max(before, 1e-300)
 
-    @cached_property
+    @property
     def curves(self) -> list[CurveFit]:
         """Free curves of what the best of the named models leaves, or of what is left without names."""
-        return self._curves(self.physical.selection.best.model)
+        return self.missing.curves
 
     @cached_property
-    def curves_without(self) -> list[CurveFit]:
-        """Free curves of what is left without any name."""
-        return self._curves(self.physical.selection.base.model) if self.names else self.curves
+    def missing(self) -> Missing:
+        """What the best of the named models leaves."""
+        return self._missing(self.physical.selection.best.model)
 
-    def _curves(self, model: Model) -> list[CurveFit]:
+    @cached_property
+    def missing_without(self) -> Missing:
+        """What is left without any name."""
+        return self._missing(self.physical.selection.base.model) if self.names else self.missing
+
+    def _missing(self, model: Model) -> Missing:
         physical = self.physical
         physical.fitting.progress("asking on what the missing force depends")
-        return free_curves(physical.experiment, physical.windows, physical.noise, model, physical.train)
+        left = Regression(physical.experiment, physical.windows, physical.noise, model, physical.train)
+        return Missing(left, free_curves(left))
 
     @cached_property
     def earned(self) -> bool:
@@ -221,7 +238,9 @@ class Judgement:
         the plant's where the motors are not understood.
         """
         selection = self.physical.selection
-        if not self.names or selection.in_pieces or selection.blames_several or self._worse:
+        if selection.formulas:
+            return self.composed or (self.at_noise and not self.is_worse)
+        if not self.names or selection.in_pieces or selection.blames_several or self.is_worse:
             return False
         if self._changes > SEARCH_MOST_EFFECTS or not self._are_seen:
             return False

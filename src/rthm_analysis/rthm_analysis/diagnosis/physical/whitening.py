@@ -7,7 +7,7 @@ from functools import reduce
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.beginning import Baseline, with_noise
 from rthm_analysis.diagnosis.physical.colours import coloured
-from rthm_analysis.diagnosis.physical.explaining import at_noise
+from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.plainer import plain_fit
 
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_core.effects import effect
 from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
@@ -35,8 +34,8 @@ def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec)
 
 def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
     """Force (s,) of a law of the plant along a given motion; its own states by Heun's method."""
-    law: Any = effect(one.kind, one.block)
-    p = tuple(float(one.parameters[name]) for name in law.parameters)
+    law: Any = one.law
+    p = one.ordered
     shape = law.excitation(p)
     if shape is not None:
         return sinusoid(*shape).force(time)
@@ -57,7 +56,10 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
             guess = [a + (t - t0) * b for a, b in zip(z, first, strict=True)]
             law.rate(here, speed, guess, t, p, mode, second)
             z = [a + 0.5 * (t - t0) * (b + c) for a, b, c in zip(z, first, second, strict=True)]
-        force[k] = law.force(here, speed, z, t, p, mode)
+        try:
+            force[k] = law.force(here, speed, z, t, p, mode)
+        except (ArithmeticError, ValueError):  # what compiled code makes infinite, or no number
+            force[k] = np.nan
         before = (t, here, speed, mode)
     return force
 

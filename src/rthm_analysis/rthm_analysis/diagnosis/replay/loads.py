@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_core.effects import effect
 from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
@@ -46,8 +45,8 @@ def hidden_loads(spec: Spec, points: Grid) -> Floats | None:
     for one in spec.effects:
         if one.block != "plant":
             continue
-        law = effect(one.kind, one.block)
-        shape = law.excitation(tuple(float(one.parameters[p]) for p in law.parameters))  # type: ignore[attr-defined]
+        law = one.law
+        shape = law.excitation(one.ordered)  # type: ignore[attr-defined]
         if shape is not None:
             if loads is None:
                 loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))

@@ -88,7 +88,7 @@ class EffectInstance:
     @property
     def law(self) -> type[Effect]:
         """Its kind."""
-        return effect(self.kind, self.block)
+        return effect(self.kind, self.block).given(self.parameters)
 
     def bounds(self, key: str, values: dict[str, float | str]) -> tuple[float, float]:
         """Values that a spec allows and that are possible, given those of the other parameters."""
@@ -110,6 +110,11 @@ class EffectInstance:
                 self.law.parameters[key].convert(self.parameters[key])
             except RefusedError as error:
                 raise error.at(f"{self.kind}.{key}") from None
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """Its parameters that are text."""
+        return tuple(value for value in self.parameters.values() if isinstance(value, str))
 
     @property
     def label(self) -> tuple[str, str]:
@@ -200,7 +205,7 @@ class Model:
     @property
     def spec(self) -> Spec:
         """Spec of this model; checked once, as its parameters keep to their bounds."""
-        key = tuple((one.block, one.kind, one.place, tuple(one.parameters)) for one in self.added)
+        key = tuple((one.block, one.kind, one.place, one.texts, *one.parameters) for one in self.added)
         if key not in self.checked:
             self.checked[key] = self._checked()
         return self._with_values(self.checked[key])

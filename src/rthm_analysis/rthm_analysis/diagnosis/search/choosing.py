@@ -65,6 +65,8 @@ def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bo
         scores = _scores(fitting, selection, known, scores)
         tried = _tried(fitting, selection, known, promising(scores))
         if not tried or not better(tried[0], selection.best) or not relevant(fitting, tried[0], selection):
+            if not selection.rounds and stop(fitting.reduced_chi2):
+                return selection
             break
         tried[0] = _settled(fitting, selection, tried[0], known)
         selection.rounds.append(tried)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,6 +90,12 @@ class Selection:
         """Whether several powers act at one place, as the first terms of a curve of another shape do."""
         places = [tried[0].label[2] for tried in self.rounds if tried[0].law.power is not None]
         return len(set(places)) < len(places)
+
+    @property
+    def formulas(self) -> int:
+        """How many of its last effects are forces that a formula gives."""
+        kinds = (tried[0].law.written for tried in reversed(self.rounds))
+        return len(list(takewhile(bool, kinds)))
 
     @property
     def blames_several(self) -> bool:

@@ -1,0 +1,177 @@
+"""Formulas of the missing force: terms that explain as much as the best free curve, with few numbers.
+
+Every free curve is a number of sizes with their normal equations, so a shape is compared with it by linear
+algebra alone. The best ones are then fitted to the recording itself, term by term.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_GAIN,
+    MOST_TERMS,
+    PRODUCT_GAIN_RATIO,
+    PRODUCTS_REFINED,
+    REFINING_STEPS,
+    SHAPES_REFINED,
+    TERM_GAIN_SHARE,
+)
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
+from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
+from rthm_analysis.diagnosis.missing.shapes import Shape, shapes_over
+from rthm_analysis.diagnosis.missing.swinging import swinging
+from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_core.effects.formula import evaluated
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+
+def composed(regression: Regression, curves: list[CurveFit], most: int = MOST_TERMS) -> tuple[Term, ...]:
+    """Terms, `most` of them at most, that explain the missing force together, the one that explains most
+    first; none where the free curves show no shape.
+    """
+    terms: list[Term] = []
+    columns: list[Floats] = []
+    whole = max((one.excess for one in curves), default=0.0)
+    while curves and len(terms) < most:
+        least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
+        candidates = [one for curve in curves for one in _shown_by(curve)]
+        candidates += [] if terms else swinging(regression)
+        best = sorted(candidates, key=lambda one: -one.gain)[:SHAPES_REFINED]
+        more = regression.beside(np.vstack(columns)) if columns else regression
+        refined = [_refined(more, one) for one in best if one.gain > least]
+        found = max(refined, key=lambda one: one.gain, default=None)
+        if found is None or found.gain < least:
+            break
+        left = max(one.excess for one in curves) - found.gain
+        if left > least:
+            products = [_refined(more, one) for one in _products(more, found)]
+            found = max([found, *products], key=lambda one: one.gain)
+        terms.append(found)
+        if len(terms) == most:
+            break
+        columns.append(_response(regression, found))
+        curves = beside(curves, regression, np.vstack(columns))
+    return tuple(terms)
+
+
+def _products(regression: Regression, term: Term) -> list[Term]:
+    """The best products of a term with a shape over another variable, where these do clearly better."""
+    dof = regression.dof(term.dof)
+    at = regression.along(dof)
+    over, found = term.shapes[0][0], []
+    for variable in ("x", "v", "t"):
+        if variable == over:
+            continue
+        carrier = "1" if term.carrier == variable else term.carrier
+        own = replace(term, carrier=carrier)
+        curve = Curve(own.with_values, variable, knots_over(at, variable))
+        fit = regression.fit(feature_of(at, curve), dof, term.dof, at)
+        if fit is None or fit.gain < PRODUCT_GAIN_RATIO * term.gain:
+            continue
+        kept = tuple(one for one in own.shapes if one[1].text != "1")
+        shown = sorted(_shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED]
+        found += [replace(own, shapes=(*kept, *one.shapes), gain=one.gain) for one in shown]
+    return found
+
+
+def _response(regression: Regression, term: Term) -> Floats:
+    dof = regression.dof(term.dof)
+    return regression.response(term.column(regression.along(dof)), dof)
+
+
+def _shown_by(fit: CurveFit) -> list[Term]:
+    """The best shapes of each curve of a feature, with the gain that each has within the curve."""
+    if fit.normal is None or fit.feature.straight:
+        return []
+    first = fit.normal.prior.shape[0] - fit.feature.shapes.shape[1]
+    found, base = [], fit.normal.leading(first)
+    for curve, columns in _columns(fit.feature, first):
+        if curve.over == "load" or "load" in curve.carrier:
+            continue
+        shapes = list(shapes_over(curve.over, curve.knots))
+        knots = curve.knots if curve.knots.size else np.zeros(1)
+        vectors = np.stack([_at_knots(one, knots) for one in shapes], axis=1)
+        gains = _gains(fit.normal, first, columns, vectors)
+        for index in np.argsort(-gains)[:SHAPES_REFINED]:
+            if gains[index] > CURVE_GAIN:
+                gain = _left_out_gain(fit.normal, base, columns, vectors[:, index])
+                found.append(Term(fit.dof, curve.carrier, ((curve.over, shapes[index]),), gain=gain))
+    return found
+
+
+def _columns(feature: Feature, first: int) -> list[tuple[Curve, slice]]:
+    """Curves of a feature, and where their sizes are."""
+    found = []
+    for curve in feature.curves:
+        count = max(curve.knots.size, 1)
+        found.append((curve, slice(first, first + count)))
+        first += count
+    return found
+
+
+def _at_knots(shape: Shape, knots: Floats) -> Floats:
+    numbers = dict(zip("pq", shape.numbers, strict=False))
+    found = evaluated(shape.text, numbers, w=knots)
+    return np.asarray(np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0))
+
+
+def _gains(normal: Normal, first: int, columns: slice, vectors: Floats) -> Floats:
+    """Squared error (n,) that each direction (p, n) of some sizes removes beside what is known."""
+    hessian, gradient = normal.total
+    known, own = hessian[:first, :first], hessian[columns, columns]
+    ridge = 1e-12 * (np.trace(known) + 1.0) * np.eye(first)
+    factor = np.linalg.solve(known + ridge, hessian[:first, columns])
+    reduced = own - hessian[columns, :first] @ factor
+    slope = gradient[columns] - factor.T @ gradient[:first]
+    size = np.einsum("pn,pq,qn->n", vectors, reduced, vectors)
+    scale = np.einsum("pn,pq,qn->n", vectors, own, vectors)
+    clear = size > 1e-6 * scale
+    return np.asarray(np.where(clear, np.square(slope @ vectors) / np.where(clear, size, 1.0), 0.0))
+
+
+def _left_out_gain(normal: Normal, base: Normal, columns: slice, vector: Floats) -> float:
+    directions = np.zeros((normal.prior.shape[0], base.prior.shape[0] + 1))
+    directions[: base.prior.shape[0], :-1] = np.eye(base.prior.shape[0])
+    directions[columns, -1] = vector
+    return float(base.left_out().sum() - normal.within(directions).left_out().sum())
+
+
+def _refined(regression: Regression, term: Term) -> Term:
+    """The term with the numbers of its shape, and its size, fitted to the recording."""
+    from scipy.optimize import minimize
+
+    def with_size(numbers: Floats) -> Term:
+        moved = term.moved(numbers)
+        normal = regression.normal(_response(regression, moved))
+        if normal is None:
+            return replace(moved, gain=-np.inf)
+        base = normal.leading(normal.prior.shape[0] - 1)
+        gain = float(base.left_out().sum() - normal.left_out().sum())
+        return replace(moved, size=float(normal.sizes[-1]), gain=gain)
+
+    start = np.array(term.within)
+    best = with_size(start)
+    if not start.size:
+        return best
+    tried = {best.within: best}
+
+    def loss(numbers: Floats) -> float:
+        key = tuple(map(float, numbers))
+        if key not in tried:
+            tried[key] = with_size(numbers)
+        return -max(tried[key].gain, 0.0)
+
+    corners = np.vstack([start, start + np.diag(term.steps)])
+    minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        options={"initial_simplex": corners, "maxfev": REFINING_STEPS, "xatol": 1e-12, "fatol": 0.1},
+    )
+    return max(tried.values(), key=lambda one: one.gain)

@@ -1,0 +1,58 @@
+"""From free curves of a missing force to a formula of it: terms that are fitted in free runs and judged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rthm_analysis.diagnosis.criteria.missing import (
+    FORMULA_GAIN_SHARE,
+    TERM_SHARE_ABOVE_NOISE,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_analysis.diagnosis.physical.formula_model import fit_terms, rounds_of, with_terms
+from rthm_analysis.diagnosis.physical.judged import simulate_all
+from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.search.judging import reduced_chi2
+
+
+def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
+    """The model with a formula for what it leaves, judged; None where no formula does as well on unseen data
+    as a free curve.
+    """
+    physical, selection = judged.physical, judged.physical.selection
+    missing = judged.missing if judged.earned else judged.missing_without
+    base = selection.best if judged.earned else selection.base
+    physical.fitting.progress("looking for a formula of the missing force")
+    terms = composed(missing.regression, missing.curves)
+    found = _with_terms(judged, base, terms) if terms else None
+    if found is not None and not found.at_noise:
+        whole = max(one.excess for one in missing.curves)
+        large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
+        found = _with_terms(judged, base, large) if len(large) < len(terms) else found
+    return found if found is not None and _is_earned(judged, found, curve) else None
+
+
+def _with_terms(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
+    """The model with some terms, judged; None where it diverges, or there are none."""
+    physical, selection = judged.physical, judged.physical.selection
+    physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
+    fitted = fit_terms(physical.fitting, with_terms(base.model, terms))
+    if fitted is None:
+        return None
+    rounds = [*(selection.rounds if judged.earned else ()), *rounds_of(terms, fitted)]
+    with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
+    runs = judged.runs | {"explained": simulate_all(with_formula, fitted)}
+    return Judgement(with_formula, runs, composed=True) if terms else None
+
+
+def _is_earned(before: Judgement, after: Judgement, curve: CurveFit) -> bool:
+    """Whether a formula does as well on unseen data as the free curve, or reaches the noise."""
+    if after.is_worse:
+        return False
+    mismatch = before.squares["explained" if before.earned else "retuned"] - before.expected
+    left = after.squares["explained"] - before.expected
+    gone = 1.0 - max(left, 0.0) / max(mismatch, 1e-300)
+    return after.at_noise or gone > FORMULA_GAIN_SHARE * min(curve.held_out_share, 1.0)

@@ -1,0 +1,84 @@
+"""A formula before the long search: where no single kind is enough, one term of no kind may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
+from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.physical.beginning import Baseline
+from rthm_analysis.diagnosis.physical.formula_model import fit_terms, rounds_of, with_terms
+from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
+
+
+@dataclass
+class FormulaFirst:
+    """Asks for a formula of the training part once, when the first effect of a search is not enough.
+
+    Parameters
+    ----------
+    whole, near : Baseline
+        Over the whole training part, and in runs in which a wrong model stays near: maybe the same.
+
+    Attributes
+    ----------
+    found : (Baseline, Selection) or None
+        One term of no kind of the library, maybe beside a constant, that leaves nothing but noise, and the
+        runs in which it does.
+    """
+
+    whole: Baseline
+    near: Baseline
+    found: tuple[Baseline, Selection] | None = None
+    _asked: bool = field(default=False, repr=False)
+
+    def is_enough(self, left: float) -> bool:
+        """Whether a search that leaves so much (reduced chi-squared) may end, as a formula leaves nothing."""
+        if left > NEAR_NOISE_CHI2 and not self._asked:
+            self._asked = True
+            self.found = self._find()
+        return self.found is not None
+
+    def _find(self) -> tuple[Baseline, Selection] | None:
+        fitting, retuned = self.near.fitting, self.near.retuned
+        fitting.progress("looking for a formula of the missing force")
+        samples = fitting.experiment.evidence.time.size
+        left = Regression(fitting.experiment, fitting.windows, self.near.noise, retuned.model, samples)
+        terms = composed(left, free_curves(left), most=2)
+        terms = terms if len(terms) == 2 and terms[1].is_constant else terms[:1]
+        if all(one.is_known for one in terms):
+            return None
+        near = _fitted(self.near, with_terms(retuned.model, terms))
+        if near is None:
+            return None
+        apart = self.whole is not self.near
+        whole = _fitted(self.whole, near.fitted.model) if apart else None
+        for begun, one in ((self.whole, whole), (self.near, near)):
+            if one is not None and one.at_noise:
+                begun.fitting.rebase(one.fitted.model)
+                begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, one.fitted)
+                return begun, Selection(begun.retuned, one.fitted, rounds_of(terms, one.fitted))
+        return None
+
+
+class _Try(NamedTuple):
+    """A fit, and whether it leaves nothing but noise."""
+
+    fitted: Fitted
+    at_noise: bool
+
+
+def _fitted(begun: Baseline, model: Model) -> _Try | None:
+    """Fit of a model that is near the noise, after which all is as it was; None where it diverges."""
+    fitting = begun.fitting
+    before, fitting.reduced_chi2 = fitting.reduced_chi2, 1.0
+    with fitting.based_on(begun.retuned.model):
+        fitted = fit_terms(fitting, model)
+        found = None if fitted is None else _Try(fitted, at_noise(fitting, fitted))
+    fitting.reduced_chi2 = before
+    return found

@@ -1,0 +1,90 @@
+"""A formula that was earned, as findings: one for each dof, with values, uncertainties and range in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rthm_analysis.diagnosis.missing.binned import binned
+from rthm_analysis.diagnosis.missing.describe import (
+    NAMES,
+    domain_of,
+    ranges_of,
+    symmetry_of,
+    takes_energy,
+)
+from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.physical.locating import when
+from rthm_analysis.diagnosis.physical.values import values_of
+from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.physical.work import law_force
+from rthm_analysis.diagnosis.physical.written import Written
+from rthm_analysis.diagnosis.result import Described, Value
+from rthm_core.compiled import Floats
+
+
+def formulated(judged: Judgement) -> Iterator[Described]:
+    """What the formula of a model says of each dof that it acts on."""
+    selection = judged.physical.selection
+    places: dict[str, list[int]] = {}
+    count = len(selection.best.model.added)
+    for index in range(count - selection.formulas, count):
+        places.setdefault(selection.best.model.added[index].place, []).append(index)
+    for dof, indices in places.items():
+        yield _of_dof(judged, dof, indices)
+
+
+def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
+    physical, best = judged.physical, judged.physical.selection.best
+    assert best.model.spec.plant is not None
+    motion = physical.experiment.motion(best.model.spec, physical.windows)
+    at = along(physical.evidence, motion, best.model.spec.plant.dofs.index(dof), dof)
+    force = _force(judged, indices, at)
+    among = {name for index in indices for name in best.model.added[index].law.depends_on}
+    depends_on = tuple(name for name in at._fields if name in among)
+    variable = depends_on[0] if depends_on else "x"
+    where, mean, spread, _ = binned(at._asdict()[variable], force)
+    terms = [_written(judged, index) for index in indices]
+    end = float(physical.evidence.time[-1])
+    interval = (terms[0].interval(end) if len(terms) == 1 else None) or when(judged)
+    symmetry = symmetry_of(where, mean) if variable in ("x", "v") else "neither"
+    text = _sum(one.told(with_std=False) for one in terms)
+    return Described(
+        "plant", dof, None, depends_on, symmetry, takes_energy(force, at), False, interval, text,
+        domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
+        _words(judged, dof, terms, depends_on, at, force),
+    )  # fmt: skip
+
+
+def _force(judged: Judgement, indices: list[int], at: Along) -> Floats:
+    model = judged.physical.selection.best.model
+    names = {model.name(index) for index in indices}
+    effects = [one for one in model.spec.effects if one.name in names]
+    return np.asarray(np.sum([law_force(one, at.t, at.x, at.v) for one in effects], axis=0))
+
+
+def _written(judged: Judgement, index: int) -> Written:
+    found = values_of(judged.physical.selection.best, index)
+    return Written(str(found["force"]), {k: one for k, one in found.items() if isinstance(one, Value)})
+
+
+def _sum(terms: Iterator[str]) -> str:
+    return " + ".join(terms).replace("+ -", "- ")
+
+
+def _words(
+    judged: Judgement, dof: str, terms: list[Written], depends_on: tuple[str, ...], at: Along, force: Floats
+) -> str:
+    on = " and ".join(NAMES[name].format(dof=dof) for name in depends_on)
+    size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
+    formula = _sum(one.told(with_std=True) for one in terms)
+    seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
+    energy = " It takes energy out." if takes_energy(force, at) else ""
+    share = percent(min(max(judged.gone, 0.0), 1.0))
+    return (
+        f"A force of up to {size} N is missing at {dof} that depends on {on}: F = {formula} in N, with x in "
+        f"m, v in m/s and t in s{seen}.{energy} It is a fitted law and explains {share} of the mismatch on "
+        "unseen data."
+    )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from rthm_core.effects import BLOCKS, effect, kinds
 from rthm_core.spec.catalogue import entry_at
 
 if TYPE_CHECKING:
-    from rthm_core.quantity import Quantity
+    pass
 
 
 def label(key: str) -> str:
@@ -33,6 +33,6 @@ def label(key: str) -> str:
 
 def _of_effects(name: str) -> str:
     """Unit of a parameter of effects; empty where kinds differ in it."""
-    every = (effect(kind, block) for block in BLOCKS for kind in kinds(block))
-    units = {str(cast("Quantity", one.parameters[name]).unit) for one in every if name in one.parameters}
+    every = ((block, effect(kind, block)) for block in BLOCKS for kind in kinds(block))
+    units = {one.unit(name, block) for block, one in every if name in one.parameters} - {""}
     return units.pop() if len(units) == 1 else ""

@@ -35,7 +35,7 @@ from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
 from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
 from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-from rthm_analysis.diagnosis.physical.wire_curves import wire_curve
+from rthm_analysis.diagnosis.physical.wire_curves import wire_curve, wires_described
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.evidence import Channel
@@ -155,6 +155,8 @@ def _helps(judged: Judgement) -> bool:
 def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
     """The force that is left, described, and a formula of it in the model where one was earned."""
     if not (judged.settled or judged.is_driven_wrong):
+        if not judged.earned and wires_are_off(judged.physical):
+            return judged, tuple(wires_described(judged.physical))
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told((judged.missing if judged.earned else judged.missing_without).curves)

@@ -1,50 +1,113 @@
-"""The force that a wire has beyond that of a linear spring, drawn over the variable that explains it best."""
+"""The force that a wire has beyond that of a linear spring, over the variable that explains it best."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
+from rthm_analysis.diagnosis.missing.describe import symmetry_of
+from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.result import Curve, Physics
+from rthm_analysis.diagnosis.result import Curve, Described, Physics
 from rthm_core.compiled import Floats
+
+ELONGATION, RATE = "u - x", "du/dt - v"
+UNITS = {ELONGATION: "m", RATE: "m/s"}
+
+
+class Beyond(NamedTuple):
+    """What a wire does beyond a linear spring.
+
+    Attributes
+    ----------
+    name : str
+        Of the actuator.
+    force, named : (s,) arrays
+        Measured force beyond k (u - x), with the motor's position u that the model gives, and that of the
+        best model, N.
+    variables : dict of (s,) arrays
+        Elongation and its rate.
+    noise : float
+        Standard deviation of `force` by the sensors alone, N.
+    """
+
+    name: str
+    force: Floats
+    named: Floats
+    variables: dict[str, Floats]
+    noise: float
 
 
 def wire_curve(physical: Physical, physics: Sequence[Physics]) -> Iterator[Curve]:
-    """Measured force beyond k (u - x), for each wire with named physics and a force sensor.
+    """Measured force beyond k (u - x), for each wire with named physics and a force sensor."""
+    named = {one.place for one in physics if one.block == "wire"}
+    for one in beyond_springs(physical):
+        if one.name not in named:
+            continue
+        known = np.isfinite(one.force)
+        curves = {name: binned(over[known], one.force[known]) for name, over in one.variables.items()}
+        best = max(curves, key=lambda name: curves[name][3])
+        law = spread_over(one.variables[best][known], one.named[known])
+        yield Curve("wire", best, UNITS[best], *curves[best][:3], law, curves[best][3])
 
-    The motor position u is the model's, x and the force are measured. What was named is the force of the
-    best model beyond that of its own linear spring.
-    """
+
+def wires_described(physical: Physical) -> Iterator[Described]:
+    """Wires whose force is a curve of the elongation, which unseen data do not deny; it is in no model."""
+    for one in beyond_springs(physical):
+        over = one.variables[ELONGATION]
+        known = np.isfinite(one.force)
+        seen = known & (np.arange(known.size) < physical.train)
+        at, force, std, _ = binned(over[seen], one.force[seen])
+        if not seen.any():
+            continue
+        shares = [_share(one, over, at, force, part) for part in (seen, known & ~seen)]
+        if min((share for share in shares if share is not None), default=0.0) < FORETOLD_SHARE:
+            continue
+        explained = shares[0] or 0.0
+        low, high = float(over[known].min()), float(over[known].max())
+        words = (
+            f"The wire of {one.name} is no linear spring: its force has up to "
+            f"{bare(float(np.abs(force).max()), 2)} N beside it that depend on its elongation (seen from "
+            f"{bare(low)} to {bare(high)} m). As a curve over it this explains {percent(explained)} of what "
+            "is left of the force; no kind of the library fits it."
+        )
+        yield Described(
+            "wire", one.name, None, ("x", "u"), symmetry_of(at, force), False, False, None, None,
+            {ELONGATION: (low, high)}, explained, 0.0, at, force, std, words,
+        )  # fmt: skip
+
+
+def _share(one: Beyond, over: Floats, at: Floats, force: Floats, part: np.ndarray) -> float | None:
+    """Part of the force beyond the spring and the noise that a curve explains; None where there is none."""
+    left = one.force[part] - np.interp(over[part], at, force)
+    before, after = (float(np.mean(np.square(each))) - one.noise**2 for each in (one.force[part], left))
+    return 1.0 - max(after, 0.0) / before if before > one.noise**2 else None
+
+
+def beyond_springs(physical: Physical) -> Iterator[Beyond]:
+    """What each wire with a force sensor does beyond a linear spring."""
     spec, evidence = physical.selection.best.model.spec, physical.evidence
     if spec.actuator is None or spec.interface is None or spec.plant is None:
         return
     motion = physical.experiment.motion(spec, physical.windows)
+    channels = [(channel.family, channel.place) for channel in evidence.channels]
     for actuator, name in enumerate(spec.actuator.names):
         dof, k = spec.interface.plant_dof[actuator], spec.k_tot[actuator]
-        if not any(one.block == "wire" and one.place == name for one in physics):
+        if ("force", name) not in channels or ("position", dof) not in channels:
             continue
-        force, x = _measured(physical, "force", name), _measured(physical, "position", dof)
-        if force is None or x is None:
-            continue
-        at = spec.plant.dofs.index(dof)
-        u = motion.motor[:, actuator]
+        force, x = (channels.index(one) for one in (("force", name), ("position", dof)))
+        at, u = spec.plant.dofs.index(dof), motion.motor[:, actuator]
+        elongation = u - evidence.measured[:, x]
         rate = np.gradient(u, evidence.time) - motion.velocity[:, at]
-        variables = {"u - x": (u - x, "m"), "du/dt - v": (rate, "m/s")}
-        known = np.isfinite(force) & np.isfinite(x)
-        beyond = (force - k * (u - x))[known]
-        named = (motion.force[:, actuator] - k * (u - motion.position[:, at]))[known]
-        curves = {variable: binned(values[known], beyond) for variable, (values, _) in variables.items()}
-        best = max(curves, key=lambda variable: curves[variable][3])
-        over, unit = variables[best]
-        law = spread_over(over[known], named)
-        yield Curve("wire", best, unit, *curves[best][:3], law, curves[best][3])
-
-
-def _measured(physical: Physical, family: str, place: str) -> Floats | None:
-    for i, channel in enumerate(physical.evidence.channels):
-        if (channel.family, channel.place) == (family, place):
-            return np.asarray(physical.evidence.measured[:, i])
-    return None
+        noise = float(np.hypot(physical.noise.level[force], k * physical.noise.level[x]))
+        yield Beyond(
+            name,
+            evidence.measured[:, force] - k * elongation,
+            motion.force[:, actuator] - k * (u - motion.position[:, at]),
+            {ELONGATION: elongation, RATE: rate},
+            noise,
+        )

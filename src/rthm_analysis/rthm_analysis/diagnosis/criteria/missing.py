@@ -128,3 +128,11 @@ TERM_SHARE_ABOVE_NOISE = 0.1
 INSTANT_SAMPLES = 3.0
 INSTANT_TRIALS = 14
 """Samples around the instant at which a term begins or ends among which it is looked for, and trials."""
+
+LIKELY_CURVES = 5
+LIKELY_SAMPLES = 8000
+"""Free curves that are asked before the long search, of all that the residual force was compared with, and
+samples that are compared."""
+
+EARLY_SHAPES_REFINED = 2
+"""Shapes of a term that are fitted to the recording itself before the long search."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -21,6 +21,7 @@ from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
@@ -48,6 +49,8 @@ class CurveFit:
         Force of what damping and stiffness changed by when the curve was fitted, N.
     normal : Normal, optional
         Normal equations of the training part: of what is known first, then of its shapes.
+    loose : CurveFit, optional
+        The same without its sizes held together: a jump among them is then no larger than the data say.
     """
 
     dof: str
@@ -61,6 +64,12 @@ class CurveFit:
     at: Along
     beside: Floats
     normal: Normal | None = None
+    loose: CurveFit | None = None
+
+    @property
+    def yardstick(self) -> CurveFit:
+        """The fit by which kinds are judged."""
+        return self.loose or self
 
     @property
     def share(self) -> float:
@@ -86,10 +95,12 @@ class CurveFit:
 class Regression:
     """What a model leaves of the whole recording, and the response of its channels to any force.
 
+    Its replays are counted apart: what is asked of a force takes nothing from the search for kinds.
+
     Parameters
     ----------
     experiment : Experiment
-        Over the whole recording.
+        Over the whole recording, or a draft of it.
     windows : Windows
     noise : Noise
     model : Model
@@ -100,7 +111,8 @@ class Regression:
     def __init__(
         self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
     ) -> None:
-        self.experiment, self.model = experiment.draft(), model
+        draft = experiment if experiment.is_draft else experiment.draft()
+        self.experiment, self.model = replace(draft, budget=Budget()), model
         self.fitting = Fitting(self.experiment, windows, noise.sigma, model, colours=noise.colours)
         self.here = self.fitting.residual(model)
         self.left = self.fitting.projected(self.here)
@@ -158,23 +170,28 @@ class Regression:
         whole, columns = self.normal(response), np.vstack([self.known, response])
         if whole is None:
             return None
-        first, own = self.known.shape[0], self.motion_forces.shape[2]
-        stiff = (whole.stiffened(feature.roughness, one) for one in CURVE_STIFFNESSES)
-        smooth = min(stiff, key=lambda one: float(one.left_out().sum()))
-        base = whole.leading(first)
-        sizes, inverse = _solved(*smooth.total)
+        made = [self._with(one, whole, columns, feature, dof, at) for one in CURVE_STIFFNESSES]
+        loose = replace(made[0], dof=name)
+        return replace(max(made, key=lambda one: one.gain), dof=name, loose=loose)
+
+    def _with(
+        self, stiffness: float, whole: Normal, columns: Floats, feature: Feature, dof: int, at: Along
+    ) -> CurveFit:
+        """The fit with neighbouring sizes held together by a weight."""
+        first, own, held = self.known.shape[0], self.motion_forces.shape[2], self.held
+        base, stiff = whole.leading(first), whole.stiffened(feature.roughness, stiffness)
+        sizes, inverse = _solved(*stiff.total)
         plain, _ = _solved(*base.total)
-        held = self.held
         before = sum(_squares(self.left[b] - plain @ columns[:first, b]) for b in held)
         after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
         scatter = max(float(np.median(whole.squares / whole.count)), 1.0)
         left_out = float(base.left_out().sum())
         return CurveFit(
-            name,
+            "",
             feature,
             sizes[first:],
             np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
-            left_out - float(smooth.left_out().sum()),
+            left_out - float(stiff.left_out().sum()),
             left_out - float(whole.count.sum()),
             float(before - after),
             float(before - sum(self.left[b].size for b in held)),
@@ -313,13 +330,17 @@ def _squares(values: Floats) -> float:
     return float(values @ values)
 
 
-def free_curves(regression: Regression) -> list[CurveFit]:
-    """Every free curve on every dof, the one that explains most of data left out first."""
+def free_curves(regression: Regression, among: Mapping[str, Collection[int]] | None = None) -> list[CurveFit]:
+    """Every free curve on every dof, the one that explains most of data left out first; of a dof in `among`
+    those features alone whose numbers it has.
+    """
     assert regression.model.spec.plant is not None
     found = []
     for dof, name in enumerate(regression.model.spec.plant.dofs):
         at = regression.along(dof)
-        found += [one for feature in features(at) if (one := regression.fit(feature, dof, name, at))]
+        some = (among or {}).get(name)
+        asked = [one for number, one in enumerate(features(at)) if some is None or number in some]
+        found += [one for feature in asked if (one := regression.fit(feature, dof, name, at))]
     return sorted(found, key=lambda one: -one.gain)
 
 

@@ -65,12 +65,15 @@ class Feature:
         Whether it is a straight line over time: it says what follows, but any slow change is partly that.
     curves : tuple of Curve
         Those of which it is the sum, in the order of their shapes; none for a surface.
+    judges : bool
+        Whether kinds are judged by it: not by one that is asked for a formula alone.
     """
 
     depends_on: tuple[str, ...]
     shapes: Floats
     straight: bool = False
     curves: tuple[Curve, ...] = ()
+    judges: bool = True
 
     @property
     def roughness(self) -> Floats:
@@ -95,9 +98,9 @@ def features(at: Along) -> Iterator[Feature]:
     slow, line = (np.linspace(t[0], t[-1], count) for count in (TIME_CURVE_KNOTS, 2))
     fine, finer = (np.linspace(x.min(), x.max(), n) for n in (2 * CURVE_KNOTS, PERIODIC_CURVE_KNOTS))
 
-    def feature(depends_on: str, *curves: Curve, straight: bool = False) -> Feature:
+    def feature(depends_on: str, *curves: Curve, straight: bool = False, judges: bool = True) -> Feature:
         shapes = np.hstack([one.shapes(variables) for one in curves])
-        return Feature(tuple(depends_on.split()), shapes, straight, curves)
+        return Feature(tuple(depends_on.split()), shapes, straight, curves, judges)
 
     yield feature("x", Curve("1", "x", over_x))
     yield feature("x", Curve("1", "x", finer))
@@ -106,14 +109,14 @@ def features(at: Along) -> Iterator[Feature]:
     yield feature("t", Curve("1", "t", line), straight=True)
     yield _surface(x, v)
     yield feature("x v", Curve("sign(v)", "x", fine))
-    yield feature("x v", Curve("v", "x", over_x))
+    yield feature("x v", Curve("v", "x", over_x), judges=False)
     yield feature("x t", Curve("x", "t", slow))
     yield feature("v t", Curve("v", "t", slow), Curve("sign(v)", "t", slow))
     yield feature("x t", Curve("x", "t", line), straight=True)
     yield feature("v t", Curve("v", "t", line), Curve("sign(v)", "t", line), straight=True)
     if np.any(load):
         yield feature("load", Curve("1", "load", over_load))
-        yield feature("x load", Curve("x", "load", over_load))
+        yield feature("x load", Curve("x", "load", over_load), judges=False)
 
 
 def feature_of(at: Along, curve: Curve) -> Feature:

@@ -31,9 +31,13 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 
-def composed(regression: Regression, curves: list[CurveFit], most: int = MOST_TERMS) -> tuple[Term, ...]:
+def composed(
+    regression: Regression, curves: list[CurveFit], most: int = MOST_TERMS, tried: int = SHAPES_REFINED
+) -> tuple[Term, ...]:
     """Terms, `most` of them at most, that explain the missing force together, the one that explains most
     first; none where the free curves show no shape.
+
+    `tried` shapes are fitted to the recording itself for each term.
     """
     terms: list[Term] = []
     columns: list[Floats] = []
@@ -42,7 +46,7 @@ def composed(regression: Regression, curves: list[CurveFit], most: int = MOST_TE
         least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
         candidates = [one for curve in curves for one in _shown_by(curve)]
         candidates += [] if terms else swinging(regression)
-        best = sorted(candidates, key=lambda one: -one.gain)[:SHAPES_REFINED]
+        best = sorted(candidates, key=lambda one: -one.gain)[:tried]
         more = regression.beside(np.vstack(columns)) if columns else regression
         refined = [_refined(more, one) for one in best if one.gain > least]
         found = max(refined, key=lambda one: one.gain, default=None)

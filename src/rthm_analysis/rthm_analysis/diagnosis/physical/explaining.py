@@ -24,11 +24,13 @@ from rthm_analysis.diagnosis.search.choosing import choose, is_lost
 from rthm_analysis.diagnosis.search.judging import Selection, imitates, merit, reduced_chi2
 
 
-def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple[Baseline, Selection]:
+def chosen(
+    begun: Baseline, seen: Evidence, settled: Model, train: int, *, formula: bool = True
+) -> tuple[Baseline, Selection]:
     """Explain what the retuned model leaves by other values, or by effects, whichever predicts better.
 
     Other values of what the spec calls exact are tried before effects where the model is off, and after
-    effects were found, which they may make needless.
+    effects were found, which they may make needless. A `formula` is asked before combinations of effects.
     """
     fitting = begun.fitting
     plain = near = freed_near = draft = None
@@ -46,11 +48,11 @@ def chosen(begun: Baseline, seen: Evidence, settled: Model, train: int) -> tuple
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    first = FormulaFirst(begun, near or begun)
+    first = FormulaFirst(begun, near or begun) if formula else None
     explained, selection = _by_effects(begun, near, draft, first)
-    if first.found is not None:
-        there, formula = first.found
-        return there, replace(formula, limits=selection.limits)
+    if first is not None and first.found is not None:
+        there, found = first.found
+        return there, replace(found, limits=selection.limits)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
         reached = at_noise(fitting, selection.best)
         if not (hopeless and reached):

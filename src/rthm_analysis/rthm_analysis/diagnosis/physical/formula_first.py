@@ -5,11 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED
 from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.physical.beginning import Baseline
+from rthm_analysis.diagnosis.physical.drafting import draft_of
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, rounds_of, with_terms
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.replay.model import Model
@@ -45,15 +49,18 @@ class FormulaFirst:
         return self.found is not None
 
     def _find(self) -> tuple[Baseline, Selection] | None:
-        fitting, retuned = self.near.fitting, self.near.retuned
+        fitting, retuned, noise = self.near.fitting, self.near.retuned, self.near.noise
         fitting.progress("looking for a formula of the missing force")
+        if (draft := draft_of(self.near)) is not None:
+            fitting, retuned, noise = draft.fitting, draft.retuned, white_noise(noise.level)
         samples = fitting.experiment.evidence.time.size
-        left = Regression(fitting.experiment, fitting.windows, self.near.noise, retuned.model, samples)
-        terms = composed(left, free_curves(left), most=2)
+        left = Regression(fitting.experiment, fitting.windows, noise, retuned.model, samples)
+        among = likely(self.near.fitting.experiment, self.near.fitting.windows, self.near.retuned.model.spec)
+        terms = composed(left, free_curves(left, among), most=2, tried=EARLY_SHAPES_REFINED)
         terms = terms if len(terms) == 2 and terms[1].is_constant else terms[:1]
         if all(one.is_known for one in terms):
             return None
-        near = _fitted(self.near, with_terms(retuned.model, terms))
+        near = _fitted(self.near, with_terms(self.near.retuned.model, terms))
         if near is None:
             return None
         apart = self.whole is not self.near

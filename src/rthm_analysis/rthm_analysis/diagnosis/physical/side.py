@@ -114,7 +114,7 @@ def diagnose_physical(
         if begun.fitting.budget.spent or selection.formulas:
             again = fitted_again(quieter, selection)
         else:
-            again = going_on(quieter, selection) or chosen(quieter, seen, settled, train)
+            again = going_on(quieter, selection) or chosen(quieter, seen, settled, train, formula=False)
             again = None if is_behind(again, selection) else again
         if again is not None:
             begun, selection = again

@@ -265,10 +265,15 @@ class Judgement:
         return not (self._is_vague or self._leaves_some)
 
     @property
+    def _yardsticks(self) -> list[CurveFit]:
+        """The free curves by which kinds are judged."""
+        return [one.yardstick for one in self.curves if one.feature.judges]
+
+    @property
     def _leaves_a_curve(self) -> bool:
         """Whether a free curve finds most of what they leave, where that is more than next to nothing."""
         return self.gone < SMOOTH_LAW_EXPLAINED_SHARE and any(
-            is_clear(one) and found(one) > CURVE_SHARE_OF_REST for one in self.curves
+            is_clear(one) and found(one) > CURVE_SHARE_OF_REST for one in self._yardsticks
         )
 
     @property
@@ -283,7 +288,7 @@ class Judgement:
             return False
         if selection.imitates:
             return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig
-        yardsticks = [one for one in self.curves if not one.feature.straight]
+        yardsticks = [one for one in self._yardsticks if not one.feature.straight]
         return Laws(selection.best.model, self.gone, yardsticks).are_told
 
     @cached_property

@@ -1,0 +1,45 @@
+"""Which free curves are worth a replay: those that the residual force itself looks like."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.missing import CURVE_RIDGE, LIKELY_CURVES, LIKELY_SAMPLES
+from rthm_analysis.diagnosis.missing.features import features
+from rthm_analysis.diagnosis.missing.motion import along
+from rthm_analysis.diagnosis.missing.residual import residual_force
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.compiled import Floats
+from rthm_core.spec import Spec
+
+
+def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, frozenset[int]]:
+    """Numbers of the features, in their order, that explain most of the residual force of each dof.
+
+    The force is differentiated from what is left of the motion, so its noise is large: it ranks curves and
+    judges none. A dof without a position has no entry.
+    """
+    assert spec.plant is not None
+    predicted, motion = experiment.predicted(spec, windows), experiment.motion(spec, windows)
+    found = {}
+    for dof, name in enumerate(spec.plant.dofs):
+        residual = residual_force(experiment.evidence, spec, predicted, name)
+        if residual is None or not np.isfinite(residual[2]).all():
+            continue
+        at = along(experiment.evidence, motion, dof, name)
+        every = max(at.t.size // LIKELY_SAMPLES, 1)
+        known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[::every]
+        left = [_left(np.hstack([known, one.shapes[::every]]), residual[2][::every]) for one in features(at)]
+        found[name] = frozenset(np.argsort(left)[:LIKELY_CURVES].tolist())
+    return found
+
+
+def _left(columns: Floats, force: Floats) -> float:
+    """Squares that columns leave of a force, for each degree of freedom that they leave."""
+    scale = np.sqrt(np.mean(np.square(columns), axis=0)) + 1e-300
+    scaled = columns / scale
+    hessian = scaled.T @ scaled
+    ridge = CURVE_RIDGE * np.trace(hessian) * np.eye(scale.size)
+    size = np.linalg.solve(hessian + ridge, scaled.T @ force)
+    return float(np.sum(np.square(force - scaled @ size)) / max(force.size - scale.size, 1))

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.missing.features import Curve, Feature
+from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.missing.shapes import shapes_over
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.polygon import is_polygon, polygon
 from rthm_core.effects.formula import law_of
 
 from .plain import plant, recorded
@@ -21,7 +26,7 @@ from .plain import plant, recorded
     [
         (lambda t, x, v: -0.05 * math.sin(2.0 * math.pi * x / 0.03), "sin(2 * pi * x / b + c)", {"b": 0.03}),
         (lambda t, x, v: -0.9 * x if t > 9.0 else 0.0, "x * (b < t)", {"a": -0.9, "b": 9.0}),
-        (lambda t, x, v: -1.2 * x * math.sin(2.2 * t), "x * (sin(b * t + c))", {"b": 2.2}),
+        (lambda t, x, v: -1.2 * x * math.sin(2.2 * t), "x * sin(b * t + c)", {"b": 2.2}),
         (lambda t, x, v: -5.0 * x * x * v, "v * x**2", {"a": -5.0}),
         (
             lambda t, x, v: -0.2 * math.copysign(abs(v) ** 1.5, v),
@@ -70,3 +75,26 @@ def test_every_shape_of_the_grammar_is_a_law(variable: str) -> None:
             law = law_of(term.formula)
             assert set(term.depends_on) == set(law.depends_on)
             assert list(term.numbers) == [name for name in law.parameters if name != "force"]
+
+
+def test_a_force_that_goes_with_the_square_of_the_known_load_depends_on_it() -> None:
+    seen = recorded()
+    squared = replace(seen, load=np.sign(seen.load) * np.sqrt(0.6 * np.abs(seen.load)))
+    part = physical_part(diagnose_physical(squared, plant(), np.empty(0), lambda said: None))
+    assert not part.physics and not part.effects and part.unexplained
+    (one,) = part.described
+    assert one.depends_on == ("load",) and min(one.share, one.held_out_gain) > 0.95
+
+
+def test_a_free_curve_is_a_law_as_it_stands() -> None:
+    knots = np.linspace(-0.2, 0.3, 14)
+    feature = Feature(("x",), np.zeros((1, 14)), curves=(Curve("1", "x", knots),))
+    sizes = np.cumsum(np.random.default_rng(1).normal(size=14))
+    at = Along(np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
+    guess = polygon(CurveFit("x1", feature, sizes, np.ones(14), 1.0, 1.0, 1.0, 1.0, at, np.zeros(1)))
+    assert guess is not None and is_polygon(str(guess.added.parameters["force"]))
+    law = guess.added.law
+    numbers = [float(guess.added.parameters[name]) for name in guess.free]
+    for place in np.linspace(knots[0], knots[-1], 7):
+        force = law.force(place, 0.0, [], 0.0, tuple(numbers), 0)  # type: ignore[attr-defined]
+        assert force == pytest.approx(np.interp(place, knots, sizes), abs=1e-4)

@@ -121,8 +121,10 @@ class Described:
     share, held_out_gain : float
         Part of the squared error that it removes, on all data and on data that chose nothing.
     at, force, std : (n,) arrays
-        The curve over the first variable, N.
+        The curve over the first variable, N, as the recording has it.
     words : str
+    law : pair of (s,) arrays or None
+        First variable and force of the formula at single samples.
     """
 
     block: str
@@ -141,6 +143,7 @@ class Described:
     force: Floats
     std: Floats
     words: str
+    law: tuple[Floats, Floats] | None = None
 
 
 @dataclass(frozen=True)
@@ -391,6 +394,7 @@ def _described(one: Described) -> dict[str, Any]:
     values = {f.name: getattr(one, f.name) for f in fields(one)}
     curve = {name: values.pop(name).tolist() for name in ("at", "force", "std")}
     place = {place_key(one.block): values.pop("place")}
+    del values["law"]
     return {**place, **values, "depends_on": list(one.depends_on), "curve": curve}
 
 

@@ -12,13 +12,13 @@ from rthm_analysis.comparison.difference import part
 from rthm_analysis.comparison.measures import DEFINITIONS, SOURCES
 from rthm_analysis.report.embedding import script_safe
 from rthm_analysis.report.page import USE_LINKED, Section, assemble, fact_boxes, foot, note_list, write_page
-from rthm_analysis.report.tables import table
+from rthm_analysis.report.tables import table, with_symbols
 from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
 
 if TYPE_CHECKING:
     from rthm_analysis.comparison import Comparison
 
-PLUS_MINUS, SPACE = "\N{PLUS-MINUS SIGN}", "\N{NO-BREAK SPACE}"
+SPACE = "\N{NO-BREAK SPACE}"
 
 LEVELS = {True: GOOD, False: BAD, None: NOTED}
 
@@ -79,7 +79,7 @@ def _sections(comparison: Comparison) -> list[Section]:
             Section(
                 f"{one.name} against {comparison.reference.name}",
                 f"Aligned at their starts, over {one.begin:.4g} to {one.end:.4g} s. Time offset:"
-                f" {_shown(rows.seconds(one.offset))}.",
+                f" {with_symbols(rows.seconds(one.offset))}.",
                 [_table(rows.difference_rows(one))],
                 "how-to/compare-tests#measures",
             )
@@ -115,12 +115,8 @@ def _sections(comparison: Comparison) -> list[Section]:
 
 
 def _table(told: list[rows.Row]) -> str:
-    shown = [[_shown(cell) for cell in row] for row in told]
+    shown = [[with_symbols(cell) for cell in row] for row in told]
     return table(shown[0], shown[1:]) if shown else ""
-
-
-def _shown(text: str) -> str:
-    return text.replace("+-", PLUS_MINUS)
 
 
 def _definitions() -> str:

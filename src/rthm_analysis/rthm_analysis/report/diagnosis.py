@@ -27,6 +27,7 @@ from rthm_analysis.report.page import (
     note_list,
     write_page,
 )
+from rthm_analysis.report.tables import with_symbols
 from rthm_analysis.report.verdict import BAD, GOOD, NOTED, Fact
 from rthm_core.errors import InputError
 
@@ -38,8 +39,6 @@ LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "improved": NOTED,
 
 DELAY_TERMS = ("E_fx", "E_ff", "E_num")
 """Work of the delays of the loop (`energy_of`)."""
-
-PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
 def write_diagnosis(diagnosis: Diagnosis, recording: Recording, spec: Spec, html: str | Path) -> None:
@@ -94,7 +93,7 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "The data show these forces; no known kind of effect fits them.",
             [
                 lists.described(diagnosis),
-                *([figures.curve_plot(figures.curve_of(one))] for one in diagnosis.described if one.at.size),
+                *([figures.described_plot(one)] for one in diagnosis.described if one.at.size),
             ],
             "diagnosis#how-it-works",
         ),
@@ -156,7 +155,7 @@ def _header(title: str, diagnosis: Diagnosis, spec: Spec) -> str:
     if diagnosis.retuned:
         said.append(f"{retuned_words(diagnosis.retuned, stated_spreads(spec))}.")
     said += diagnosis.unexplained
-    findings = "".join(f"<li>{escape(one.replace('+-', PLUS_MINUS))}</li>" for one in said)
+    findings = "".join(f"<li>{escape(with_symbols(one))}</li>" for one in said)
     answer = f'<p class="answer">{escape(_answer(diagnosis))}</p>'
     listed = f'<ol class="findings">{findings}</ol>' if findings else ""
     return f"<header><h1>{escape(title)}</h1>{answer}{fact_boxes(_facts(diagnosis))}{listed}</header>"
@@ -166,6 +165,8 @@ def _answer(diagnosis: Diagnosis) -> str:
     """Return the verdict in a sentence."""
     where = " and ".join(block_words(block) for block in diagnosis.located)
     differ = f"Simulation and recording differ in {where}"
+    if diagnosis.verdict == "explained" and diagnosis.described and not diagnosis.physics:
+        return f"{differ}; the force that was left out has no name, and its formula is below."
     if diagnosis.verdict == "explained":
         return f"{differ}; the physics that was left out is named below."
     if diagnosis.verdict == "improved" and not diagnosis.physics and diagnosis.described:

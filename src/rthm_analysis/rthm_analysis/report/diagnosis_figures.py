@@ -90,8 +90,8 @@ def _first_view(time: Floats, signal: Floats) -> tuple[float, float]:
     return float(time[0]), float(time[last])
 
 
-def curve_plot(curve: Curve) -> figure:
-    """Force over the variable that explains it, with the force of what was named."""
+def curve_plot(curve: Curve, law: str = "named physics") -> figure:
+    """Force over the variable that explains it, with the force of what was named, or of another `law`."""
     title = f"{curve.block}: the missing force over {VARIABLES.get(curve.variable, curve.variable)}"
     plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "force (N)", 340)
     spread = {"at": curve.at, "force": curve.force, "std": curve.std}
@@ -102,7 +102,7 @@ def curve_plot(curve: Curve) -> figure:
         "at", "force", source=source, size=7, color=COLOURS[1], name="recording", legend_label="recording"
     )
     if curve.law is not None and np.isfinite(curve.law[1]).any():
-        plot.scatter(*curve.law, size=3, color=COLOURS[2], name="named physics", legend_label="named physics")
+        plot.scatter(*curve.law, size=3, color=COLOURS[2], name=law, legend_label=law)
     tips = [(curve.variable, "@at{0.000000}"), ("force", "@force{0.000000} +- @std{0.000000} N")]
     plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
     plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
@@ -119,11 +119,12 @@ def curve_plot(curve: Curve) -> figure:
     return plot
 
 
-def curve_of(one: Described) -> Curve:
-    """The curve of a force without a name, over the first of its variables."""
-    variable = one.depends_on[0]
+def described_plot(one: Described) -> figure:
+    """A force without a name over the first of its variables, with its formula."""
+    variable = (one.depends_on or ("x",))[0]
     unit = VARIABLE_UNITS[variable]
-    return Curve(one.block, variable, unit, one.at, one.force, one.std, None, one.held_out_gain)
+    curve = Curve(one.block, variable, unit, one.at, one.force, one.std, one.law, one.held_out_gain)
+    return curve_plot(curve, "formula")
 
 
 def _drawn(curve: Curve) -> Floats:

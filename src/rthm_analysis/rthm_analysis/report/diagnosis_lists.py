@@ -7,7 +7,7 @@ from html import escape
 
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.result import Diagnosis
-from rthm_analysis.report.tables import table
+from rthm_analysis.report.tables import table, with_symbols
 
 
 def faults(diagnosis: Diagnosis) -> str:
@@ -50,7 +50,7 @@ def next_test(diagnosis: Diagnosis) -> list[str]:
 
 
 def _list(lines: Iterable[str]) -> str:
-    items = "".join(f"<li>{escape(one)}</li>" for one in lines)
+    items = "".join(f"<li>{escape(with_symbols(one))}</li>" for one in lines)
     return f"<ul>{items}</ul>" if items else ""
 
 

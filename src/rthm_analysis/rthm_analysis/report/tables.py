@@ -8,6 +8,8 @@ from typing import Any
 
 from rthm_analysis.timing import TimingResult
 
+PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+
 LATE_MS = 0.3
 """Excess at p99, in ms, above which a link is marked."""
 
@@ -63,3 +65,8 @@ def _marked(seconds: float | None) -> str:
 
 def _count(number: int) -> str:
     return f"!{number}" if number else "0"
+
+
+def with_symbols(text: str) -> str:
+    """Text of a terminal as a page has it: ``0.1 +- 0.02`` with its sign."""
+    return text.replace("+-", PLUS_MINUS)

@@ -1,11 +1,17 @@
-"""The force that a model lacks, as a free curve over what it may depend on.
+"""The force that a model lacks: as a free curve over what it may depend on, then as a formula.
 
 ============  ===================================================================================
 ``motion``    position and velocity along the recording, noise kept out of the rates
+``residual``  the force that would make what a model leaves of the motion
 ``features``  free curves over motion, time and load, as sums of simple shapes
-``binned``      averages of a force over another variable
+``binned``    averages of a force over another variable
+``likely``    which of them are worth a replay
 ``curves``    which of them predicts data that chose nothing, and by how much
 ``describe``  what was found in words: on what, when, which way, where it was seen
+``shapes``    the grammar: shapes over one variable, and where a fit of each may begin
+``terms``     a factor that is known, and shapes over one or two variables
+``swinging``  factors that swing with time
+``formulas``  terms that explain as much as the best curve
 ============  ===================================================================================
 
 Along the recorded motion any force is a known load, whose size the response of the model tells by linear

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_RIDGE,
     CURVE_STIFFNESSES,
     CURVE_TRIAL_FORCE_RATIO,
+    FORMULA_STEPS,
     MOST_RESPONSE_BYTES,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
@@ -112,7 +113,7 @@ class Regression:
         self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
     ) -> None:
         draft = experiment if experiment.is_draft else experiment.draft()
-        self.experiment, self.model = replace(draft, budget=Budget()), model
+        self.experiment, self.model = replace(draft, budget=Budget(FORMULA_STEPS)), model
         self.fitting = Fitting(self.experiment, windows, noise.sigma, model, colours=noise.colours)
         self.here = self.fitting.residual(model)
         self.left = self.fitting.projected(self.here)
@@ -124,6 +125,11 @@ class Regression:
         self.motion = self.experiment.motion(model.spec, windows)
         self.motion_forces = _motion_forces(model, self.motion)
         self._responses: dict[tuple[Feature, int], Floats] = {}
+
+    @property
+    def spent(self) -> bool:
+        """Whether no further question should be asked of it."""
+        return self.experiment.budget.spent
 
     def dof(self, name: str) -> int:
         """Place of a dof."""

@@ -42,7 +42,7 @@ def composed(
     terms: list[Term] = []
     columns: list[Floats] = []
     whole = max((one.excess for one in curves), default=0.0)
-    while curves and len(terms) < most:
+    while curves and len(terms) < most and not (terms and regression.spent):
         least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
         candidates = [one for curve in curves for one in _shown_by(curve)]
         candidates += [] if terms else swinging(regression)
@@ -167,6 +167,8 @@ def _refined(regression: Regression, term: Term) -> Term:
 
     def loss(numbers: Floats) -> float:
         key = tuple(map(float, numbers))
+        if key not in tried and regression.spent:
+            return 0.0
         if key not in tried:
             tried[key] = with_size(numbers)
         return -max(tried[key].gain, 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -124,5 +125,7 @@ class Term:
 
 def _named(text: str, names: dict[str, str]) -> str:
     """A shape with its variable and numbers by their names in the formula."""
-    text = f"({text})" if re.search(r" [-+] ", text) else text
+    tree = ast.parse(text, mode="eval").body
+    is_sum = isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Add | ast.Sub)
+    text = f"({text})" if is_sum else text
     return re.sub(r"\b[a-z]+\b", lambda word: names.get(word[0], word[0]), text)

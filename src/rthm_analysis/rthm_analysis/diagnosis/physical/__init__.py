@@ -6,6 +6,9 @@
 ``colours``      noise that has a colour
 ``whitening``    fits weighed by that colour
 ``explaining``   from the retuned model to an explanation
+``formula_first``  a formula before the long search
+``formula_model``  terms of a formula as effects of a model
+``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
@@ -19,6 +22,12 @@
 ``verdict``      whether names were earned
 ``above_noise``  whether they are the law where more is left
 ``locating``     when something is missing
+``composing``    from free curves to a formula, judged
+``polygon``      a free curve itself as a law
+``written``      a term of a formula with its values, in words
+``formulated``   a formula as a finding
+``unconfirmed``  what shows in the unseen part alone
+``unforeseen``   a force that nothing foretells
 ``values``       what was found, with standard deviations
 ``fits``         errors of every signal, and of one free run
 ``detection``    what a recording would have shown

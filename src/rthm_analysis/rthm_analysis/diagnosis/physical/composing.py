@@ -4,48 +4,56 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rthm_analysis.diagnosis.criteria.missing import (
-    FORMULA_GAIN_SHARE,
-    TERM_SHARE_ABOVE_NOISE,
-)
+from rthm_analysis.diagnosis.criteria.missing import FORMULA_GAIN_SHARE, TERM_SHARE_ABOVE_NOISE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.missing.terms import Term
-from rthm_analysis.diagnosis.physical.formula_model import fit_terms, rounds_of, with_terms
+from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.judged import simulate_all
+from rthm_analysis.diagnosis.physical.polygon import polygon
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.search.judging import reduced_chi2
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 
 def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
-    """The model with a formula for what it leaves, judged; None where no formula does as well on unseen data
-    as a free curve.
+    """The model with a formula for what it leaves, or with the curve itself where no formula does as well,
+    judged; None where neither does on unseen data what the free curve does.
     """
     physical, selection = judged.physical, judged.physical.selection
     missing = judged.missing if judged.earned else judged.missing_without
     base = selection.best if judged.earned else selection.base
     physical.fitting.progress("looking for a formula of the missing force")
     terms = composed(missing.regression, missing.curves)
-    found = _with_terms(judged, base, terms) if terms else None
+    found = _with(judged, base, terms)
     if found is not None and not found.at_noise:
         whole = max(one.excess for one in missing.curves)
         large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
-        found = _with_terms(judged, base, large) if len(large) < len(terms) else found
+        found = _with(judged, base, large) if len(large) < len(terms) else found
+    if found is not None and _is_earned(judged, found, curve):
+        return found
+    bends = polygon(curve)
+    found = _with_all(judged, base, [bends]) if bends is not None else None
     return found if found is not None and _is_earned(judged, found, curve) else None
 
 
-def _with_terms(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
+def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
     """The model with some terms, judged; None where it diverges, or there are none."""
+    return _with_all(judged, base, [guess_of(one) for one in terms]) if terms else None
+
+
+def _with_all(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> Judgement | None:
+    """The model with some formulas, judged; None where it diverges."""
     physical, selection = judged.physical, judged.physical.selection
     physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
-    fitted = fit_terms(physical.fitting, with_terms(base.model, terms))
+    fitted = fit_terms(physical.fitting, with_all(base.model, guesses))
     if fitted is None:
         return None
-    rounds = [*(selection.rounds if judged.earned else ()), *rounds_of(terms, fitted)]
+    rounds = [*(selection.rounds if judged.earned else ()), *rounds_of(guesses, fitted)]
     with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
     runs = judged.runs | {"explained": simulate_all(with_formula, fitted)}
-    return Judgement(with_formula, runs, composed=True) if terms else None
+    return Judgement(with_formula, runs, composed=True)
 
 
 def _is_earned(before: Judgement, after: Judgement, curve: CurveFit) -> bool:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED
+from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED, LOAD_LAW_SHARE
 from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
-from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.physical.drafting import draft_of
-from rthm_analysis.diagnosis.physical.formula_model import fit_terms, rounds_of, with_terms
+from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
@@ -33,7 +33,7 @@ class FormulaFirst:
     ----------
     found : (Baseline, Selection) or None
         One term of no kind of the library, maybe beside a constant, that leaves nothing but noise, and the
-        runs in which it does.
+        runs in which it does; nothing where a law of the known load explains the mismatch, which no kind is.
     """
 
     whole: Baseline
@@ -56,11 +56,15 @@ class FormulaFirst:
         samples = fitting.experiment.evidence.time.size
         left = Regression(fitting.experiment, fitting.windows, noise, retuned.model, samples)
         among = likely(self.near.fitting.experiment, self.near.fitting.windows, self.near.retuned.model.spec)
-        terms = composed(left, free_curves(left, among), most=2, tried=EARLY_SHAPES_REFINED)
+        curves = free_curves(left, among)
+        if _is_of_load(curves):
+            return self.near, Selection(self.near.retuned, self.near.retuned)
+        terms = composed(left, curves, most=2, tried=EARLY_SHAPES_REFINED)
         terms = terms if len(terms) == 2 and terms[1].is_constant else terms[:1]
         if all(one.is_known for one in terms):
             return None
-        near = _fitted(self.near, with_terms(self.near.retuned.model, terms))
+        guesses = [guess_of(one) for one in terms]
+        near = _fitted(self.near, with_all(self.near.retuned.model, guesses))
         if near is None:
             return None
         apart = self.whole is not self.near
@@ -69,8 +73,14 @@ class FormulaFirst:
             if one is not None and one.at_noise:
                 begun.fitting.rebase(one.fitted.model)
                 begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, one.fitted)
-                return begun, Selection(begun.retuned, one.fitted, rounds_of(terms, one.fitted))
+                return begun, Selection(begun.retuned, one.fitted, rounds_of(guesses, one.fitted))
         return None
+
+
+def _is_of_load(curves: list[CurveFit]) -> bool:
+    """Whether a curve over the known load alone explains nearly all."""
+    best = max(curves, key=lambda one: one.gain, default=None)
+    return best is not None and best.feature.depends_on == ("load",) and best.share > LOAD_LAW_SHARE
 
 
 class _Try(NamedTuple):

@@ -7,7 +7,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, INSTANT_SAMPLES, INSTANT_TRIALS
+from rthm_analysis.diagnosis.criteria.missing import (
+    FORMULA_FIT_BUDGET,
+    FORMULA_FIT_STEPS,
+    INSTANT_SAMPLES,
+    INSTANT_TRIALS,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
@@ -19,10 +24,18 @@ INSTANT = re.compile(r"\((\w) < t\)|\(t < (\w)\)")
 """An instant at which a term begins, or ends."""
 
 
-def with_terms(model: Model, terms: Iterable[Term]) -> Model:
-    """A model with some terms beside its effects."""
-    for one in terms:
-        model = _guess(one).added_to(model)
+def guess_of(term: Term) -> InitialGuess:
+    """Where a fit of a term begins."""
+    numbers = term.numbers
+    scales = dict(zip(NUMBERS, (abs(term.size), *term.steps), strict=False))
+    added = EffectInstance("plant", Formula.kind, term.dof, {"force": term.formula, **numbers})
+    return InitialGuess(added, tuple(numbers), (NUMBERS[0],), scales)
+
+
+def with_all(model: Model, guesses: Iterable[InitialGuess]) -> Model:
+    """A model with some formulas beside its effects."""
+    for one in guesses:
+        model = one.added_to(model)
     return model
 
 
@@ -33,11 +46,13 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
     to it: it is looked for by itself, among the samples around it.
     """
     try:
+        fitting.budget.allow(FORMULA_FIT_BUDGET)
         fitting.rebase(model)  # a force that was missing changes how initial states show
-        fitted = fitting.fit(model, most=FORMULA_FIT_STEPS)
+        fitted = fitting.fit(model, most=FORMULA_FIT_STEPS, affordable=True)
         for key in _instants(fitted.model):
             moved = _moved(fitting, fitted.model, key)
-            fitted = fitting.fit(moved, most=FORMULA_FIT_STEPS) if moved is not fitted.model else fitted
+            if moved is not fitted.model:
+                fitted = fitting.fit(moved, most=FORMULA_FIT_STEPS, affordable=True)
     except np.linalg.LinAlgError:
         return None
     return fitted
@@ -72,15 +87,7 @@ def _moved(fitting: Fitting, model: Model, key: str) -> Model:
     return at(float(found.x)) if found.fun < fitting.squares(model) else model
 
 
-def rounds_of(terms: Iterable[Term], fitted: Fitted) -> list[list[FittedCandidate]]:
-    """Terms as what was added to a selection, one after the other, of which `fitted` is the last model."""
+def rounds_of(guesses: Iterable[InitialGuess], fitted: Fitted) -> list[list[FittedCandidate]]:
+    """Formulas as what was added to a selection, one after the other, of which `fitted` is the last model."""
     error = float(fitted.left_out.sum())
-    return [[FittedCandidate(_guess(one), fitted, error)] for one in terms]
-
-
-def _guess(term: Term) -> InitialGuess:
-    """Where a fit of a term begins."""
-    numbers = term.numbers
-    scales = dict(zip(NUMBERS, (abs(term.size), *term.steps), strict=False))
-    added = EffectInstance("plant", Formula.kind, term.dof, {"force": term.formula, **numbers})
-    return InitialGuess(added, tuple(numbers), (NUMBERS[0],), scales)
+    return [[FittedCandidate(one, fitted, error)] for one in guesses]

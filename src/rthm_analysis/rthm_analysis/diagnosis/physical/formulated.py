@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rthm_analysis.diagnosis.missing.binned import binned
+from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.describe import (
     NAMES,
     domain_of,
@@ -15,14 +15,18 @@ from rthm_analysis.diagnosis.missing.describe import (
     takes_energy,
 )
 from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.locating import when
+from rthm_analysis.diagnosis.physical.polygon import is_polygon
 from rthm_analysis.diagnosis.physical.values import values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.work import law_force
 from rthm_analysis.diagnosis.physical.written import Written
 from rthm_analysis.diagnosis.result import Described, Value
 from rthm_core.compiled import Floats
+
+TABLE = "a table, straight between its points and beyond them"
 
 
 def formulated(judged: Judgement) -> Iterator[Described]:
@@ -45,16 +49,18 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     among = {name for index in indices for name in best.model.added[index].law.depends_on}
     depends_on = tuple(name for name in at._fields if name in among)
     variable = depends_on[0] if depends_on else "x"
-    where, mean, spread, _ = binned(at._asdict()[variable], force)
+    over = at._asdict()[variable]
+    where, mean, spread, _ = binned(over, force + _left(judged, dof))
     terms = [_written(judged, index) for index in indices]
     end = float(physical.evidence.time[-1])
     interval = (terms[0].interval(end) if len(terms) == 1 else None) or when(judged)
     symmetry = symmetry_of(where, mean) if variable in ("x", "v") else "neither"
-    text = _sum(one.told(with_std=False) for one in terms)
+    is_table = any(is_polygon(one.text) for one in terms)
+    text = None if is_table else _sum(one.told(with_std=False) for one in terms)
     return Described(
         "plant", dof, None, depends_on, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
-        _words(judged, dof, terms, depends_on, at, force),
+        _words(judged, dof, [] if is_table else terms, depends_on, at, force), spread_over(over, force),
     )  # fmt: skip
 
 
@@ -63,6 +69,13 @@ def _force(judged: Judgement, indices: list[int], at: Along) -> Floats:
     names = {model.name(index) for index in indices}
     effects = [one for one in model.spec.effects if one.name in names]
     return np.asarray(np.sum([law_force(one, at.t, at.x, at.v) for one in effects], axis=0))
+
+
+def _left(judged: Judgement, dof: str) -> Floats | float:
+    """The force (s,) that is missing even with the formula: its noise, where the formula is right."""
+    physical, predicted = judged.physical, judged.runs["explained"].predicted
+    found = residual_force(physical.evidence, physical.selection.best.model.spec, predicted, dof)
+    return 0.0 if found is None else np.nan_to_num(found[2])
 
 
 def _written(judged: Judgement, index: int) -> Written:
@@ -80,11 +93,11 @@ def _words(
     on = " and ".join(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
     formula = _sum(one.told(with_std=True) for one in terms)
+    law = f"F = {formula} in N, with x in m, v in m/s and t in s" if terms else TABLE
     seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
     energy = " It takes energy out." if takes_energy(force, at) else ""
     share = percent(min(max(judged.gone, 0.0), 1.0))
     return (
-        f"A force of up to {size} N is missing at {dof} that depends on {on}: F = {formula} in N, with x in "
-        f"m, v in m/s and t in s{seen}.{energy} It is a fitted law and explains {share} of the mismatch on "
-        "unseen data."
+        f"A force of up to {size} N is missing at {dof} that depends on {on}: {law}{seen}.{energy} It is a "
+        f"fitted law and explains {share} of the mismatch on unseen data."
     )

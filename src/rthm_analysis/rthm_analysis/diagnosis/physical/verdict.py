@@ -126,11 +126,13 @@ class Judgement:
     @cached_property
     def wrong_sensors(self) -> set[str]:
         """Blocks of sensors that are off while another channel denies every motion or force that would do it;
-        none where anything else is off as well.
+        none where anything else is off as well, or all are: they cannot deny each other.
         """
         predicted, channels = self.runs["explained"].predicted, self.physical.evidence.channels
         off = [k for k in range(len(channels)) if not self._channel_at_noise(k)]
-        if not np.isfinite(predicted).all() or not all(denied(self.physical, predicted, k) for k in off):
+        if len(off) == len(channels) > 1 or not np.isfinite(predicted).all():
+            return set()
+        if not all(denied(self.physical, predicted, k) for k in off):
             return set()
         return {f"sensor.{channels[k].family}" for k in off}
 

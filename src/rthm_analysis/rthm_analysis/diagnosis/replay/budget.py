@@ -29,6 +29,8 @@ class Budget:
 
     limit: float = BUDGET_STEPS
     used: float = 0.0
+    cut_short: bool = False
+    """Whether it was spent before more was allowed."""
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def charge(self, steps: float) -> None:
@@ -38,6 +40,7 @@ class Budget:
 
     def allow(self, more: float) -> None:
         """Let at least some more be done."""
+        self.cut_short = self.cut_short or self.spent
         self.limit = max(self.limit, self.used + more)
 
     @property
@@ -48,7 +51,7 @@ class Budget:
     @property
     def note(self) -> str:
         """What to say of an answer that was found within it; empty where nothing was left out."""
-        if not self.spent:
+        if not (self.spent or self.cut_short):
             return ""
         return (
             "The search ended before everything was tried: it had simulated as much as one diagnosis may. "

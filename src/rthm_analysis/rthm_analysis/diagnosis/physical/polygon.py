@@ -1,0 +1,46 @@
+"""A free curve over position or velocity as a law: straight between a few knots, and beyond them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.replay.model import EffectInstance
+from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_core.effects.formula import NUMBERS, Formula
+
+JUMP = "sign(v)"
+
+
+def polygon(fit: CurveFit) -> InitialGuess | None:
+    """The law of a free curve by itself, maybe with a jump at rest; None of a surface or over time.
+
+    Its sizes are a value at the first knot, the first slope, and a change of slope at every knot behind it.
+    """
+    curves = fit.feature.curves
+    if not curves or curves[0].carrier != "1" or curves[0].over not in ("x", "v"):
+        return None
+    if len(curves) > 1 and [one.carrier for one in curves[1:]] != [JUMP]:
+        return None
+    names = NUMBERS[: len(NUMBERS) - (len(curves) > 1)]
+    curve, over = curves[0], curves[0].over
+    knots = np.quantile(curve.knots, np.linspace(0.0, 1.0, len(names)))
+    force = np.interp(knots, curve.knots, fit.sizes[: curve.knots.size])
+    slopes = np.diff(force) / np.diff(knots)
+    first, *bends = (f"{knot:.6g}" for knot in knots[:-1])
+    text = f"{names[0]} + {names[1]} * ({over} - {first})".replace("- -", "+ ")
+    for name, knot in zip(names[2:], bends, strict=True):
+        text += f" + {name} * max({over} - {knot}, 0)".replace("- -", "+ ")
+    values = dict(zip(names, (force[0], slopes[0], *np.diff(slopes)), strict=True))
+    if len(curves) > 1:
+        text, values = f"{text} + {NUMBERS[-1]} * {JUMP}", values | {NUMBERS[-1]: fit.sizes[-1]}
+    size = float(np.abs(force).max())
+    scales = dict.fromkeys(values, size / float(np.ptp(knots))) | {names[0]: size, NUMBERS[-1]: size}
+    numbers = {name: float(value) for name, value in values.items()}
+    added = EffectInstance("plant", Formula.kind, fit.dof, {"force": text, **numbers})
+    return InitialGuess(added, tuple(numbers), (NUMBERS[0],), {name: scales[name] for name in numbers})
+
+
+def is_polygon(text: str) -> bool:
+    """Whether a formula is one."""
+    return text.count("max(") >= len(NUMBERS) - 3

@@ -138,7 +138,7 @@ def test_mean_ages_are_those_of_drawn_out_clocks() -> None:
 def test_a_plan_has_every_class_and_a_hundred_clean_cases() -> None:
     items = open_plan(5, 320)
     counts = {group: sum(i.group == group for i in items) for group in CLASSES}
-    assert counts == {"unlisted": 96, "spoiled": 48, "parameters": 38, "listed": 32, "clean": 106}
+    assert counts == {"unlisted": 160, "spoiled": 22, "parameters": 16, "listed": 16, "clean": 106}
     assert len({i.seed for i in items}) == 320
     assert {i.name for i in items} == set(RECIPES)
     assert len(CLASSES["unlisted"]) > 20

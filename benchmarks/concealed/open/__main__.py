@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import resource
 import sys
 import tempfile
 import time
@@ -41,22 +40,16 @@ def work(item: OpenItem, options: argparse.Namespace) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="case-") as folder:
         case = make_open_case(item.seed, item.name, Path(folder))
         row = asdict(item) | {k: case.truth[k] for k in TRUTH} | {"hidden": [h.what for h in case.hidden]}
-        begin, cpu = time.perf_counter(), _cpu()
+        begin = time.perf_counter()
         try:
             said = diagnose(options.command, case)
-            row |= {"seconds": time.perf_counter() - begin, "cpu": _cpu() - cpu}
+            row |= {"seconds": time.perf_counter() - begin, "cpu": said["cpu"]}
             row |= open_score(case, said) | {"said": {k: said.get(k) for k in KEPT}}
             if (described := description(case, said)) is not None:
                 row["description"] = described
         except (DiagnosisError, KeyError, TypeError) as error:
             row |= {"error": f"{error!r}"[:300], "seconds": time.perf_counter() - begin}
     return row
-
-
-def _cpu() -> float:
-    """CPU time of the programs that this process has waited for, s."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def tell(row: dict[str, Any]) -> str:

@@ -27,11 +27,12 @@ from .plain import plant, recorded
         (lambda t, x, v: -0.05 * math.sin(2.0 * math.pi * x / 0.03), "sin(2 * pi * x / b + c)", {"b": 0.03}),
         (lambda t, x, v: -0.9 * x if t > 9.0 else 0.0, "x * (b < t)", {"a": -0.9, "b": 9.0}),
         (lambda t, x, v: -1.2 * x * math.sin(2.2 * t), "x * sin(b * t + c)", {"b": 2.2}),
-        (lambda t, x, v: -5.0 * x * x * v, "v * x**2", {"a": -5.0}),
-        (
+        pytest.param(lambda t, x, v: -5.0 * x * x * v, "v * x**2", {"a": -5.0}, marks=pytest.mark.long),
+        pytest.param(
             lambda t, x, v: -0.2 * math.copysign(abs(v) ** 1.5, v),
             "sign(v) * abs(v)**b",
             {"a": -0.2, "b": 1.5},
+            marks=pytest.mark.long,
         ),
     ],
     ids=["cogging", "stiffer since", "swings", "van der Pol", "power"],
@@ -48,6 +49,7 @@ def test_a_force_of_no_kind_is_told_as_its_formula(law, formula: str, numbers: d
     assert fits["x1"]["explained"] < 1.3 * fits["x1"]["noise_floor"]
 
 
+@pytest.mark.long
 def test_a_force_that_nothing_foretells_is_told_as_that_and_predicts_nothing() -> None:
     rng = np.random.default_rng(3)
     lines, phases = rng.uniform(2.0, 5.0, 40), rng.uniform(0.0, 6.28, 40)

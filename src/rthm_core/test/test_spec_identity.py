@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from rthm_core.effects import BLOCKS, effect, kinds
 from rthm_core.effects.blocks import PLACES
+from rthm_core.effects.formula import FormulaText
 from rthm_core.quantity import Quantity, Text
 from rthm_core.spec import Spec, parameters, read_spec, spec_from_parameters, write_spec
 from rthm_core.spec.building import nested
@@ -94,7 +95,8 @@ def one_effect(draw: st.DrawFn, name: str, blocks: list[str], places: dict[str, 
     if block in PLACES:
         entries[PLACES[block]] = draw(st.sampled_from(places[PLACES[block]]))
     for parameter, entry in effect(kind, block).parameters.items():
-        entries[parameter] = "interface.stiffness[0]" if isinstance(entry, Text) else number_of(draw, entry)
+        text = "-x * abs(x)" if isinstance(entry, FormulaText) else "interface.stiffness[0]"
+        entries[parameter] = text if isinstance(entry, Text) else number_of(draw, entry)
     if kind == "extra_delay":  # how early a delay may be depends on the others, see test_early_delays
         entries["delay"] = abs(entries["delay"])
     return {f"{name}.{key}": value for key, value in entries.items()}

@@ -124,7 +124,7 @@ def described_plot(one: Described) -> figure:
     variable = (one.depends_on or ("x",))[0]
     unit = VARIABLE_UNITS[variable]
     curve = Curve(one.block, variable, unit, one.at, one.force, one.std, one.law, one.held_out_gain)
-    return curve_plot(curve, "formula")
+    return curve_plot(curve, "fitted law")
 
 
 def _drawn(curve: Curve) -> Floats:

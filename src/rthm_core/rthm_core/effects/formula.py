@@ -11,16 +11,18 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from rthm_core.compiled import Floats
 from rthm_core.effects.declaration import Effect, EffectParameter
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.registry import register
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
 
 VARIABLES = {"x": "m", "v": "m/s", "t": "s"}
 """What a formula may depend on, and the units."""

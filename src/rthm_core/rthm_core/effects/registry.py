@@ -72,6 +72,12 @@ def kinds(block: str) -> tuple[str, ...]:
     return tuple(sorted(kind for where, kind in _EFFECTS if where == family(block)))
 
 
+def own_laws(block: str) -> tuple[type[Effect], ...]:
+    """Kinds of `block` that somebody else than this package declares."""
+    known = shipped(block)
+    return tuple(one for one in (effect(kind, block) for kind in kinds(block)) if one not in known)
+
+
 def ranked(block: str) -> tuple[type[Effect], ...]:
     """Kinds that `block` can have, in the order in which a search tries them."""
     return tuple(sorted((effect(kind, block) for kind in kinds(block)), key=lambda one: (one.rank, one.kind)))

@@ -18,6 +18,7 @@ from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, 
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
+from rthm_core.effects.registry import own_laws
 
 
 @dataclass
@@ -42,8 +43,11 @@ class FormulaFirst:
     _asked: bool = field(default=False, repr=False)
 
     def is_enough(self, left: float) -> bool:
-        """Whether a search that leaves so much (reduced chi-squared) may end, as a formula leaves nothing."""
-        if left > NEAR_NOISE_CHI2 and not self._asked:
+        """Whether a search that leaves so much (reduced chi-squared) may end, as a formula leaves nothing.
+
+        Not where somebody has declared laws of his own: he asks for their names.
+        """
+        if left > NEAR_NOISE_CHI2 and not self._asked and not own_laws("plant"):
             self._asked = True
             self.found = self._find()
         return self.found is not None

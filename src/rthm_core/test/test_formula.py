@@ -114,6 +114,14 @@ def test_a_law_declares_what_its_formula_uses() -> None:
     assert effect("formula", "plant").given({"force": "-a * x"}) is law_of("-a * x")
 
 
+def test_a_number_of_a_formula_has_any_size() -> None:
+    """Micrometres to the third power make large ones."""
+    one = with_force(kind="formula", force="-a * v * x**2", a=6.5e17).effects[0]
+    assert one.numbers == {"a": 6.5e17}
+    with pytest.raises(InputError):
+        with_force(kind="formula", force="-a * v * x**2", a=math.inf)
+
+
 NUMBER = st.floats(-3.0, 3.0).map(lambda value: round(value, 3))
 
 

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from rthm_core.effects.declaration import Effect, EffectParameter
+from rthm_core.effects.declaration import Effect
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.registry import register
 from rthm_core.errors import RefusedError
-from rthm_core.quantity import Text
+from rthm_core.quantity import Quantity, Text
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -118,6 +118,16 @@ class FormulaText(Text):
         text = super().convert(value)
         parsed(text)
         return text
+
+
+@dataclass(frozen=True)
+class FormulaNumber(Quantity):
+    """A number of a formula, in whatever unit the formula makes of it: of any size."""
+
+    @property
+    def largest(self) -> float:
+        """Largest size."""
+        return math.inf
 
 
 class _Along(ast.NodeTransformer):
@@ -258,7 +268,7 @@ def law_of(text: str) -> type[Formula]:
     scope: dict[str, object] = {"math": math}
     source = python_of(text)
     exec(f"def force(x, v, z, t, p, mode):\n    return float({source})", scope)
-    declared = {name: EffectParameter("1", "number of the formula, in SI units") for name in found.numbers}
+    declared = {name: FormulaNumber("1", "number of the formula, in SI units") for name in found.numbers}
     body = {
         "force": staticmethod(cast("Callable[..., float]", scope["force"])),
         "parameters": Formula.parameters | declared,

@@ -24,10 +24,13 @@ SECONDS = 1.0
 
 
 def description(case: OpenCase, said: dict[str, Any]) -> dict[str, bool] | None:
-    """Return what is right about a description; None where a kind of the library states the truth."""
+    """Return what is right about a description; None where a kind of the library, or a fault, states it."""
     hidden = case.hidden
     named = [e for e in said["physics"] if any(h.stated_by_kind(e["block"], e["kind"]) for h in hidden)]
-    if case.truth["class"] != "unlisted" or named:
+    faults = [
+        e for e in said.get("faults") or [] if any(h.stated_by_fault(e["block"], e["kind"]) for h in hidden)
+    ]
+    if case.truth["class"] != "unlisted" or named or faults:
         return None
     told = said.get("described") or []
     floor = _floor(said)

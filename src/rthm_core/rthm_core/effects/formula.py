@@ -189,6 +189,10 @@ def python_of(text: str) -> str:
     return ast.unparse(tree)
 
 
+_SCOPE: dict[str, Any] = {name: getattr(np, function) for name, function in ALONG.items()}
+_SCOPE |= {"pi": math.pi, "__builtins__": {}}
+
+
 def evaluated(text: str, numbers: Mapping[str, float], **variables: Floats) -> Floats:
     """A formula along arrays of its variables; infinite or no number where Python would fail.
 
@@ -206,8 +210,7 @@ def evaluated(text: str, numbers: Mapping[str, float], **variables: Floats) -> F
     >>> evaluated("a * x * (b < x)", {"a": 2.0, "b": 1.0}, x=np.array([1.0, 3.0]))
     array([0., 6.])
     """
-    known = {name: getattr(np, function) for name, function in ALONG.items()}
-    scope: dict[str, Any] = known | {"pi": math.pi, "__builtins__": {}} | dict(numbers) | variables
+    scope: dict[str, Any] = _SCOPE | dict(numbers) | variables
     with np.errstate(all="ignore"):
         found = np.asarray(eval(_code(text), scope), dtype=float)
     return np.broadcast_to(found, next(iter(variables.values())).shape)

@@ -173,38 +173,35 @@ class Regression:
     def fit(self, feature: Feature, dof: int, name: str, at: Along) -> CurveFit | None:
         """Fit a free curve; None where the model diverges under it."""
         response = self._response_to(feature, dof)
-        whole, columns = self.normal(response), np.vstack([self.known, response])
+        whole = self.normal(response)
         if whole is None:
             return None
-        made = [self._with(one, whole, columns, feature, dof, at) for one in CURVE_STIFFNESSES]
-        loose = replace(made[0], dof=name)
-        return replace(max(made, key=lambda one: one.gain), dof=name, loose=loose)
-
-    def _with(
-        self, stiffness: float, whole: Normal, columns: Floats, feature: Feature, dof: int, at: Along
-    ) -> CurveFit:
-        """The fit with neighbouring sizes held together by a weight."""
         first, own, held = self.known.shape[0], self.motion_forces.shape[2], self.held
-        base, stiff = whole.leading(first), whole.stiffened(feature.roughness, stiffness)
-        sizes, inverse = _solved(*stiff.total)
-        plain, _ = _solved(*base.total)
+        base, columns = whole.leading(first), np.vstack([self.known, response])
+        left_out, plain = float(base.left_out().sum()), base.sizes
         before = sum(_squares(self.left[b] - plain @ columns[:first, b]) for b in held)
-        after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
         scatter = max(float(np.median(whole.squares / whole.count)), 1.0)
-        left_out = float(base.left_out().sum())
-        return CurveFit(
-            "",
-            feature,
-            sizes[first:],
-            np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
-            left_out - float(stiff.left_out().sum()),
-            left_out - float(whole.count.sum()),
-            float(before - after),
-            float(before - sum(self.left[b].size for b in held)),
-            at,
-            self.motion_forces[:, dof] @ sizes[:own],
-            whole,
-        )
+
+        def held_together(stiffness: float) -> CurveFit:
+            stiff = whole.stiffened(feature.roughness, stiffness)
+            sizes, inverse = _solved(*stiff.total)
+            after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
+            return CurveFit(
+                name,
+                feature,
+                sizes[first:],
+                np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
+                left_out - float(stiff.left_out().sum()),
+                left_out - float(whole.count.sum()),
+                float(before - after),
+                float(before - sum(self.left[b].size for b in held)),
+                at,
+                self.motion_forces[:, dof] @ sizes[:own],
+                whole,
+            )
+
+        loose, *others = map(held_together, CURVE_STIFFNESSES)
+        return replace(max([loose, *others], key=lambda one: one.gain), loose=loose)
 
     def normal(self, responses: Floats) -> Normal | None:
         """Normal equations of the training part for what is known, then of forces whose responses (q, s k)

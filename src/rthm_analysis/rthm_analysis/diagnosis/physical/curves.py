@@ -9,13 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from rthm_analysis.diagnosis.criteria.missing import DRAWN_CURVE_SHARE
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.physical.work import law_force
+from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats
 
@@ -47,8 +45,5 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
 def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:
     """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
     model = physical.selection.best.model
-    names = {model.name(i) for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof}
-    effects = [one for one in model.spec.effects if one.name in names]
-    if not effects:
-        return None
-    return np.asarray(np.sum([law_force(one, physical.evidence.time, x, v) for one in effects], axis=0))
+    here = [i for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof]
+    return law_forces(model, here, physical.evidence.time, x, v) if here else None

@@ -21,7 +21,7 @@ from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.polygon import is_polygon
 from rthm_analysis.diagnosis.physical.values import values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-from rthm_analysis.diagnosis.physical.work import law_force
+from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.physical.written import Written
 from rthm_analysis.diagnosis.result import Described, Value
 from rthm_core.compiled import Floats
@@ -45,7 +45,7 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     assert best.model.spec.plant is not None
     motion = physical.experiment.motion(best.model.spec, physical.windows)
     at = along(physical.evidence, motion, best.model.spec.plant.dofs.index(dof), dof)
-    force = _force(judged, indices, at)
+    force = law_forces(best.model, indices, at.t, at.x, at.v)
     among = {name for index in indices for name in best.model.added[index].law.depends_on}
     depends_on = tuple(name for name in at._fields if name in among)
     variable = depends_on[0] if depends_on else "x"
@@ -62,13 +62,6 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
         _words(judged, dof, [] if is_table else terms, depends_on, at, force), spread_over(over, force),
     )  # fmt: skip
-
-
-def _force(judged: Judgement, indices: list[int], at: Along) -> Floats:
-    model = judged.physical.selection.best.model
-    names = {model.name(index) for index in indices}
-    effects = [one for one in model.spec.effects if one.name in names]
-    return np.asarray(np.sum([law_force(one, at.t, at.x, at.v) for one in effects], axis=0))
 
 
 def _left(judged: Judgement, dof: str) -> Floats | float:

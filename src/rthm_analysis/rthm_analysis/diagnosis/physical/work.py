@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.replay.model import Model
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import EffectSpec
@@ -30,6 +32,13 @@ def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec)
     i = spec.plant.dofs.index(str(one.dof))
     force = law_force(one, experiment.evidence.time, motion.position[:, i], motion.velocity[:, i])
     return _work(experiment, force, motion.velocity[:, i])
+
+
+def law_forces(model: Model, indices: Iterable[int], time: Floats, x: Floats, v: Floats) -> Floats:
+    """Force (s,) of some of the effects that a model adds to one dof, along a given motion."""
+    names = {model.name(index) for index in indices}
+    effects = [one for one in model.spec.effects if one.name in names]
+    return np.asarray(sum((law_force(one, time, x, v) for one in effects), np.zeros(time.size)))
 
 
 def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:

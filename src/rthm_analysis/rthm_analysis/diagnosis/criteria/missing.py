@@ -141,6 +141,6 @@ LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""
 
 FORMULA_STEPS = 4e7
-FORMULA_FIT_BUDGET = 1.5e7
+FORMULA_FIT_BUDGET = 1e7
 """Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of
 replays."""

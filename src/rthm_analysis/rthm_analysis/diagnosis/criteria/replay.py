@@ -17,6 +17,11 @@ GATHERED_ERROR_SHARE = 1e-4
 STEP_ERROR_DIVISOR = 120.0
 """A step of h radians is wrong by h^5 over this (Runge-Kutta of fourth order)."""
 
+KINK_STEP_S = 2.1e-3
+KINK_STEP_RADIANS = 0.014
+"""Longest step over a kink of a law that nobody locates: the longer of so many s and of so many radians of
+the fastest motion."""
+
 MOST_SUBSTEPS = 50
 """Steps of a replay in one interval of the grid, at most."""
 

@@ -238,6 +238,12 @@ class Experiment:
     def _longest_interval(self, spec: Spec) -> int:
         return longest_interval(spec, sharp=self.sharp, coarse=self.is_draft)
 
+    @property
+    def _quarter_sample_ns(self) -> int:
+        """A quarter of a sampling interval, ns, where that is longer than the grid of a wire may be."""
+        interval = np.median(np.diff((self.loads or self.evidence).stamps_ns))
+        return max(LONGEST_GRID_INTERVAL_NS, int(interval / 4))
+
     def _grid(self, delay: int, longest: int, *, samples: bool) -> Grid:
         """Grid of the commands, late by `delay` ns, and of the samples or of where free runs begin."""
         e, key = self.evidence, (delay, longest, samples)
@@ -254,7 +260,7 @@ class Experiment:
         delay = motor_delay(spec)
         due = e.due_ns + delay
         m = e.commands.shape[1] if e.driven_by == "command" else 0
-        fine = self._grid(delay, LONGEST_GRID_INTERVAL_NS, samples=True)
+        fine = self._grid(delay, LONGEST_GRID_INTERVAL_NS if m else self._quarter_sample_ns, samples=True)
         points = fine
         if m and not self._motors_alone and not sizes(spec.effects, "motor", "rate"):
             points = self._grid(delay, self._longest_interval(spec), samples=False)

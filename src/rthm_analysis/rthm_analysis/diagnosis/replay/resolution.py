@@ -12,6 +12,8 @@ from rthm_analysis.diagnosis.criteria.replay import (
     DRAFT_GRID_RADIANS,
     DRAFT_STEP_RADIANS,
     GATHERED_ERROR_SHARE,
+    KINK_STEP_RADIANS,
+    KINK_STEP_S,
     LONGEST_GRID_INTERVAL_NS,
     LONGEST_STEP_RADIANS,
     MOST_SUBSTEPS,
@@ -66,17 +68,20 @@ def substeps(
         SHORTEST_STEP_RADIANS,
         LONGEST_STEP_RADIANS,
     )
+    kink_rate = 1.0 / _longest_step(spec, float(rates.max(initial=0.0)))
     least, needed = (
-        max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), 1.0 / _longest_step(spec)) - 1e-6))
+        max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), kink_rate) - 1e-6))
         for rate in (rates / (DRAFT_STEP_RADIANS if coarse else LONGEST_STEP_RADIANS), rates / phases)
     )
     return min(needed, max(least, AFFORDED_STEPS // intervals), MOST_SUBSTEPS)
 
 
-def _longest_step(spec: Spec) -> float:
-    """Longest step in s: short where a law has kinks that nobody locates."""
+def _longest_step(spec: Spec, fastest: float) -> float:
+    """Longest step in s: short beside the `fastest` motion, rad/s, where a law has kinks."""
+    if _remembers(spec):
+        return KINK_STEP_S
     kinks = any(e.law.kinked for e in spec.effects)
-    return 2.1e-3 if kinks or _remembers(spec) else np.inf
+    return max(KINK_STEP_S, KINK_STEP_RADIANS / max(fastest, 1e-9)) if kinks else np.inf
 
 
 def _remembers(spec: Spec) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,13 @@ class Line:
     amplitude: float
 
 
+class Spectrum(NamedTuple):
+    """Frequencies, Hz, of a spectrum, and the power there."""
+
+    frequencies: Floats
+    power: Floats
+
+
 def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     """Find hum in each channel and take it out, its slow changes of amplitude included."""
     natural = _natural(spec)
@@ -55,6 +62,7 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         rows = _rows(values)
         time = seen.time[rows]
         step = float(np.median(np.diff(time)))
+        spectrum: Spectrum | None = None
         for mains in MAINS_HZ:
             aliased = _aliased(mains, 1.0 / step)
             if (
@@ -63,13 +71,14 @@ def find_hum(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
                 or time[-1] * aliased < HUM_FEWEST_PERIODS
             ):
                 continue
-            line = _line(time, filled(values)[rows], aliased, mains)
+            spectrum = spectrum or _spectrum(filled(values)[rows], time)
+            line = _line(time, filled(values)[rows], spectrum, aliased, mains)
             if line is None or _is_motion(seen, column, line):
                 continue
             faults.append(_fault(channel, line))
             values = values.copy()
             values[rows] -= _wave(time, filled(values)[rows], line.frequency)
-            evidence = with_column(evidence, column, values)
+            evidence, spectrum = with_column(evidence, column, values), None
     return evidence, faults
 
 
@@ -94,9 +103,9 @@ def _aliased(frequency: float, rate: float) -> float:
     return min(folded, rate - folded)
 
 
-def _line(time: Floats, values: Floats, near: float, mains: float) -> Line | None:
+def _line(time: Floats, values: Floats, spectrum: Spectrum, near: float, mains: float) -> Line | None:
     """Steady line of a signal near a frequency; None where nothing stands out."""
-    frequencies, power = _power(values, time)
+    frequencies, power = spectrum
     inside = np.abs(frequencies - near) <= MAINS_WANDER_HZ + 1.0 / time[-1]
     away = np.abs(frequencies - near)
     beside = (away <= HUM_NEIGHBOUR_HZ) & (away > 2.0 * MAINS_WANDER_HZ)
@@ -117,12 +126,13 @@ def _line(time: Floats, values: Floats, near: float, mains: float) -> Line | Non
     return Line(frequency, mains, _amplitude(time, values, frequency))
 
 
-def _power(values: Floats, time: Floats) -> tuple[Floats, Floats]:
+def _spectrum(values: Floats, time: Floats) -> Spectrum:
     """Frequencies, Hz, and power through a window that keeps strong slow motion where it is."""
     step = float(time[-1]) / max(time.size - 1, 1)
     second = np.diff(values, 2, prepend=values[0], append=values[-1])
     spectrum = np.fft.rfft(second * np.blackman(values.size))
-    return np.asarray(np.fft.rfftfreq(values.size, step), dtype=float), np.square(np.abs(spectrum))
+    frequencies = np.asarray(np.fft.rfftfreq(values.size, step), dtype=float)
+    return Spectrum(frequencies, np.square(np.abs(spectrum)))
 
 
 def _between(frequencies: Floats, power: Floats, peak: int) -> float:
@@ -204,7 +214,7 @@ def _shows(signal: Floats, time: Floats, line: Line, ratio: float) -> bool:
         return False
     if ratio:
         return _amplitude(time, signal, line.frequency) > HUM_SHOWN_SHARE * ratio * line.amplitude
-    frequencies, power = _power(signal, time)
+    frequencies, power = _spectrum(signal, time)
     inside = np.abs(frequencies - line.frequency) <= MAINS_WANDER_HZ
     beside = (np.abs(frequencies - line.frequency) <= HUM_NEIGHBOUR_HZ) & ~inside
     return bool(

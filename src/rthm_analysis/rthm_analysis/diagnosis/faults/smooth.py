@@ -82,6 +82,9 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
     bell = np.exp(-0.5 * np.square(omega * width))
     values, rates, seconds = {}, {}, {}
     for name, column in signals.items():
+        if name[0] == "load" and not column.any():
+            values[name] = rates[name] = np.zeros(rows.size)
+            continue
         whole = filled(column)
         spectrum = np.fft.rfft(whole - whole.mean(), padded) * bell
         values[name] = np.fft.irfft(spectrum, padded)[rows] + whole.mean()

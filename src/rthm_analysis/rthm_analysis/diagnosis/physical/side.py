@@ -140,5 +140,7 @@ def _noise_left(begun: Baseline, selection: Selection) -> Noise:
     """Noise that shows once physics is known: never more than what was weighed by."""
     fitting, best = begun.fitting, selection.best
     white = noise_of(fitting, best)
+    if begun.noise.is_white and not selection.rounds:  # its colour was asked for before the search
+        return begun.noise.smaller(white)
     left = coloured(fitting, best, white, named=bool(selection.rounds))
     return begun.noise.smaller(left.not_shared(white))

@@ -105,7 +105,7 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
         return 0.0, 0.0
     width = max(0.001, 0.3 * abs(best))
     # Commands come in steps, so that a delay that is off by a microsecond already shows.
-    for _ in range(10):
+    for _ in range(7):
         best = best_of(best + width * np.linspace(-1.0, 1.0, 9))
         width *= 0.25
     low, high = (_edge(error, best, best + side * DRIVE_FLAT_DELAY) for side in (-1.0, 1.0))

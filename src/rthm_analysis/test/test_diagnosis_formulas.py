@@ -67,7 +67,7 @@ def test_a_force_that_nothing_foretells_is_told_as_that_and_predicts_nothing() -
     assert "nobody recorded" in one.words
 
 
-@pytest.mark.parametrize("variable", ["x", "v", "t"])
+@pytest.mark.parametrize("variable", ["x", "v", "t", "load"])
 def test_every_shape_of_the_grammar_is_a_law(variable: str) -> None:
     at = np.linspace(0.0 if variable == "t" else -0.3, 0.5, 14)
     for text in {shape.text for shape in shapes_over(variable, at)}:
@@ -83,9 +83,12 @@ def test_a_force_that_goes_with_the_square_of_the_known_load_depends_on_it() -> 
     seen = recorded()
     squared = replace(seen, load=np.sign(seen.load) * np.sqrt(0.6 * np.abs(seen.load)))
     part = physical_part(diagnose_physical(squared, plant(), np.empty(0), lambda said: None))
-    assert not part.physics and not part.effects and part.unexplained
+    assert not part.physics and {one["kind"] for one in part.effects} == {"formula"}
     (one,) = part.described
     assert one.depends_on == ("load",) and min(one.share, one.held_out_gain) > 0.95
+    assert all("load" in str(one["force"]) for one in part.effects)
+    fits = {fit.signal: fit.nrmse for fit in part.fits}
+    assert fits["x1"]["explained"] < 1.3 * fits["x1"]["noise_floor"]
 
 
 def test_a_free_curve_is_a_law_as_it_stands() -> None:

@@ -61,6 +61,29 @@ def test_a_force_begins_and_ends_where_the_formula_says() -> None:
     assert np.abs(caught - linear)[~before].max() > 0.01
 
 
+def loaded(amplitude: float, effects: dict[str, dict[str, Any]]) -> Any:
+    """Motion (s, n) of the loop with a harmonic load on the plant and effects there."""
+    load = {"kind": "harmonic", "amplitude": amplitude, "frequency": 3.0, "phase": 0.4}
+    on_plant = {name: {"block": "plant", "dof": "x1"} | one for name, one in effects.items()}
+    changes = {f"load.plant.{key}": value for key, value in load.items()}
+    spec = apply(shipped_spec("paper"), changes | {"effects": list(on_plant)} | on_plant)
+    return simulate(spec, 8.0, 0.01).plant_position
+
+
+@pytest.mark.parametrize("beside", [{}, {"more": {"kind": "constant_load", "force": 0.2}}])
+def test_a_law_of_the_load_changes_the_load_and_nothing_beside_it(beside: dict[str, dict[str, Any]]) -> None:
+    half = {"kind": "formula", "force": "a * load", "a": 0.5}
+    known, more = loaded(0.3, beside | {"law": half}), loaded(0.45, beside)
+    assert np.abs(known - more).max() < 1e-7 * np.abs(more).max()
+    assert np.abs(loaded(0.3, beside) - more).max() > 1e-3
+
+
+def test_without_a_load_a_law_of_the_load_does_nothing() -> None:
+    law = rig(kind="formula", force="a + b * load * abs(load)", a=0.1, b=7.0)
+    constant = rig(kind="constant_load", force=0.1)
+    assert np.abs(law.plant_position - constant.plant_position).max() < 1e-9
+
+
 def test_a_spec_with_a_formula_is_written_and_read_again(tmp_path: Any) -> None:
     spec = with_force(kind="formula", force="-a * tanh(x / b)", a=2.0, b=0.1)
     file = tmp_path / "spec.yaml"

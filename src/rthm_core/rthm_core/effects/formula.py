@@ -1,4 +1,4 @@
-"""A law that a spec writes down: a force as a formula of motion and time.
+"""A law that a spec writes down: a force as a formula of motion, time and the known load.
 
 A formula is arithmetic and nothing else, so a spec from anywhere may have one: it can compute a number, and
 do nothing besides.
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from rthm_core.effects.declaration import Effect
-from rthm_core.effects.laws import PlantLaw
+from rthm_core.effects.laws import LOAD, PlantLaw
 from rthm_core.effects.registry import register
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
@@ -24,7 +24,7 @@ from rthm_core.quantity import Quantity, Text
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-VARIABLES = {"x": "m", "v": "m/s", "t": "s"}
+VARIABLES = {"x": "m", "v": "m/s", "t": "s", "load": "N"}
 """What a formula may depend on, and the units."""
 
 NUMBERS = ("a", "b", "c", "d", "e", "f", "g")
@@ -74,7 +74,7 @@ def parsed(text: str) -> Parsed:
     Raises
     ------
     RefusedError
-        If it is anything but arithmetic of motion, time and numbers.
+        If it is anything but arithmetic of motion, time, load and numbers.
 
     Examples
     --------
@@ -143,7 +143,8 @@ class _Python(_Along):
     """Makes Python of a formula: numbers become elements of `p`, the sign of the velocity the mode."""
 
     def __init__(self, numbers: tuple[str, ...]) -> None:
-        self._names = {name: f"p[{i}]" for i, name in enumerate(numbers)} | FUNCTIONS | {"pi": "math.pi"}
+        self._names = {name: f"p[{i}]" for i, name in enumerate(numbers)} | FUNCTIONS
+        self._names |= {"pi": "math.pi", "load": f"p[{LOAD}]"}
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         """Replace a function."""
@@ -230,8 +231,8 @@ class Formula(PlantLaw):
     blocks = ("plant",)
     parameters = {
         "force": FormulaText(
-            "force along +x, N, of x (m), v (m/s) and t (s), with numbers a to g that stand beside it, "
-            "as -a * x * abs(x)"
+            "force along +x, N, of x (m), v (m/s), t (s) and load (N, the known load on the dof), with "
+            "numbers a to g that stand beside it, as -a * x * abs(x)"
         )
     }
     equation = "F = what the spec says"
@@ -276,7 +277,7 @@ def law_of(text: str) -> type[Formula]:
         "force": staticmethod(cast("Callable[..., float]", scope["force"])),
         "parameters": Formula.parameters | declared,
         "depends_on": found.variables,
-        "additive": found.variables in ((), ("t",)),
+        "additive": not {"x", "v"} & {*found.variables},
         "partition": "velocity" if "mode" in source else "none",
         "kinked": any(isinstance(node, ast.Compare) for node in ast.walk(found.tree)),
         "given": classmethod(lambda cls, values: cls),

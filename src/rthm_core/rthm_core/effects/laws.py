@@ -27,7 +27,10 @@ from rthm_core.effects.possible import Values
 Parameters = tuple[float, ...]
 
 MOST_PARAMETERS = 8
-"""Numbers that a law may have."""
+"""Numbers that a law may have; one less if it depends on the known load."""
+
+LOAD = MOST_PARAMETERS - 1
+"""Where in its parameters a law that depends on ``load`` finds the known load on its dof, N."""
 
 
 class PlantLaw(Effect):

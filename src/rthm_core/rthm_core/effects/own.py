@@ -154,8 +154,9 @@ def _check_law(source: str, law: Any) -> None:
             f"{source} declares {law.kind} for {', '.join(law.blocks)}, but effects of one's own are a "
             "PlantLaw for plant or a WireLaw for wire; derive it from one of these."
         )
-    if len(law.parameters) > MOST_PARAMETERS or any(isinstance(p, Text) for p in law.parameters.values()):
+    most = MOST_PARAMETERS - ("load" in law.depends_on)
+    if len(law.parameters) > most or any(isinstance(p, Text) for p in law.parameters.values()):
         raise InputError(
             f"{source} declares {law.kind} with the parameters {', '.join(law.parameters)}, but a law may "
-            f"have up to {MOST_PARAMETERS} numbers; leave some out."
+            f"have up to {most} numbers; leave some out."
         )

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.compiled import called, copy_into, inlined
+from rthm_core.effects.laws import LOAD
 from rthm_core.physical.laws import (
     CODE,
     DOF,
     FRICTION,
+    LOADED,
     NONLINEAR,
     PARTITION,
     PLACE,
@@ -110,14 +112,16 @@ def _add(mechanics, column, force, dy):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _add_law(laws, row, mechanics, column, n, mode, y, t, dy):  # type: ignore[no-untyped-def]
+def _add_law(laws, row, mechanics, column, n, mode, y, w, t, dy):  # type: ignore[no-untyped-def]
     """Add the force of one plant law, and the rates of its own states."""
     dof, begin = laws.numbers[row, PLACE], laws.numbers[row, STATE]
     end = begin + laws.numbers[row, STATES]
-    code, x, v = laws.numbers[row, CODE], y[dof], y[n + dof]
-    _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, laws.parameters[row], mode), dy)
+    code, x, v, p = laws.numbers[row, CODE], y[dof], y[n + dof], laws.parameters[row]
+    if laws.numbers[row, LOADED] >= 0:
+        p[LOAD] = w[laws.numbers[row, LOADED]]
+    _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, p, mode), dy)
     if end > begin:
-        plant_rate(code, x, v, y[begin:end], t, laws.parameters[row], mode, dy[begin:end])
+        plant_rate(code, x, v, y[begin:end], t, p, mode, dy[begin:end])
 
 
 @inlined
@@ -141,11 +145,11 @@ def mechanics_rate(laws, model, modes, y, u, w, t, dy, hold, scratch):  # type: 
             rate += mechanics[i, size + m + j] * w[j]
         dy[i] = rate
     if laws is not None:
-        _add_nonlinear(laws, model, modes, y, u, size + m + loads, t, dy, hold, scratch)
+        _add_nonlinear(laws, model, modes, y, u, w, size + m + loads, t, dy, hold, scratch)
 
 
 @inlined
-def _add_nonlinear(laws, model, modes, y, u, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+def _add_nonlinear(laws, model, modes, y, u, w, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Add what wires and laws that are not linear do; their forces enter through the columns of
     ``model.mechanics`` from `first` on.
     """
@@ -164,7 +168,7 @@ def _add_nonlinear(laws, model, modes, y, u, first, t, dy, hold, scratch):  # ty
         if laws.numbers[row, PARTITION] == FRICTION and modes[row] == 0:
             sticking += 1
         else:
-            _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, t, dy)
+            _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, w, t, dy)
     if sticking:
         _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, modes, dy, hold, sticking)
 

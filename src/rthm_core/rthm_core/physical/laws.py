@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -53,7 +54,8 @@ wire_settle, wire_drive, wire_law_force, wire_rate = (
 class LawTable(NamedTuple):
     """Nonlinear laws on the plant: L rows.
 
-    Columns of `numbers` are code, dof, first own state, number of own states, and how the modes meet;
+    Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, and which
+    load the law depends on (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
     `breakaway` (L,) in N.
     """
@@ -98,7 +100,7 @@ class WireTable(NamedTuple):
         return self._replace(drive=drive, force=np.zeros((m, size + m)))
 
 
-CODE, PLACE, STATE, STATES, PARTITION = range(5)
+CODE, PLACE, STATE, STATES, PARTITION, LOADED = range(6)
 """Columns of the tables of laws; the place is a dof or an actuator, the code as `code_of` gives it."""
 
 DOF, PULLEY, NONLINEAR = range(3)
@@ -224,16 +226,29 @@ def _rows(entries: list[tuple[Any, tuple[float, ...], int, int]]) -> tuple[Integ
     return np.array(numbers, dtype=np.int64).reshape(-1, 4), parameters
 
 
-def law_table(nonlinear: list[tuple[Any, tuple[float, ...], int, int]]) -> LawTable:
-    """Table of the nonlinear laws: (law, parameters, dof, first own state)."""
+def reads_load(law: Any) -> bool:
+    """Whether a law depends on the known load on its dof."""
+    return "load" in law.depends_on
+
+
+def law_table(
+    nonlinear: list[tuple[Any, tuple[float, ...], int, int]], known: Sequence[int] = ()
+) -> LawTable:
+    """Table of the nonlinear laws: (law, parameters, dof, first own state); `known` are the dofs of the first
+    loads, which are known.
+    """
     numbers, parameters = _rows(nonlinear)
+    at = {dof: load for load, dof in enumerate(known)}
+    loaded = np.array(
+        [at.get(dof, -1) if reads_load(law) else -1 for law, _, dof, _ in nonlinear], dtype=np.int64
+    )
     partitions = np.array([PARTITIONS.index(law.partition) for law, *_ in nonlinear], dtype=np.int64)
     thresholds = np.full((len(nonlinear), 2), np.inf)
     for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
         thresholds[row, : len(limits)] = limits
     return LawTable(
-        np.hstack([numbers, partitions.reshape(-1, 1)]),
+        np.hstack([numbers, partitions.reshape(-1, 1), loaded.reshape(-1, 1)]),
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),

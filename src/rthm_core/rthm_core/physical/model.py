@@ -224,7 +224,7 @@ def physical_model(
         When the spec has no plant.
     """
     loads, load_dofs, listed = _loads(spec, further or [])
-    built = mechanical(spec, body, load_dofs, measured=body is None)
+    built = mechanical(spec, body, load_dofs, listed, measured=body is None)
     orders = max([one.orders for one in loads] + [2 if _limits_rate(spec) else 1])
     motors = drive(spec, orders, actuators=built.parts.m)
     model = PhysicalModel(
@@ -245,9 +245,15 @@ def physical_model(
 
 
 def mechanical(
-    spec: Spec, body: Substructure | None = None, load_dofs: Sequence[int] = (), *, measured: bool = False
+    spec: Spec,
+    body: Substructure | None = None,
+    load_dofs: Sequence[int] = (),
+    known: int = 0,
+    *,
+    measured: bool = False,
 ) -> Mechanical:
-    """Plant and wires of a spec without motors, with loads on some dofs, and its sensors if it is `measured`.
+    """Plant and wires of a spec without motors, with loads on some dofs, of which the first so many are
+    known, and its sensors if it is `measured`.
 
     Raises
     ------
@@ -289,7 +295,7 @@ def mechanical(
     resting: list[Resting] = [(law, p, "plant", dof, z) for law, p, dof, z in placed if law.states]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
     resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in nonlinear_wires(wires) if law.states]
-    laws = law_table(nonlinear) if nonlinear or wires.numbers[:, NONLINEAR].any() else None
+    laws = law_table(nonlinear, load_dofs[:known]) if nonlinear or wires.numbers[:, NONLINEAR].any() else None
     return Mechanical(parts, wires, laws, sensed, resting)
 
 

@@ -7,6 +7,9 @@ PLAN_SIMULATIONS = 80
 """Simulations of one plan, about 1 ms each for a loop with one dof a side; work and not time is counted, so
 that a busy host plans the same."""
 
+SMALLER_SIMULATIONS = 48
+"""Simulations of all plans together that would show smaller effects, where nothing is to be told apart."""
+
 PLAN_MOST_HYPOTHESES = 3
 """Hypotheses that are told apart at once: the likeliest come first."""
 

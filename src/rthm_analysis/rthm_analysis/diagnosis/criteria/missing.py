@@ -71,6 +71,10 @@ MOST_TERMS = 3
 TERM_GAIN_SHARE = 0.03
 """Share of the mismatch that each term of a formula must explain beside those before it."""
 
+BESIDE_GAIN_LEFT_SHARE = 0.3
+"""Share of what other terms leave that a law of the load may leave that needs another gain of the load beside
+it."""
+
 FORMULA_GAIN_SHARE = 0.9
 """Share of what the best free curve explains that a formula must explain to take its place."""
 

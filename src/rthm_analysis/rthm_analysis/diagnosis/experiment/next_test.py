@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from rthm_analysis.diagnosis.criteria.experiment import NO_DIFFERENCE, PLAN_SIMULATIONS
+from rthm_analysis.diagnosis.criteria.experiment import NO_DIFFERENCE, PLAN_SIMULATIONS, SMALLER_SIMULATIONS
 from rthm_analysis.diagnosis.experiment.advice import LONGER, REPEAT, SOFTWARE, advice, fault_advice
 from rthm_analysis.diagnosis.experiment.contrasts import (
     MOVED,
@@ -153,7 +153,8 @@ def _smaller(found: Found) -> Next:
     """To see smaller effects than this recording would have shown: the kind that gains most."""
     seen = smallest_seen(found.nominal, found.limits)
     plans = [
-        (_plan(found, contrast, PLAN_SIMULATIONS // len(seen)), contrast, limit) for contrast, limit in seen
+        (_plan(found, contrast, SMALLER_SIMULATIONS // len(seen)), contrast, limit)
+        for contrast, limit in seen
     ]
     planned = [(plan, contrast, limit) for plan, contrast, limit in plans if plan]
     if not planned:

@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.experiment.trials import Trial
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.grid import Grid
 from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
-from rthm_analysis.diagnosis.replay.loads import hidden_loads
+from rthm_analysis.diagnosis.replay.loads import hidden_loads, on_columns
 from rthm_analysis.diagnosis.replay.mechanics import state_matrix
 from rthm_core.clock import NS
 from rthm_core.compiled import Floats
@@ -99,7 +99,7 @@ class Predictor:
     def _load(self, trial: Trial, points: Floats) -> Floats:
         assert self.spec.plant is not None
         dofs = self.spec.plant.dofs
-        total = np.zeros((*points.shape, len(dofs))) if self.hidden is None else self.hidden.copy()
+        total = np.zeros((*points.shape, len(dofs)))
         section = trial.loads.get("plant")
         if section is not None and section.kind != "none":
             total[:, :, dofs.index(section.dof)] += load(section).force(points)
@@ -107,7 +107,7 @@ class Predictor:
             time, forces = trial.recorded
             for i, column in enumerate(forces.T):
                 total[:, :, i] += np.interp(points, time, column)
-        return total
+        return on_columns(self.spec, total, self.hidden)
 
     def _named(self, out: Floats, n: int) -> Predicted:
         signals = {one.signal: out[:, i] for i, one in enumerate(self.channels)}

@@ -107,6 +107,13 @@ def ranges_of(domain: dict[str, tuple[float, float]]) -> str:
     return ", ".join(f"{bare(low)} to {bare(high)} {VARIABLE_UNITS[v]}" for v, (low, high) in domain.items())
 
 
+def law_of(formula: str, depends_on: Iterable[str]) -> str:
+    """A formula as a law, with the units of its variables: ``F = 2 * x in N, with x in m``."""
+    units = [f"{name} in {VARIABLE_UNITS[name]}" for name in depends_on]
+    listed = " and ".join([*([", ".join(units[:-1])] if units[:-1] else []), *units[-1:]])
+    return f"F = {formula} in N" + (f", with {listed}" if listed else "")
+
+
 def _words(
     one: CurveFit,
     symmetry: str,

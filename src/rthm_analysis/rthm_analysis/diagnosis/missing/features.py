@@ -117,6 +117,7 @@ def features(at: Along) -> Iterator[Feature]:
     if np.any(load):
         yield feature("load", Curve("1", "load", over_load))
         yield feature("x load", Curve("x", "load", over_load), judges=False)
+        yield feature("t load", Curve("load", "t", slow), judges=False)
 
 
 def feature_of(at: Along, curve: Curve) -> Feature:
@@ -125,7 +126,7 @@ def feature_of(at: Along, curve: Curve) -> Feature:
 
 
 def knots_over(at: Along, variable: str) -> Floats:
-    """Knots of a curve over x, v or t."""
+    """Knots of a curve over one variable."""
     values = at._asdict()[variable]
     if variable == "t":
         return np.linspace(values[0], values[-1], TIME_CURVE_KNOTS)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
+    BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
     MOST_TERMS,
     PRODUCT_GAIN_RATIO,
@@ -37,13 +38,34 @@ def composed(
     """Terms, `most` of them at most, that explain the missing force together, the one that explains most
     first; none where the free curves show no shape.
 
-    `tried` shapes are fitted to the recording itself for each term.
+    `tried` shapes are fitted to the recording itself for each term. A law of the load is also sought beside
+    another gain of the load, as a law of the motion is beside another mass, damping and stiffness.
     """
-    terms: list[Term] = []
-    columns: list[Floats] = []
+    terms = _composed(regression, curves, [], most, tried)
+    gain = next((_gain_of_load(regression, one.dof) for one in terms if one.depends_on == ("load",)), None)
+    if gain is None or most < 2:
+        return tuple(terms)
+    beside_gain = _composed(regression, curves, [gain], most, tried)
+    whole = max(one.excess for one in curves)
+    left, other = (whole - sum(one.gain for one in some) for some in (terms, beside_gain))
+    return tuple(beside_gain if other < BESIDE_GAIN_LEFT_SHARE * left - CURVE_GAIN else terms)
+
+
+def _gain_of_load(regression: Regression, dof: str) -> Term:
+    return _refined(regression, Term(dof, "1", (("load", Shape("w")),)))
+
+
+def _composed(
+    regression: Regression, curves: list[CurveFit], given: list[Term], most: int, tried: int
+) -> list[Term]:
+    """Terms behind some that are given."""
+    terms = [*given]
+    columns = [_response(regression, one) for one in given]
+    if given:
+        curves = beside(curves, regression, np.vstack(columns))
     whole = max((one.excess for one in curves), default=0.0)
+    least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
     while curves and len(terms) < most and not (terms and regression.spent):
-        least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
         candidates = [one for curve in curves for one in _shown_by(curve)]
         candidates += [] if terms else swinging(regression)
         best = sorted(candidates, key=lambda one: -one.gain)[:tried]
@@ -61,7 +83,7 @@ def composed(
             break
         columns.append(_response(regression, found))
         curves = beside(curves, regression, np.vstack(columns))
-    return tuple(terms)
+    return terms
 
 
 def _products(regression: Regression, term: Term) -> list[Term]:
@@ -69,8 +91,8 @@ def _products(regression: Regression, term: Term) -> list[Term]:
     dof = regression.dof(term.dof)
     at = regression.along(dof)
     over, found = term.shapes[0][0], []
-    for variable in ("x", "v", "t"):
-        if variable == over:
+    for variable, values in at._asdict().items():
+        if variable == over or not np.any(values):
             continue
         carrier = "1" if term.carrier == variable else term.carrier
         own = replace(term, carrier=carrier)
@@ -96,8 +118,6 @@ def _shown_by(fit: CurveFit) -> list[Term]:
     first = fit.normal.prior.shape[0] - fit.feature.shapes.shape[1]
     found, base = [], fit.normal.leading(first)
     for curve, columns in _columns(fit.feature, first):
-        if curve.over == "load" or "load" in curve.carrier:
-            continue
         shapes = list(shapes_over(curve.over, curve.knots))
         knots = curve.knots if curve.knots.size else np.zeros(1)
         vectors = np.stack([_at_knots(one, knots) for one in shapes], axis=1)

@@ -1,4 +1,4 @@
-"""Factors that swing with time: a stiffness or a damping that goes up and down at a frequency of its own."""
+"""Factors that swing with time: stiffness, damping or load that swings at a frequency of its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CARRIERS = ("x", "v")
 
 
 def swinging(regression: Regression) -> Iterator[Term]:
-    """Stiffness and damping that swing, at the frequencies at which the residual force shows them most."""
+    """Stiffness, damping and load that swing, at the frequencies that the residual force shows most."""
     spec, experiment = regression.model.spec, regression.experiment
     assert spec.plant is not None
     predicted = experiment.predicted(spec, regression.fitting.windows)
@@ -30,7 +30,7 @@ def swinging(regression: Regression) -> Iterator[Term]:
         at = regression.along(dof)
         variables, time = at._asdict(), at.t
         highest = SWING_HIGHEST_RATIO * 2.0 * np.pi / period(experiment.evidence)
-        for carrier in CARRIERS:
+        for carrier in (*CARRIERS, *(["load"] if np.any(at.load) else [])):
             factor = evaluated(carrier, {}, **variables)
             for frequency in _peaks(time, found[2] * factor, highest):
                 yield _fitted(regression, dof, name, carrier, frequency, factor, time)

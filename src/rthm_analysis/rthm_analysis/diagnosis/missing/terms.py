@@ -58,7 +58,8 @@ class Term:
     def depends_on(self) -> tuple[str, ...]:
         """Its variables."""
         own = [over for over, shape in self.shapes if shape.text != "1"]
-        return tuple(dict.fromkeys([*(one for one in ("x", "v") if one in self.carrier), *own]))
+        carried = [one for one in ("x", "v", "load") if re.search(rf"\b{one}\b", self.carrier)]
+        return tuple(dict.fromkeys([*carried, *own]))
 
     @property
     def is_known(self) -> bool:

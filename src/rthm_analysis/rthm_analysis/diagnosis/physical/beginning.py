@@ -129,7 +129,7 @@ def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) 
     What is missing may have made a wrong way look right. The right one then explains most of what is left.
     """
     fitting = begun.fitting
-    if fitting.reduced_chi2 < FINISHED_CHI2:
+    if fitting.reduced_chi2 < FINISHED_CHI2 or selection.formulas:
         return begun, selection
     for other in others:
         there = _best_there(other, selection)

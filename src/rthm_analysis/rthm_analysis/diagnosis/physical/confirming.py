@@ -95,7 +95,8 @@ def _patches(selection: Selection) -> bool:
 
 
 def _without_last(selection: Selection) -> Selection:
-    rounds = selection.rounds[:-1]
+    """Without the effect found last; terms of one formula stand or fall together."""
+    rounds = selection.rounds[: -max(selection.formulas, 1)]
     return Selection(
         selection.base,
         rounds[-1][0].fitted if rounds else selection.base,

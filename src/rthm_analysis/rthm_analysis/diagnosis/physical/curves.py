@@ -46,4 +46,7 @@ def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | 
     """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
     model = physical.selection.best.model
     here = [i for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof]
-    return law_forces(model, here, physical.evidence.time, x, v) if here else None
+    if not here:
+        return None
+    evidence, place = physical.evidence, model.spec.plant.dofs.index(dof) if model.spec.plant else 0
+    return law_forces(model, here, evidence.time, x, v, evidence.load[:, place])

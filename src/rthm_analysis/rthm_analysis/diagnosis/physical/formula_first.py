@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.missing.likely import likely
+from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.physical.drafting import draft_of
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
@@ -34,7 +35,7 @@ class FormulaFirst:
     ----------
     found : (Baseline, Selection) or None
         One term of no kind of the library, maybe beside a constant, that leaves nothing but noise, and the
-        runs in which it does; nothing where a law of the known load explains the mismatch, which no kind is.
+        runs in which it does; nothing where only a curve over the known load does, which no kind is.
     """
 
     whole: Baseline
@@ -61,10 +62,14 @@ class FormulaFirst:
         left = Regression(fitting.experiment, fitting.windows, noise, retuned.model, samples)
         among = likely(self.near.fitting.experiment, self.near.fitting.windows, self.near.retuned.model.spec)
         curves = free_curves(left, among)
-        if _is_of_load(curves):
+        found = self._by_terms(left, curves)
+        if found is None and _is_of_load(curves):
             return self.near, Selection(self.near.retuned, self.near.retuned)
+        return found
+
+    def _by_terms(self, left: Regression, curves: list[CurveFit]) -> tuple[Baseline, Selection] | None:
         terms = composed(left, curves, most=2, tried=EARLY_SHAPES_REFINED)
-        terms = terms if len(terms) == 2 and terms[1].is_constant else terms[:1]
+        terms = terms if len(terms) == 2 and _belong_together(*terms) else terms[:1]
         if all(one.is_known for one in terms):
             return None
         guesses = [guess_of(one) for one in terms]
@@ -79,6 +84,11 @@ class FormulaFirst:
                 begun.fitting.reduced_chi2 = reduced_chi2(begun.fitting, one.fitted)
                 return begun, Selection(begun.retuned, one.fitted, rounds_of(guesses, one.fitted))
         return None
+
+
+def _belong_together(one: Term, other: Term) -> bool:
+    """Whether two terms are one law: with a constant, or both of the load alone."""
+    return other.is_constant or one.depends_on == other.depends_on == ("load",)
 
 
 def _is_of_load(curves: list[CurveFit]) -> bool:

@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.describe import (
     NAMES,
     domain_of,
+    law_of,
     ranges_of,
     symmetry_of,
     takes_energy,
@@ -45,7 +46,7 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     assert best.model.spec.plant is not None
     motion = physical.experiment.motion(best.model.spec, physical.windows)
     at = along(physical.evidence, motion, best.model.spec.plant.dofs.index(dof), dof)
-    force = law_forces(best.model, indices, at.t, at.x, at.v)
+    force = law_forces(best.model, indices, at.t, at.x, at.v, at.load)
     among = {name for index in indices for name in best.model.added[index].law.depends_on}
     depends_on = tuple(name for name in at._fields if name in among)
     variable = depends_on[0] if depends_on else "x"
@@ -86,7 +87,7 @@ def _words(
     on = " and ".join(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
     formula = _sum(one.told(with_std=True) for one in terms)
-    law = f"F = {formula} in N, with x in m, v in m/s and t in s" if terms else TABLE
+    law = law_of(formula, depends_on) if terms else TABLE
     seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
     energy = " It takes energy out." if takes_energy(force, at) else ""
     share = percent(min(max(judged.gone, 0.0), 1.0))

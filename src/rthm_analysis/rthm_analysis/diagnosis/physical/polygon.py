@@ -1,4 +1,4 @@
-"""A free curve over position or velocity as a law: straight between a few knots, and beyond them."""
+"""A free curve over position, velocity or load as a law: straight between a few knots, and beyond them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ JUMP = "sign(v)"
 
 
 def polygon(fit: CurveFit) -> InitialGuess | None:
-    """The law of a free curve by itself, maybe with a jump at rest; None of a surface or over time.
+    """The law of a free curve over motion or load by itself, maybe with a jump at rest; None of any other.
 
     Its sizes are a value at the first knot, the first slope, and a change of slope at every knot behind it.
     """
     curves = fit.feature.curves
-    if not curves or curves[0].carrier != "1" or curves[0].over not in ("x", "v"):
+    if not curves or curves[0].carrier != "1" or curves[0].over not in ("x", "v", "load"):
         return None
     if len(curves) > 1 and [one.carrier for one in curves[1:]] != [JUMP]:
         return None

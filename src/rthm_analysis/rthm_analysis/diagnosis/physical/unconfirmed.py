@@ -5,7 +5,7 @@ from __future__ import annotations
 from rthm_analysis.diagnosis.criteria.missing import UNCONFIRMED_SHARE
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
-from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, symmetry_of, takes_energy
+from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.physical.locating import when
@@ -39,8 +39,8 @@ def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
     on = " and ".join(NAMES[name].format(dof=term.dof) for name in variables)
     since = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
     words = (
-        f"Of a force at {term.dof} that depends on {on}, F = {text} in N, with x in m, v in m/s and t in s, "
-        f"the last third shows something{since}; nothing confirms it: record longer."
+        f"Of a force at {term.dof} that depends on {on}, {law_of(text, variables)}, the last third shows "
+        f"something{since}; nothing confirms it: record longer."
     )
     return (
         Described(

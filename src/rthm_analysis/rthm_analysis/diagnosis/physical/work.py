@@ -9,7 +9,9 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_core.effects.laws import LOAD, MOST_PARAMETERS
 from rthm_core.loads import sinusoid
+from rthm_core.physical.laws import reads_load
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.model import Model
@@ -30,30 +32,36 @@ def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec)
     assert spec.plant is not None
     motion = experiment.motion(spec, runs)
     i = spec.plant.dofs.index(str(one.dof))
-    force = law_force(one, experiment.evidence.time, motion.position[:, i], motion.velocity[:, i])
+    evidence = experiment.evidence
+    along = (motion.position[:, i], motion.velocity[:, i], evidence.load[:, i])
+    force = law_force(one, evidence.time, *along)
     return _work(experiment, force, motion.velocity[:, i])
 
 
-def law_forces(model: Model, indices: Iterable[int], time: Floats, x: Floats, v: Floats) -> Floats:
+def law_forces(
+    model: Model, indices: Iterable[int], time: Floats, x: Floats, v: Floats, load: Floats
+) -> Floats:
     """Force (s,) of some of the effects that a model adds to one dof, along a given motion."""
     names = {model.name(index) for index in indices}
     effects = [one for one in model.spec.effects if one.name in names]
-    return np.asarray(sum((law_force(one, time, x, v) for one in effects), np.zeros(time.size)))
+    return np.asarray(sum((law_force(one, time, x, v, load) for one in effects), np.zeros(time.size)))
 
 
-def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats) -> Floats:
+def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats, load: Floats) -> Floats:
     """Force (s,) of a law of the plant along a given motion; its own states by Heun's method."""
     law: Any = one.law
-    p = one.ordered
-    shape = law.excitation(p)
+    p = [*one.ordered, *[0.0] * (MOST_PARAMETERS - len(one.ordered))]
+    shape = law.excitation(one.ordered)
     if shape is not None:
         return sinusoid(*shape).force(time)
-    z = [*law.initial(float(x[0]), p)]
+    z = [*law.initial(float(x[0]), one.ordered)]
     first, second, force = [0.0] * law.states, [0.0] * law.states, np.empty(time.size)
-    limits = law.thresholds(p)
-    rows = zip(time.tolist(), x.tolist(), v.tolist(), strict=True)
+    limits = law.thresholds(one.ordered)
+    rows = zip(time.tolist(), x.tolist(), v.tolist(), load.tolist(), strict=True)
     before: tuple[float, float, float, int] | None = None
-    for k, (t, here, speed) in enumerate(rows):
+    for k, (t, here, speed, known) in enumerate(rows):
+        if reads_load(law):
+            p[LOAD] = known
         mode = (
             sum(here > limit for limit in limits)
             if law.partition == "position"

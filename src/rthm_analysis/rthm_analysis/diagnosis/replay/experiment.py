@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
-from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, straight
+from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, on_columns, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
@@ -39,13 +39,15 @@ class Inputs(NamedTuple):
     points : Grid
         Of the replay.
     motor, load : (g, 3, m), (g, 3, n) arrays
-        On it: motor positions, loads on the dofs.
+        On it: motor positions, known loads on the dofs.
     fine : Grid
         With every sample, and every instant at which a motor jumps.
     course : (f, 3, m) array
         Motor positions on the fine grid.
     samples : (s,) array
         Where the samples are on the fine grid.
+    further : (g, 3, n) array or None
+        Trial forces on the dofs, of which no law knows.
     """
 
     points: Grid
@@ -54,6 +56,7 @@ class Inputs(NamedTuple):
     fine: Grid
     course: Floats
     samples: Integers
+    further: Floats | None = None
 
 
 class Motion(NamedTuple):
@@ -121,11 +124,12 @@ class Experiment:
         return True
 
     def under(self, force: Floats) -> Experiment:
-        """The same test with further known forces (s, n), N, on the dofs, straight between the samples."""
+        """The same test with trial forces (s, n), N, on the dofs, straight between the samples."""
         evidence = replace(self.evidence, load=self.evidence.load + force)
 
         def with_force(inputs: Inputs) -> Inputs:
-            return inputs._replace(load=inputs.load + straight(inputs.points, evidence.time, force))
+            more = straight(inputs.points, evidence.time, force)
+            return inputs._replace(further=more if inputs.further is None else inputs.further + more)
 
         with self._lock:
             motors = {key: with_force(inputs) for key, inputs in self._motors.items()}
@@ -202,15 +206,14 @@ class Experiment:
 
     def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
         """Motion, and the steps that it took."""
-        points, motor, load, fine, course, samples = self._inputs(spec)
-        n, m = load.shape[2], motor.shape[2]
+        points, motor, known, fine, course, samples, further = self._inputs(spec)
+        n, m = known.shape[2], motor.shape[2]
         time = fine.points_before_jumps if between else self.evidence.time
         seen = course if between else np.ascontiguousarray(course[samples, 0])
         if self._motors_alone:
             nothing = np.empty((*time.shape, 0))
             return Motion(nothing, nothing, nothing, seen), time.size
-        hidden = hidden_loads(spec, points)
-        load = load if hidden is None else load + hidden
+        load = on_columns(spec, known, hidden_loads(spec, points), further)
         arrays = mechanics(spec, motor[0, 0])
         longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 2 * n + m))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
+from rthm_analysis.diagnosis.replay.mechanics import any_reads_load
 from rthm_core.loads import sinusoid
 
 if TYPE_CHECKING:
@@ -36,6 +37,16 @@ def straight(grid: Grid, time: Floats, load: Floats) -> Floats:
     """Loads (s, n), known at some times (s,), along straight lines at the points of a grid: (g, 3, n)."""
     points = np.minimum(grid.points, time[-1])
     return np.stack([np.interp(points, time, column) for column in load.T], axis=2)
+
+
+def on_columns(spec: Spec, known: Floats, *beside: Floats | None) -> Floats:
+    """Known loads (g, 3, n) and others beside them on the columns of the mechanics of a spec: added to them,
+    or apart, where a law depends on the known ones alone.
+    """
+    others = [one for one in beside if one is not None]
+    if any_reads_load(spec):
+        return np.concatenate([known, sum(others, np.zeros_like(known))], axis=2)
+    return np.asarray(sum(others, known))
 
 
 def hidden_loads(spec: Spec, points: Grid) -> Floats | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 
 from rthm_core.compiled import Floats
-from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table
+from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table, reads_load
 from rthm_core.physical.model import mechanical
 from rthm_core.physical.side import first_command
 from rthm_core.physical.start import rest
@@ -26,8 +26,9 @@ class Mechanics(NamedTuple):
     ----------
     n, m : int
         Dofs and actuators.
-    mechanics : (ny, ny + m + n + m + L) array
-        ``dy/dt = mechanics [y, u, w, F, f]`` with a load w on each dof.
+    mechanics : (ny, ny + m + loads + m + L) array
+        ``dy/dt = mechanics [y, u, w, F, f]`` with a load w on each dof; with two, the known ones first, where
+        a law depends on these.
     inverse_mass : (n, n) array
     wires : WireTable
     laws : LawTable
@@ -55,14 +56,19 @@ class Mechanics(NamedTuple):
         return self.mechanics[:, self.initial.size :][:, : self.m]
 
     @property
+    def loads(self) -> int:
+        """Number of loads."""
+        return int(self.mechanics.shape[1] - self.initial.size - 2 * self.m - self.laws.numbers.shape[0])
+
+    @property
     def by_loads(self) -> Floats:
-        """Effect (ny, n) of the loads."""
+        """Effect (ny, n) of a load on each dof."""
         return self.mechanics[:, self.initial.size + self.m :][:, : self.n]
 
     @property
     def by_wires(self) -> Floats:
         """Effect (ny, m) of the forces of wires that are not linear."""
-        return self.mechanics[:, self.initial.size + self.m + self.n :][:, : self.m]
+        return self.mechanics[:, self.initial.size + self.m + self.loads :][:, : self.m]
 
 
 def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
@@ -77,7 +83,8 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
     """
     assert spec.plant is not None
     n = len(spec.plant.dofs)
-    built = mechanical(spec, load_dofs=range(n))
+    dofs = [*range(n)]
+    built = mechanical(spec, load_dofs=dofs * 2 if any_reads_load(spec) else dofs, known=n)
     initial = np.zeros(built.parts.a.shape[0])
     initial[:n], initial[n : 2 * n] = spec.plant.initial_position, spec.plant.initial_velocity
     rest(built, built.resting, initial, first_command(spec) if first_motor is None else first_motor)
@@ -90,6 +97,11 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
         NO_LAWS if built.laws is None else built.laws,
         initial,
     )
+
+
+def any_reads_load(spec: Spec) -> bool:
+    """Whether a law on the plant depends on the known load."""
+    return any(one.block == "plant" and reads_load(one.law) for one in spec.effects)
 
 
 def wire_forces(mechanics: Mechanics) -> Floats:

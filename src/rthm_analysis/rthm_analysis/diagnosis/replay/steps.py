@@ -32,8 +32,8 @@ class Replay(NamedTuple):
     motor : (g, 3, m) array
         Motor positions at the start, middle and end of each interval; jumps are between them. In the last
         row only the start counts.
-    load : (g, 3, n) array
-        Loads on the dofs, likewise.
+    load : (g, 3, loads) array
+        Loads, likewise.
     start : (r,) array
         Ascending indices into the grid at which a free run begins, the first of them 0.
     state : (r, 2 n) array
@@ -73,7 +73,7 @@ class Working(NamedTuple):
 def working(mechanics: Mechanics) -> Working:
     """Scratch for these mechanics."""
     laws, size = mechanics.laws.numbers.shape[0], mechanics.initial.size
-    scratch = work(size, 0, mechanics.m, mechanics.n, laws + mechanics.m)
+    scratch = work(size, 0, mechanics.m, mechanics.loads, laws + mechanics.m)
     return Working(np.zeros(size), np.zeros(size), np.zeros(laws, dtype=np.int64), scratch)
 
 

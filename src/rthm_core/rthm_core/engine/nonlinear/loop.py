@@ -19,6 +19,7 @@ from rthm_core.engine.linear.loop import LinearLoop, linear_part
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
+    LOADED,
     PARTITION,
     PLACE,
     STATE,
@@ -110,7 +111,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or physical.model.wires.laws.size:
         return None
-    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
+    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING or np.any(laws.numbers[:, LOADED] >= 0):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

@@ -20,7 +20,8 @@ from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
-from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION
+from rthm_core.physical.laws import FRICTION, PARTITION, POSITION
+from rthm_core.physical.switching import motion_of, stop
 
 COMMAND, TICK, SAMPLE = range(3)
 """What is recorded, in the order in which it takes place at one instant."""
@@ -119,15 +120,15 @@ def _moved(balance, laws, sample):  # type: ignore[no-untyped-def]
         state.y[j] = sample[j]
     if laws is not None:
         for row in range(laws.numbers.shape[0]):
-            partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
-            x, v = state.y[dof], state.y[n + dof]
+            partition = laws.numbers[row, PARTITION]
+            x, v = motion_of(laws, n, row, state.y)
             if partition == POSITION:
                 mode = 0
                 for k in range(laws.thresholds.shape[1]):
                     mode += laws.thresholds[row, k] < x
                 state.modes[row] = mode
             elif partition == FRICTION and state.modes[row] == 0 and abs(v) <= balance.quiet:
-                state.y[n + dof] = 0.0
+                stop(laws, n, row, state.y)
             elif partition:
                 state.modes[row] = -1 if v < 0.0 else 1
 

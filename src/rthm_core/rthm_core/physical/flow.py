@@ -12,6 +12,7 @@ from rthm_core.physical.laws import (
     FRICTION,
     LOADED,
     NONLINEAR,
+    OTHER,
     PARTITION,
     PLACE,
     SLACK,
@@ -24,6 +25,7 @@ from rthm_core.physical.laws import (
     wire_rate,
     wire_settle,
 )
+from rthm_core.physical.switching import motion_of, stop
 
 
 @inlined
@@ -114,9 +116,9 @@ def _add(mechanics, column, force, dy):  # type: ignore[no-untyped-def]
 @inlined
 def _add_law(laws, row, mechanics, column, n, mode, y, w, t, dy):  # type: ignore[no-untyped-def]
     """Add the force of one plant law, and the rates of its own states."""
-    dof, begin = laws.numbers[row, PLACE], laws.numbers[row, STATE]
-    end = begin + laws.numbers[row, STATES]
-    code, x, v, p = laws.numbers[row, CODE], y[dof], y[n + dof], laws.parameters[row]
+    begin, end = laws.numbers[row, STATE], laws.numbers[row, STATE] + laws.numbers[row, STATES]
+    code, p = laws.numbers[row, CODE], laws.parameters[row]
+    x, v = motion_of(laws, n, row, y)
     if laws.numbers[row, LOADED] >= 0:
         p[LOAD] = w[laws.numbers[row, LOADED]]
     _add(mechanics, column, plant_force(code, x, v, y[begin:end], t, p, mode), dy)
@@ -174,6 +176,16 @@ def _add_nonlinear(laws, model, modes, y, u, w, first, t, dy, hold, scratch):  #
 
 
 @inlined
+def _mobility(laws, row, inverse_mass):  # type: ignore[no-untyped-def]
+    """Acceleration of a law's dof, less that of the other, by a unit of its force."""
+    dof, other = laws.numbers[row, PLACE], laws.numbers[row, OTHER]
+    found = inverse_mass[dof, dof]
+    if other >= 0:
+        found += inverse_mass[other, other] - 2.0 * inverse_mass[dof, other]
+    return found
+
+
+@inlined
 def _hold(laws, mechanics, first, n, inverse_mass, modes, dy, hold, sticking):  # type: ignore[no-untyped-def]
     """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs
     one sweep.
@@ -182,11 +194,11 @@ def _hold(laws, mechanics, first, n, inverse_mass, modes, dy, hold, sticking):  
         change = 0.0
         for row in range(laws.numbers.shape[0]):
             if laws.numbers[row, PARTITION] == FRICTION and modes[row] == 0:
-                dof = laws.numbers[row, PLACE]
-                force = -dy[n + dof] / inverse_mass[dof, dof]
+                _, apart = motion_of(laws, n, row, dy)
+                force = -apart / _mobility(laws, row, inverse_mass)
                 hold[row] += force
                 change = max(change, abs(force) - 1e-15 * abs(hold[row]))
                 _add(mechanics, first + row, force, dy)
-                dy[n + dof] = 0.0
+                stop(laws, n, row, dy)
         if change <= 0.0:
             return

@@ -54,8 +54,8 @@ wire_settle, wire_drive, wire_law_force, wire_rate = (
 class LawTable(NamedTuple):
     """Nonlinear laws on the plant: L rows.
 
-    Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, and which
-    load the law depends on (-1: none);
+    Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, which load
+    the law depends on (-1: none), and the dof relative to which the first moves (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
     `breakaway` (L,) in N.
     """
@@ -100,7 +100,7 @@ class WireTable(NamedTuple):
         return self._replace(drive=drive, force=np.zeros((m, size + m)))
 
 
-CODE, PLACE, STATE, STATES, PARTITION, LOADED = range(6)
+CODE, PLACE, STATE, STATES, PARTITION, LOADED, OTHER = range(7)
 """Columns of the tables of laws; the place is a dof or an actuator, the code as `code_of` gives it."""
 
 DOF, PULLEY, NONLINEAR = range(3)
@@ -150,18 +150,32 @@ def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
     return entry.law, entry.ordered
 
 
-def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], int]]:
-    """Law, parameters and dof of every effect on the plant, in the order of the spec."""
-    assert spec.plant is not None
-    found = [(*_law(e), spec.plant.dofs.index(str(e.dof))) for e in spec.effects if e.block == "plant"]
-    stuck = [dof for law, _, dof in found if law.partition == "friction"]
-    for dof in stuck:
-        if stuck.count(dof) > 1:
+class Place(NamedTuple):
+    """Where a law on the plant acts: on a dof, or between it and an `other` (-1: none), which feels the
+    opposite.
+    """
+
+    dof: int
+    other: int = -1
+
+
+def place_of(spec: Spec, one: EffectSpec) -> Place:
+    """Where an effect on the plant acts."""
+    dofs = spec.plant.dofs
+    return Place(dofs.index(str(one.dof)), dofs.index(one.relative_to) if one.relative_to else -1)
+
+
+def plant_laws(spec: Spec) -> list[tuple[Any, tuple[float, ...], Place]]:
+    """Law, parameters and place of every effect on the plant, in the order of the spec."""
+    effects = [one for one in spec.effects if one.block == "plant"]
+    stuck = [one.place for one in effects if one.law.partition == "friction"]  # type: ignore[attr-defined]
+    for place in stuck:
+        if stuck.count(place) > 1:
             raise InputError(
-                f"effects: {spec.plant.dofs[dof]} has {stuck.count(dof)} dry frictions, allowed "
+                f"effects: {place} has {stuck.count(place)} dry frictions, allowed "
                 f"is one per dof; join them into one."
             )
-    return found
+    return [(*_law(one), place_of(spec, one)) for one in effects]
 
 
 def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[Any, tuple[float, ...]]]:
@@ -232,23 +246,24 @@ def reads_load(law: Any) -> bool:
 
 
 def law_table(
-    nonlinear: list[tuple[Any, tuple[float, ...], int, int]], known: Sequence[int] = ()
+    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = ()
 ) -> LawTable:
-    """Table of the nonlinear laws: (law, parameters, dof, first own state); `known` are the dofs of the first
-    loads, which are known.
+    """Table of the nonlinear laws: (law, parameters, place, first own state); `known` are the dofs of the
+    first loads, which are known.
     """
-    numbers, parameters = _rows(nonlinear)
+    numbers, parameters = _rows([(law, p, place.dof, z) for law, p, place, z in nonlinear])
     at = {dof: load for load, dof in enumerate(known)}
     loaded = np.array(
-        [at.get(dof, -1) if reads_load(law) else -1 for law, _, dof, _ in nonlinear], dtype=np.int64
+        [at.get(place.dof, -1) if reads_load(law) else -1 for law, _, place, _ in nonlinear], dtype=np.int64
     )
     partitions = np.array([PARTITIONS.index(law.partition) for law, *_ in nonlinear], dtype=np.int64)
+    others = np.array([place.other for _, _, place, _ in nonlinear], dtype=np.int64)
     thresholds = np.full((len(nonlinear), 2), np.inf)
     for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
         thresholds[row, : len(limits)] = limits
     return LawTable(
-        np.hstack([numbers, partitions.reshape(-1, 1), loaded.reshape(-1, 1)]),
+        np.hstack([numbers, partitions.reshape(-1, 1), loaded.reshape(-1, 1), others.reshape(-1, 1)]),
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),

@@ -26,6 +26,7 @@ from rthm_core.physical.laws import (
     NONLINEAR,
     PULLEY,
     LawTable,
+    Place,
     WireTable,
     law_table,
     nonlinear_wires,
@@ -41,9 +42,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-Resting = tuple[Any, tuple[float, ...], str, int, int]
-"""A law with own states: law, parameters, ``"plant"`` or ``"wire"``, its dof or actuator, and its first own
-state."""
+Resting = tuple[Any, tuple[float, ...], Place | int, int]
+"""A law with own states: law, parameters, its place on the plant or its actuator, and its first own state."""
 
 
 class PhysicalModel(NamedTuple):
@@ -116,6 +116,10 @@ class _Assembly:
         column[self.n : 2 * self.n] = self.inverse_mass[:, dof]
         return column
 
+    def push_at(self, place: Place) -> Floats:
+        """Effect of a unit force of a law on dy/dt."""
+        return self.push(place.dof) - (self.push(place.other) if place.other >= 0 else 0.0)
+
     def add_plant(self) -> None:
         motion = slice(2 * self.n)
         self.a[motion, motion] = self.free
@@ -133,14 +137,20 @@ class _Assembly:
             self.a[at, at] = -stiffness / damping
             self.b_u[at, actuator], self.b_f[at, actuator] = stiffness / damping, -1.0 / damping
 
-    def add_linear_law(self, law: Any, p: tuple[float, ...], dof: int, at: int) -> None:
-        n, states = self.n, law.states
-        inputs = [dof, n + dof, *range(at, at + states)]
-        for column, unit in zip(inputs, np.eye(2 + states), strict=True):
-            z, dz = list(unit[2:]), [0.0] * states
-            self.a[:, column] += self.push(dof) * law.force(unit[0], unit[1], z, 0.0, p, 0)
+    def add_linear_law(self, law: Any, p: tuple[float, ...], place: Place, at: int) -> None:
+        """Probe a linear law with unit motions."""
+        states, rows = law.states, np.zeros((2 + law.states, self.a.shape[0]))
+        for first, dof in enumerate((place.dof, self.n + place.dof)):
+            rows[first, dof] = 1.0
+        if place.other >= 0:
+            rows[0, place.other] = rows[1, self.n + place.other] = -1.0
+        rows[2:, at : at + states] = np.eye(states)
+        for row, unit in zip(rows, np.eye(2 + states), strict=True):
+            z, dz, effect = list(unit[2:]), [0.0] * states, np.zeros(self.a.shape[0])
             law.rate(unit[0], unit[1], z, 0.0, p, 0, dz)
-            self.a[at : at + states, column] += dz
+            effect[at : at + states] = dz
+            effect += self.push_at(place) * law.force(unit[0], unit[1], z, 0.0, p, 0)
+            self.a += np.outer(effect, row)
 
     def add_linear_wire(self, wires: WireTable, actuator: int, laws: list[Any]) -> None:
         """Probe a linear wire for its force and fold it into the dynamics."""
@@ -189,12 +199,25 @@ def _loads(spec: Spec, further: list[tuple[Load, int]]) -> tuple[list[Load], lis
     )
     loads, dofs = loads + [one for one, _ in further], dofs + [dof for _, dof in further]
     listed = len(loads)
-    for law, p, dof in plant_laws(spec):
-        shape = law.excitation(p)
-        if shape is not None:
+    for law, p, place in plant_laws(spec):
+        for dof, shape in excitations(law, p, place):
             loads.append(sinusoid(*shape))
             dofs.append(dof)
     return loads, dofs, listed
+
+
+def excitations(
+    law: Any, p: tuple[float, ...], place: Place
+) -> list[tuple[int, tuple[float, float, float, float]]]:
+    """Dofs, and constant, amplitude, frequency and phase of the force there, of a law of time alone; else
+    none.
+    """
+    shape = law.excitation(p)
+    if shape is None:
+        return []
+    constant, amplitude, frequency, phase = shape
+    opposite = [(place.other, (-constant, -amplitude, frequency, phase))] if place.other >= 0 else []
+    return [(place.dof, shape), *opposite]
 
 
 def physical_model(
@@ -267,22 +290,22 @@ def mechanical(
         )
     plant = body or substructure(spec.plant)
     m = len(spec.actuator.names) if spec.actuator and body is None else 0
-    forces = [(law, p, dof) for law, p, dof in plant_laws(spec) if law.excitation(p) is None]
+    forces = [(law, p, place) for law, p, place in plant_laws(spec) if law.excitation(p) is None]
     wires, at = wire_table(spec, 2 * plant.dofs, m)
     wire_list, at = wire_laws(spec, at, m)
     law_at = np.cumsum([at, *[law.states for law, _, _ in forces]]).tolist()
-    placed = [(law, p, dof, z) for (law, p, dof), z in zip(forces, law_at, strict=False)]
+    placed = [(law, p, place, z) for (law, p, place), z in zip(forces, law_at, strict=False)]
     nonlinear = [one for one in placed if not one[0].linear]
     size = law_at[-1] + (sensor_states(spec) if measured else 0)
     parts = _Assembly(spec, plant, m, size, len(load_dofs), len(nonlinear))
     parts.add_plant()
     for i, dof in enumerate(load_dofs):
         parts.b_w[:, i] = parts.push(dof)
-    for i, (_, _, dof, _) in enumerate(nonlinear):
-        parts.b_p[:, i] = parts.push(dof)
-    for law, p, dof, z in placed:
+    for i, (_, _, place, _) in enumerate(nonlinear):
+        parts.b_p[:, i] = parts.push_at(place)
+    for law, p, place, z in placed:
         if law.linear:
-            parts.add_linear_law(law, p, dof, z)
+            parts.add_linear_law(law, p, place, z)
     wires = wires.sized(size)
     for actuator in range(m):
         parts.b_f[:, actuator] = parts.push(int(wires.numbers[actuator, DOF]))
@@ -292,9 +315,8 @@ def mechanical(
     for actuator in range(m):
         if not wires.numbers[actuator, NONLINEAR]:
             parts.add_linear_wire(wires, actuator, wire_list)
-    resting: list[Resting] = [(law, p, "plant", dof, z) for law, p, dof, z in placed if law.states]
-    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in wire_list if law.states]
-    resting += [(law, p, "wire", actuator, z) for law, p, actuator, z in nonlinear_wires(wires) if law.states]
+    resting: list[Resting] = [one for one in placed if one[0].states]
+    resting += [one for one in (*wire_list, *nonlinear_wires(wires)) if one[0].states]
     laws = law_table(nonlinear, load_dofs[:known]) if nonlinear or wires.numbers[:, NONLINEAR].any() else None
     return Mechanical(parts, wires, laws, sensed, resting)
 

@@ -8,9 +8,9 @@ from rthm_core.compiled import Floats, Integers, uncompiled
 from rthm_core.physical.advance import Physical, PhysicalState
 from rthm_core.physical.drive import accepted, settled
 from rthm_core.physical.integrate import trace, work
-from rthm_core.physical.laws import DOF, PULLEY
+from rthm_core.physical.laws import DOF, PULLEY, Place
 from rthm_core.physical.model import Mechanical, PhysicalModel, Resting
-from rthm_core.physical.switching import first_mode
+from rthm_core.physical.switching import first_mode, motion_of
 
 
 def physical(
@@ -52,9 +52,10 @@ def rest(model: PhysicalModel | Mechanical, resting: list[Resting], y: Floats, u
             k, nominal = wires.stiffness[actuator]
             soft = 1.0 / (1.0 / nominal - 1.0 / k)
             y[row[PULLEY]] = (soft * u[actuator] + k * y[row[DOF]]) / (soft + k)
-    for law, p, where, place, at in resting:
-        if where == "plant":
-            y[at : at + law.states] = law.initial(y[place], p)
+    for law, p, place, at in resting:
+        if isinstance(place, Place):
+            x = y[place.dof] - (y[place.other] if place.other >= 0 else 0.0)
+            y[at : at + law.states] = law.initial(x, p)
         else:
             drive_position = wires.drive[place] @ np.concatenate([y, u])
             y[at : at + law.states] = law.initial(drive_position, y[wires.numbers[place, DOF]], p)
@@ -82,5 +83,6 @@ def mode_count(model: PhysicalModel) -> int:
 def _first_modes(model: PhysicalModel, y: Floats) -> Integers:
     modes = np.zeros(mode_count(model), dtype=np.int64)
     for row in range(0 if model.laws is None else model.laws.numbers.shape[0]):
-        modes[row] = uncompiled(first_mode)(model.laws, model.n, row, y)
+        x, v = uncompiled(motion_of)(model.laws, model.n, row, y)
+        modes[row] = uncompiled(first_mode)(model.laws, row, x, v)
     return modes

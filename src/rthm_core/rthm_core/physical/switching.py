@@ -5,17 +5,34 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.compiled import inlined
-from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION, VELOCITY
+from rthm_core.physical.laws import FRICTION, OTHER, PARTITION, PLACE, POSITION, VELOCITY
 
 
 @inlined
-def first_mode(laws, n, row, y):  # type: ignore[no-untyped-def]
+def motion_of(laws, n, row, y):  # type: ignore[no-untyped-def]
+    """Position and velocity that a law gets: of its dof, or of that less another."""
+    dof, other = laws.numbers[row, PLACE], laws.numbers[row, OTHER]
+    x, v = y[dof], y[n + dof]
+    if other >= 0:
+        x -= y[other]
+        v -= y[n + other]
+    return x, v
+
+
+@inlined
+def stop(laws, n, row, y):  # type: ignore[no-untyped-def]
+    """Make the velocity of a law's dof that of what it sticks to."""
+    dof, other = laws.numbers[row, PLACE], laws.numbers[row, OTHER]
+    y[n + dof] = y[n + other] if other >= 0 else 0.0
+
+
+@inlined
+def first_mode(laws, row, x, v):  # type: ignore[no-untyped-def]
     """Mode of a law in which a motion begins; a dof without velocity sticks."""
-    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
-    v, mode = y[n + dof], 0
+    partition, mode = laws.numbers[row, PARTITION], 0
     if partition == POSITION:
         for k in range(laws.thresholds.shape[1]):
-            mode += 1 if y[dof] > laws.thresholds[row, k] else 0
+            mode += 1 if x > laws.thresholds[row, k] else 0
     elif partition == VELOCITY:
         mode = -1 if v < 0.0 else 1
     elif partition == FRICTION:
@@ -39,15 +56,15 @@ def guard(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its mode; negative: it has left it. `hold` is the force that holds the
     dof, in N, where it sticks.
     """
-    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
-    left = np.inf
+    partition, left = laws.numbers[row, PARTITION], np.inf
+    x, v = motion_of(laws, n, row, y)
     if partition == POSITION:
-        above = room(laws.thresholds, row, mode, y[dof], True)
-        left = min(above, room(laws.thresholds, row, mode, y[dof], False))
+        above = room(laws.thresholds, row, mode, x, True)
+        left = min(above, room(laws.thresholds, row, mode, x, False))
     elif partition == FRICTION and mode == 0:
         left = laws.breakaway[row] - abs(hold)
     elif partition in (VELOCITY, FRICTION):
-        left = mode * y[n + dof]
+        left = mode * v
     return left
 
 
@@ -60,14 +77,14 @@ def breakaway_mode(hold):  # type: ignore[no-untyped-def]
 @inlined
 def next_mode(laws, n, row, mode, y, hold):  # type: ignore[no-untyped-def]
     """Mode that follows the present one, which has just been left; a dof that begins to stick is stopped."""
-    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
-    following = -mode
+    partition, following = laws.numbers[row, PARTITION], -mode
+    x, _ = motion_of(laws, n, row, y)
     if partition == POSITION:
-        following = mode + 1 if mode < 2 and y[dof] >= laws.thresholds[row, mode] else mode - 1
+        following = mode + 1 if mode < 2 and x >= laws.thresholds[row, mode] else mode - 1
     elif partition == FRICTION and mode == 0:
         following = breakaway_mode(hold)
     elif partition == FRICTION:
-        y[n + dof] = 0.0
+        stop(laws, n, row, y)
         following = 0
     return following
 

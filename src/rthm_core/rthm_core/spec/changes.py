@@ -13,7 +13,7 @@ from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.parameters import values
 from rthm_core.spec.schema import Spec
 
-PLACE_KEYS = ("block", "dof", "actuator")
+PLACE_KEYS = ("block", "dof", "relative_to", "actuator")
 _INDEXED = re.compile(r"(?P<name>.+)\[(?P<index>\d{1,9})\]")
 
 

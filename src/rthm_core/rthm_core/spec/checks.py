@@ -186,8 +186,20 @@ def _effect(spec: Spec, one: EffectSpec) -> None:
             raise RefusedError(
                 given, f"left out, as {block} has no {key}", f"remove {key}", f"{one.name}.{key}"
             )
+    if one.relative_to is not None:
+        _between(spec, one)
     if one.law.changes == "entry":
         _wrong_parameter(spec, one)
+
+
+def _between(spec: Spec, one: EffectSpec) -> None:
+    others = [dof for dof in spec.plant.dofs if dof != one.dof]
+    within = f"{one.name}.relative_to"
+    if one.block != "plant":
+        raise RefusedError(one.relative_to, f"left out, as {one.block} has no dofs", "remove it", within)
+    if one.relative_to not in others:
+        allowed = f"one of {', '.join(others)}" if others else "left out, as the plant has one dof"
+        raise RefusedError(one.relative_to, allowed, suggestion(str(one.relative_to), others), within)
 
 
 def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:

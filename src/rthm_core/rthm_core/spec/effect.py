@@ -15,7 +15,7 @@ from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
 from rthm_core.topics import LINKS
 
-HEAD = ("block", "kind", "dof", "actuator", "link")
+HEAD = ("block", "kind", "dof", "relative_to", "actuator", "link")
 """Keys of an effect's section that are not parameters of its kind."""
 
 
@@ -26,6 +26,12 @@ class EffectSpec(Section):
     block: Annotated[str, Name("where it is")]
     kind: Annotated[str, Name("what it is")]
     dof: Annotated[str | None, Name("dof at which it acts")] = None
+    relative_to: Annotated[
+        str | None,
+        Name(
+            "dof that feels the opposite, where the effect acts between two; its law gets their motion apart"
+        ),
+    ] = None
     actuator: Annotated[str | None, Name("actuator that has it")] = None
     parameters: Annotated[dict[str, float | str], Field(validate_default=True)] = {}
 
@@ -52,7 +58,9 @@ class EffectSpec(Section):
 
     @property
     def place(self) -> str:
-        """Name of the dof, the actuator or the block that it sits at."""
+        """Name of the dof (``x1 relative to x2``), the actuator or the block that it sits at."""
+        if self.relative_to is not None:
+            return f"{self.dof}{RELATIVE}{self.relative_to}"
         return self.dof or self.actuator or self.block
 
     @field_validator("block")
@@ -131,6 +139,21 @@ def sizes(
         for one in effects
         if one.block == block and place in (None, one.place) and one.law.changes == changes
     ]
+
+
+RELATIVE = " relative to "
+
+
+def place_keys(place: str) -> tuple[str, str | None]:
+    """Dof of a place on the plant, and the one relative to which it moves, if any.
+
+    Examples
+    --------
+    >>> place_keys("x1 relative to x2"), place_keys("x1")
+    (('x1', 'x2'), ('x1', None))
+    """
+    dof, between, other = place.partition(RELATIVE)
+    return dof, other if between else None
 
 
 def place_key(block: str) -> str | None:

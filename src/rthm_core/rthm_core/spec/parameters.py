@@ -81,7 +81,7 @@ def _of_section(key: str, section: Section) -> Iterator[Placed]:
 
 def _of_effect(one: EffectSpec) -> Iterator[Placed]:
     entries = dict(EffectSpec.entries())
-    for key in ("block", "kind", "dof", "actuator"):
+    for key in ("block", "kind", "dof", "relative_to", "actuator"):
         value = getattr(one, key)
         if value is not None:
             yield f"{one.name}.{key}", value, entries[key], None

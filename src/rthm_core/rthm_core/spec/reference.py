@@ -92,7 +92,8 @@ def _effects() -> Iterator[str]:
         places = {PLACES[block]: block for block in reversed(blocks) if block in PLACES}
         yield f"### {', '.join(f'`{block}`' for block in blocks)}\n"
         if places:
-            yield f"Place: {' or '.join(f'`{place}`' for place in reversed(places))}.\n"
+            between = "; between two dofs with `relative_to` beside it" if "plant" in blocks else ""
+            yield f"Place: {' or '.join(f'`{place}`' for place in reversed(places))}{between}.\n"
         declared = map(_kind, shipped(blocks[0]))
         yield _table(["kind", "what", "equation", "parameters"], declared)
 

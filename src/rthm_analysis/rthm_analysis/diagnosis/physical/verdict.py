@@ -289,7 +289,8 @@ class Judgement:
         if self._is_vague and (selection.imitates or len(selection.rounds) == 1):
             return False
         if selection.imitates:
-            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig
+            helps = min(self.shares) > 0.0  # what makes unseen data worse was only made up for by the next
+            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and helps
         yardsticks = [one for one in self._yardsticks if not one.feature.straight]
         return Laws(selection.best.model, self.gone, yardsticks).are_told
 

@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.effects.laws import LOAD, MOST_PARAMETERS
 from rthm_core.loads import sinusoid
-from rthm_core.physical.laws import reads_load
+from rthm_core.physical.laws import Place, place_of, reads_load
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.model import Model
@@ -31,11 +31,14 @@ def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec)
     """Work over the recording, in J, + introduced, of one effect on the plant along the model's motion."""
     assert spec.plant is not None
     motion = experiment.motion(spec, runs)
-    i = spec.plant.dofs.index(str(one.dof))
-    evidence = experiment.evidence
-    along = (motion.position[:, i], motion.velocity[:, i], evidence.load[:, i])
-    force = law_force(one, evidence.time, *along)
-    return _work(experiment, force, motion.velocity[:, i])
+    place, evidence = place_of(spec, one), experiment.evidence
+    x, v = (_apart(signal, place) for signal in (motion.position, motion.velocity))
+    return _work(experiment, law_force(one, evidence.time, x, v, evidence.load[:, place.dof]), v)
+
+
+def _apart(signal: Floats, place: Place) -> Floats:
+    """Motion (s,) that a law gets, of that (s, n) of all dofs."""
+    return signal[:, place.dof] - (signal[:, place.other] if place.other >= 0 else 0.0)
 
 
 def law_forces(

@@ -9,6 +9,8 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.mechanics import any_reads_load
 from rthm_core.loads import sinusoid
+from rthm_core.physical.laws import plant_laws
+from rthm_core.physical.model import excitations
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -53,13 +55,9 @@ def hidden_loads(spec: Spec, points: Grid) -> Floats | None:
     """Loads of effects that depend on time alone: (g, 3, n); None without any."""
     assert spec.plant is not None
     loads = None
-    for one in spec.effects:
-        if one.block != "plant":
-            continue
-        law = one.law
-        shape = law.excitation(one.ordered)  # type: ignore[attr-defined]
-        if shape is not None:
+    for law, p, place in plant_laws(spec):
+        for dof, shape in excitations(law, p, place):
             if loads is None:
                 loads = np.zeros((points.time_ns.size, 3, len(spec.plant.dofs)))
-            loads[:, :, spec.plant.dofs.index(str(one.dof))] += sinusoid(*shape).force(points.points)
+            loads[:, :, dof] += sinusoid(*shape).force(points.points)
     return loads

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 
 from rthm_core.compiled import Floats
-from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table, reads_load
+from rthm_core.physical.laws import DOF, NONLINEAR, LawTable, WireTable, law_table, place_of, reads_load
 from rthm_core.physical.model import mechanical
 from rthm_core.physical.side import first_command
 from rthm_core.physical.start import rest
@@ -129,9 +129,14 @@ def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
     """Eigenvalues (rad/s) of the mechanics with contacts closed and wires taut."""
     a, n = state_matrix(mechanics), mechanics.n
     for effect in spec.effects:
-        if effect.block == "plant" and effect.dof and spec.plant:
-            dof = spec.plant.dofs.index(effect.dof)
+        if effect.block == "plant":
+            place = place_of(spec, effect)
+            reach = np.zeros(n)
+            reach[place.dof] = 1.0
+            if place.other >= 0:
+                reach[place.other] = -1.0
             stiffness, damping = cast("type[PlantLaw]", effect.law).steepest(effect.numbers)
-            a[n : 2 * n, dof] -= mechanics.inverse_mass[:, dof] * abs(stiffness)
-            a[n : 2 * n, n + dof] -= mechanics.inverse_mass[:, dof] * damping
+            push = np.outer(mechanics.inverse_mass @ reach, reach)
+            a[n : 2 * n, :n] -= abs(stiffness) * push
+            a[n : 2 * n, n : 2 * n] -= damping * push
     return np.asarray(np.linalg.eigvals(a))

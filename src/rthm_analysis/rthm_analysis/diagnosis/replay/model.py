@@ -14,6 +14,7 @@ from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
+from rthm_core.spec.effect import place_keys
 from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
@@ -123,8 +124,11 @@ class EffectInstance:
 
     def section(self, parameters: dict[str, float | str]) -> dict[str, Any]:
         """Section of a spec."""
-        key = "actuator" if self.block in ("wire", "motor", "sensor.force") else "dof"
-        return {"block": self.block, "kind": self.kind, key: self.place, **parameters}
+        if self.block in ("wire", "motor", "sensor.force"):
+            return {"block": self.block, "kind": self.kind, "actuator": self.place, **parameters}
+        dof, other = place_keys(self.place)
+        between = {} if other is None else {"relative_to": other}
+        return {"block": self.block, "kind": self.kind, "dof": dof, **between, **parameters}
 
 
 @dataclass(frozen=True)

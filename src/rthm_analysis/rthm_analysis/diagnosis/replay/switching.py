@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.compiled import inlined
-from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION, VELOCITY
-from rthm_core.physical.switching import between, first_mode, guard, next_mode, room
+from rthm_core.physical.laws import FRICTION, PARTITION, POSITION, VELOCITY
+from rthm_core.physical.switching import between, first_mode, guard, motion_of, next_mode, room
 
 
 @inlined
@@ -16,7 +16,8 @@ def follow(laws, n, y, modes, everywhere):  # type: ignore[no-untyped-def]
     """
     for row in range(laws.numbers.shape[0]):
         if everywhere or laws.numbers[row, PARTITION] == VELOCITY:
-            modes[row] = first_mode(laws, n, row, y)
+            x, v = motion_of(laws, n, row, y)
+            modes[row] = first_mode(laws, row, x, v)
 
 
 @inlined
@@ -24,15 +25,16 @@ def margins(laws, n, modes, row, y, end):  # type: ignore[no-untyped-def]
     """How far a law is from leaving its mode, towards where it is going, at the start and at the end of a
     step; negative: it has left it.
     """
-    mode = modes[row]
-    partition, dof = laws.numbers[row, PARTITION], laws.numbers[row, PLACE]
+    mode, partition = modes[row], laws.numbers[row, PARTITION]
     before, after = np.inf, np.inf
+    x, _ = motion_of(laws, n, row, y)
+    x_end, _ = motion_of(laws, n, row, end)
     if partition == FRICTION and mode != 0:
         before, after = guard(laws, n, row, mode, y, 0.0), guard(laws, n, row, mode, end, 0.0)
-    elif partition == POSITION and y[dof] != end[dof]:
-        upwards = end[dof] > y[dof]
-        before = room(laws.thresholds, row, mode, y[dof], upwards)
-        after = room(laws.thresholds, row, mode, end[dof], upwards)
+    elif partition == POSITION and x != x_end:
+        upwards = x_end > x
+        before = room(laws.thresholds, row, mode, x, upwards)
+        after = room(laws.thresholds, row, mode, x_end, upwards)
     return before, after
 
 
@@ -68,5 +70,5 @@ def switch(laws, n, modes, y, row):  # type: ignore[no-untyped-def]
     if laws.numbers[row, PARTITION] == FRICTION:
         modes[row] = next_mode(laws, n, row, mode, y, 0.0)
     else:
-        upwards = y[n + laws.numbers[row, PLACE]] > 0.0
-        modes[row] = min(max(mode + (1 if upwards else -1), 0), laws.thresholds.shape[1])
+        _, v = motion_of(laws, n, row, y)
+        modes[row] = min(max(mode + (1 if v > 0.0 else -1), 0), laws.thresholds.shape[1])

@@ -20,6 +20,7 @@ from rthm_core.physical.laws import (
     CODE,
     FRICTION,
     LOADED,
+    OTHER,
     PARTITION,
     PLACE,
     STATE,
@@ -111,7 +112,9 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or physical.model.wires.laws.size:
         return None
-    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING or np.any(laws.numbers[:, LOADED] >= 0):
+    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
+        return None
+    if np.any(laws.numbers[:, [LOADED, OTHER]] >= 0):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

@@ -1,74 +1,88 @@
-"""What a load did between its samples is found from the motion that it caused."""
+"""A force between two dofs is found with its place, and one at a dof is not taken for it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete
 
-from rthm_analysis.diagnosis.physical.side import diagnose_physical
-from rthm_analysis.diagnosis.replay.between import Between, ways
+from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_core.spec import Spec, spec_from_parameters
 
-RATE, COUNT = 200.0, 4000
-MASS, DAMPING, STIFFNESS = 1.0, 1.0, 400.0
-METHODS = {Between.HELD: "zoh", Between.LINEAR: "foh"}
+MASS, DAMPING = np.diag([1.2, 0.8]), np.array([[0.3, -0.1], [-0.1, 0.2]])
+STIFFNESS = np.array([[30.0, -10.0], [-10.0, 18.0]])
+STEP, SUBSTEPS, NOISE = 0.005, 4, (1e-4, 2e-3)
+
+Law = Callable[[np.ndarray, np.ndarray], tuple[float, float]]
+"""Forces on both dofs, N, from positions and velocities."""
 
 
-def plant() -> Spec:
-    section = {
-        "dofs": ["x1"],
-        "mass": [MASS],
-        "damping": [DAMPING],
-        "stiffness": [STIFFNESS],
-        "initial_position": [0.0],
-        "initial_velocity": [0.0],
-    }
+def two_dofs() -> Spec:
+    matrices = {"mass": MASS, "damping": DAMPING, "stiffness": STIFFNESS}
+    section = {"dofs": ["x1", "x2"]} | {name: m.ravel().tolist() for name, m in matrices.items()}
+    section |= {"initial_position": [0.0, 0.0], "initial_velocity": [0.0, 0.0]}
     return spec_from_parameters({"plant": section})
 
 
-def recorded(between: Between, force: np.ndarray, noise: float = 2e-3) -> Evidence:
-    """Motion of the plant under a sampled force, exactly, and noise."""
-    a = np.array([[0.0, 1.0], [-STIFFNESS / MASS, -DAMPING / MASS]])
-    b, c, d = np.array([[0.0], [1.0 / MASS]]), np.eye(2), np.zeros((2, 1))
-    phi, gamma, look, through, _ = cont2discrete((a, b, c, d), 1.0 / RATE, METHODS[between])
-    motion, state = np.zeros((COUNT, 2)), np.zeros(2)
-    for i, value in enumerate(force):
-        motion[i] = look @ state + through[:, 0] * value
-        state = phi @ state + gamma[:, 0] * value
-    motion += np.random.default_rng(1).normal(0.0, noise * motion.std(axis=0), motion.shape)
-    stamps = np.arange(COUNT) * round(1e9 / RATE)
-    channels = (Channel("position", "x1"), Channel("velocity", "x1"))
+def recorded(law: Law, duration: float = 20.0, seed: int = 0) -> Evidence:
+    """Positions and velocities of M a = -C v - K x + load + law(x, v), with noise."""
+    rng = np.random.default_rng(seed)
+    omega, phase = rng.uniform(0.5, 9.0, (2, 12)), rng.uniform(0.0, 2.0 * np.pi, (2, 12))
+    inverse = np.linalg.inv(MASS)
+
+    def load(t: float) -> np.ndarray:
+        return 0.25 * np.sin(omega * t + phase).sum(axis=1)
+
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
+        x, v = y[:2], y[2:]
+        return np.concatenate([v, inverse @ (load(t) - DAMPING @ v - STIFFNESS @ x + np.array(law(x, v)))])
+
+    count, h = round(duration / STEP) + 1, STEP / SUBSTEPS
+    y, rows = np.zeros(4), np.empty((count, 4))
+    for i in range(count):
+        rows[i] = y
+        for k in range(SUBSTEPS):
+            t = i * STEP + k * h
+            k1 = rate(t, y)
+            k2 = rate(t + h / 2, y + h / 2 * k1)
+            k3 = rate(t + h / 2, y + h / 2 * k2)
+            y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(t + h, y + h * k3))
+    stamps = np.arange(count, dtype=np.int64) * round(STEP * 1e9)
+    channels = tuple(Channel(family, dof) for family in ("position", "velocity") for dof in ("x1", "x2"))
+    noise = rng.normal(size=rows.shape) * np.repeat(NOISE, 2)
+    loads = np.stack([load(t) for t in stamps / 1e9])
     nothing = np.empty(0, dtype=np.int64), np.empty((0, 0))
-    return Evidence(stamps, *nothing, force[:, None], channels, motion, "force")
+    return Evidence(stamps, *nothing, loads, channels, rows + noise, "force")
 
 
-def multisine() -> np.ndarray:
-    time, random = np.arange(COUNT) / RATE, np.random.default_rng(2)
-    frequencies = np.arange(0.3, 12.0, 0.3)
-    waves = np.sin(2.0 * np.pi * frequencies[:, None] * time + random.uniform(0, 2 * np.pi, (39, 1)))
-    return np.asarray(waves.sum(axis=0) * np.minimum(time, 1.0))
+BETWEEN = "x1 relative to x2"
 
 
-@pytest.mark.parametrize("between", METHODS)
-def test_nothing_is_missing_however_the_load_went_between_its_samples(between: Between) -> None:
-    found = diagnose_physical(recorded(between, multisine()), plant(), np.empty(0), lambda said: None)
-    assert found.experiment.between is between
-    assert not found.selection.rounds
-    assert found.fitting.reduced_chi2 < 1.05
+def between(force: float) -> tuple[float, float]:
+    """A force on the first dof, the opposite on the second."""
+    return force, -force
 
 
-def test_a_force_that_nobody_listed_is_found_although_the_load_is_held() -> None:
-    evidence = recorded(Between.HELD, multisine())
-    pushed = replace(evidence, measured=evidence.measured + np.array([3.0 / STIFFNESS, 0.0]))
-    found = diagnose_physical(pushed, plant(), np.empty(0), lambda said: None)
-    assert found.experiment.between is Between.HELD
-    assert [tried[0].start.added.kind for tried in found.selection.rounds] == ["constant_load"]
-
-
-def test_a_load_that_is_not_sampled_has_nothing_between_samples() -> None:
-    evidence = recorded(Between.HELD, np.zeros(COUNT), noise=0.0)
-    assert ways(evidence) == (Between.SMOOTH,)
+@pytest.mark.parametrize(
+    ("law", "kind", "place", "value"),
+    [
+        (lambda x, v: between(-0.06 * np.tanh(1e4 * (v[0] - v[1]))), "coulomb_friction", BETWEEN, 0.06),
+        (lambda x, v: between(-40.0 * (x[0] - x[1]) ** 3), "cubic_stiffness", BETWEEN, 40.0),
+        (lambda x, v: (0.0, -0.5 * abs(v[1]) * v[1]), "quadratic_drag", "x2", 0.5),
+    ],
+    ids=["friction between", "spring between", "drag at one"],
+)
+def test_a_force_is_found_with_the_place_at_which_it_acts(
+    law: Law, kind: str, place: str, value: float
+) -> None:
+    part = physical_part(diagnose_physical(recorded(law), two_dofs(), np.empty(0), lambda said: None))
+    (one,) = part.physics
+    assert (one.kind, one.place) == (kind, place) and place in one.words
+    size = next(iter(one.parameters.values()))
+    assert not isinstance(size, str) and size.value == pytest.approx(value, rel=0.03)
+    assert not part.unexplained and not part.described
+    (section,) = part.effects
+    assert section.get("relative_to") == ("x2" if "relative" in place else None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from rthm_core.effects import effect
 from rthm_core.effects.registry import changing
+from rthm_core.spec.effect import placed
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -361,21 +362,16 @@ class Diagnosis:
         }
 
 
-PLACE_KEYS = {"wire": "actuator", "motor": "actuator", "sensor.force": "actuator"}
-"""Blocks whose effects sit at an actuator; all others have dofs."""
-
-
-def place_key(block: str) -> str:
-    """Key of the place: ``dof`` or ``actuator``."""
-    return PLACE_KEYS.get(block, "dof")
+def _placed(block: str, place: str | None) -> dict[str, Any]:
+    return {"relative_to": None} | ({} if place is None else placed(block, place))
 
 
 def _physics(one: Physics) -> dict[str, Any]:
     parameters = {k: v if isinstance(v, str) else asdict(v) for k, v in one.parameters.items()}
-    place = {} if one.place is None else {place_key(one.block): one.place}
+    place = _placed(one.block, one.place)
     head = {"block": one.block, "kind": one.kind, **place, "parameters": parameters}
     variables = list(effect(one.kind, one.block).depends_on)
-    reach = {"depends_on": variables, "relative_to": None, "interval": None}
+    reach = {"depends_on": variables, "interval": None}
     return {**head, **reach, "words": one.words, "energy": one.energy, "share": one.share}
 
 
@@ -393,7 +389,7 @@ def _fit(one: Fit) -> dict[str, Any]:
 def _described(one: Described) -> dict[str, Any]:
     values = {f.name: getattr(one, f.name) for f in fields(one)}
     curve = {name: values.pop(name).tolist() for name in ("at", "force", "std")}
-    place = {place_key(one.block): values.pop("place")}
+    place = placed(one.block, values.pop("place"))
     del values["law"]
     return {**place, **values, "depends_on": list(one.depends_on), "curve": curve}
 

@@ -43,6 +43,7 @@ class EndStop(PlantLaw):
     """
 
     kind = "end_stop"
+    between_dofs = True
     flexible = True
     blocks = ("plant",)
     parameters = {
@@ -95,6 +96,7 @@ class Clearance(PlantLaw):
     """Spring with play: it acts only beyond a gap on either side."""
 
     kind = "clearance"
+    between_dofs = True
     flexible = True
     blocks = ("plant",)
     parameters = {

@@ -103,6 +103,8 @@ class Effect:
         Whether a rig may have several of it at one place.
     common
         Whether most rigs have a little of it.
+    between_dofs
+        Whether it is looked for between two dofs, too.
     written
         Whether its law is written in the spec, so that `given` makes it.
     """
@@ -132,6 +134,7 @@ class Effect:
     flexible: ClassVar[bool] = False
     repeats: ClassVar[bool] = False
     common: ClassVar[bool] = False
+    between_dofs: ClassVar[bool] = False
     written: ClassVar[bool] = False
 
     @classmethod

@@ -52,6 +52,7 @@ class CoulombFriction(PlantLaw):
     """Constant friction against the motion; the dof sticks while less than this force pulls at it."""
 
     kind = "coulomb_friction"
+    between_dofs = True
     blocks = ("plant",)
     parameters = {"force": EffectParameter("N", "friction force", minimum=0.0)}
     equation = "F = -F_f sign(v); |F| <= F_f at rest"
@@ -84,6 +85,7 @@ class StribeckFriction(PlantLaw):
     """Friction that is larger at rest than in motion and falls off with speed."""
 
     kind = "stribeck_friction"
+    between_dofs = True
     blocks = ("plant",)
     parameters = {
         "coulomb_force": EffectParameter("N", "friction force at high speed", minimum=0.0),

@@ -76,6 +76,7 @@ class BoucWen(PlantLaw):
     """Hysteretic spring of Bouc and Wen."""
 
     kind = "bouc_wen"
+    between_dofs = True
     flexible = True
     blocks = ("plant",)
     parameters = BOUC_WEN_PARAMETERS

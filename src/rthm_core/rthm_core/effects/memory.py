@@ -37,6 +37,7 @@ class MaxwellBranch(PlantLaw):
     """
 
     kind = "maxwell_branch"
+    between_dofs = True
     flexible = True
     blocks = ("plant",)
     parameters = {

@@ -17,6 +17,7 @@ class CubicStiffness(PlantLaw):
     """Spring that stiffens (or softens) with the cube of the displacement."""
 
     kind = "cubic_stiffness"
+    between_dofs = True
     blocks = ("plant",)
     parameters = {
         "coefficient": EffectParameter("N/m^3", "force per cubed displacement; negative: softening")
@@ -48,6 +49,7 @@ class QuadraticStiffness(PlantLaw):
     """Spring that is stiffer on one side than on the other."""
 
     kind = "quadratic_stiffness"
+    between_dofs = True
     blocks = ("plant",)
     parameters = {
         "coefficient": EffectParameter("N/m^2", "force per squared displacement, towards -x when positive")
@@ -78,6 +80,7 @@ class QuadraticDrag(PlantLaw):
     """Drag of a body in a fluid: grows with the square of the speed."""
 
     kind = "quadratic_drag"
+    between_dofs = True
     blocks = ("plant",)
     parameters = {"coefficient": EffectParameter("N s^2/m^2", "drag force per squared speed", minimum=0.0)}
     equation = "F = -c |v| v"

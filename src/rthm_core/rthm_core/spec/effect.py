@@ -156,6 +156,16 @@ def place_keys(place: str) -> tuple[str, str | None]:
     return dof, other if between else None
 
 
-def place_key(block: str) -> str | None:
-    """Which key names the place in `block`: dof, actuator or None."""
-    return PLACES.get(block)
+def placed(block: str, place: str) -> dict[str, str]:
+    """Keys of a spec that name a place in a block; none in a block that is one thing.
+
+    Examples
+    --------
+    >>> placed("plant", "x1 relative to x2"), placed("wire", "a1")
+    ({'dof': 'x1', 'relative_to': 'x2'}, {'actuator': 'a1'})
+    """
+    key = PLACES.get(block)
+    if key is None:
+        return {}
+    name, other = place_keys(place)
+    return {key: name} if other is None else {key: name, "relative_to": other}

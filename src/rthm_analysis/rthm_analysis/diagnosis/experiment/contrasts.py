@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.experiment.planning import Hypothesis
 from rthm_analysis.diagnosis.result import Limit, Physics, Retuned
 from rthm_core.effects import effect
 from rthm_core.spec import apply
+from rthm_core.spec.effect import placed
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -62,8 +63,8 @@ def smallest_seen(nominal: Spec, limits: Mapping[str, Limit]) -> list[tuple[Cont
         if not law.common:
             continue
         assert nominal.plant is not None
-        dof = middle[0] if middle else nominal.plant.dofs[0]
-        more = having(nominal, {"block": block, "kind": kind, "dof": dof, parameter: limit.value})
+        place = placed(block, middle[0] if middle else nominal.plant.dofs[0])
+        more = having(nominal, {"block": block, "kind": kind, **place, parameter: limit.value})
         pair = Hypothesis("nothing", nominal), Hypothesis(law.called(), more)
         found[kind] = Contrast(law.called(), pair), limit
     return list(found.values())

@@ -9,7 +9,7 @@ from rthm_analysis.diagnosis.experiment.contrasts import MOVED, having
 from rthm_analysis.diagnosis.experiment.planning import Hypothesis
 from rthm_analysis.diagnosis.search.judging import distinguishable
 from rthm_core.effects.blocks import family
-from rthm_core.spec.effect import place_key
+from rthm_core.spec.effect import placed
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.physical.side import Physical
@@ -48,6 +48,4 @@ def _with_software(spec: Spec, patched: Spec) -> Spec:
 
 
 def _section(one: EffectSpec) -> dict[str, object]:
-    key = place_key(one.block)
-    place = {key: one.place} if key else {}
-    return {"block": one.block, "kind": one.kind, **place, **one.parameters}
+    return {"block": one.block, "kind": one.kind, **placed(one.block, one.place), **one.parameters}

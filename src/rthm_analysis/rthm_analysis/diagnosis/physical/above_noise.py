@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_analysis.diagnosis.search.replacing import is_identified, model_of
+from rthm_core.spec.effect import place_keys
 
 
 def needed_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, str], ...]]:
@@ -147,8 +148,9 @@ class Laws:
         return max(map(found, shared), default=0.0) < CURVE_SHARE_OF_REST
 
     def _there(self, one: EffectInstance) -> list[CurveFit]:
-        """Curves of the dof of a law, or all for one of a wire."""
-        return [curve for curve in self.curves if one.block != "plant" or curve.dof == one.place]
+        """Curves of the dofs of a law, or all for one of a wire."""
+        dofs = place_keys(one.place)
+        return [curve for curve in self.curves if one.block != "plant" or curve.dof in dofs]
 
 
 def found(curve: CurveFit) -> float:

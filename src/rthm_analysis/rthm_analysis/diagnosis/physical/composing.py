@@ -21,10 +21,8 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     """The model with a formula for what it leaves, or with the curve itself where no formula does as well,
     judged; None where neither does on unseen data what the free curve does.
     """
-    physical, selection = judged.physical, judged.physical.selection
-    missing = judged.missing if judged.earned else judged.missing_without
-    base = selection.best if judged.earned else selection.base
-    physical.fitting.progress("looking for a formula of the missing force")
+    missing, base = judged.told_missing, judged.told_fit
+    judged.physical.fitting.progress("looking for a formula of the missing force")
     terms = composed(missing.regression, missing.curves)
     found = _with(judged, base, terms)
     if found is not None and not found.at_noise:

@@ -159,7 +159,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
             return judged, tuple(wires_described(judged.physical))
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
-        free = told((judged.missing if judged.earned else judged.missing_without).curves)
+        free = told(judged.told_missing.curves)
         judged = (compose(judged, free) if free else None) or judged
         if not judged.composed:
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)

@@ -9,10 +9,11 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.verdict import ROUNDING_STEP_RATIO
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.readings import lattice
-from rthm_analysis.diagnosis.result import Physics, Value, place_key
+from rthm_analysis.diagnosis.result import Physics, Value
 from rthm_analysis.diagnosis.words import physics_words
 from rthm_core.compiled import Floats
 from rthm_core.effects.registry import changing
+from rthm_core.spec.effect import placed
 
 
 def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
@@ -39,7 +40,7 @@ def rounded_section(one: Physics) -> dict[str, Any]:
     """Section of a spec."""
     step = one.parameters["step"]
     assert isinstance(step, Value)
-    return {"block": one.block, "kind": one.kind, place_key(one.block): one.place, "step": step.value}
+    return {"block": one.block, "kind": one.kind, **placed(one.block, str(one.place)), "step": step.value}
 
 
 def _unit(family: str) -> str:

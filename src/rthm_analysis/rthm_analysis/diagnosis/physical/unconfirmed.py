@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.result import Described, Value
 def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
     """The one term that explains most of what is left, if it does so in data left out of its fit."""
     physical = judged.physical
-    model = (physical.selection.best if judged.earned else physical.selection.base).model
+    model = judged.told_fit.model
     physical.fitting.progress("asking what changed in the unseen part")
     end = physical.evidence.time.size
     regression = Regression(physical.experiment, physical.windows, physical.noise, model, end)

@@ -22,8 +22,7 @@ def is_foretold(curve: CurveFit | None) -> bool:
 
 def unforeseen(judged: Judgement) -> tuple[Described, ...]:
     """The force over time that would make what is left, where it acts on the plant; it predicts nothing."""
-    physical, name = judged.physical, "explained" if judged.earned else "retuned"
-    predicted = judged.runs[name].predicted
+    physical, predicted = judged.physical, judged.runs[judged.told].predicted
     if judged.wrong_sensors or wires_are_off(physical) or not np.isfinite(predicted).all():
         return ()
     left = {c.place: one.rms for c, one in zip(physical.evidence.channels, judged.left_over, strict=True)}

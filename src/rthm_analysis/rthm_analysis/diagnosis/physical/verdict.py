@@ -23,6 +23,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     TRAINING_SLOW_POWER,
     WORSE_ERROR_RATIO,
 )
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import is_clear
 from rthm_analysis.diagnosis.numbers import bare, percent
@@ -78,7 +79,22 @@ class Judgement:
     @property
     def left_over(self) -> tuple[Remainder, ...]:
         """By channel: what is left of the model that is told, without effects that were not earned."""
-        return self.left["explained" if self.earned else "retuned"]
+        return self.left[self.told]
+
+    @property
+    def told(self) -> str:
+        """Name of the model that is told: with effects only where they were earned."""
+        return "explained" if self.earned else "retuned"
+
+    @property
+    def told_fit(self) -> Fitted:
+        """The fit of that model."""
+        return self.physical.selection.best if self.earned else self.physical.selection.base
+
+    @property
+    def told_missing(self) -> Missing:
+        """What is left of it."""
+        return self.missing if self.earned else self.missing_without
 
     @cached_property
     def squares(self) -> dict[str, float]:

@@ -14,7 +14,7 @@ from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Text
 from rthm_core.spec import apply
-from rthm_core.spec.effect import place_keys
+from rthm_core.spec.effect import placed
 from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
@@ -124,11 +124,7 @@ class EffectInstance:
 
     def section(self, parameters: dict[str, float | str]) -> dict[str, Any]:
         """Section of a spec."""
-        if self.block in ("wire", "motor", "sensor.force"):
-            return {"block": self.block, "kind": self.kind, "actuator": self.place, **parameters}
-        dof, other = place_keys(self.place)
-        between = {} if other is None else {"relative_to": other}
-        return {"block": self.block, "kind": self.kind, "dof": dof, **between, **parameters}
+        return {"block": self.block, "kind": self.kind, **placed(self.block, self.place), **parameters}
 
 
 @dataclass(frozen=True)

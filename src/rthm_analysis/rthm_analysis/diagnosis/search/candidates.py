@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
-from rthm_analysis.diagnosis.search.scene import dof_scene, seen_in, sensor_scene, wire_scene
+from rthm_analysis.diagnosis.search.scene import between_scene, dof_scene, seen_in, sensor_scene, wire_scene
 from rthm_analysis.diagnosis.search.starts import InitialGuess, guessed
 from rthm_core.effects.registry import ranked
 
@@ -34,10 +35,12 @@ def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) ->
 
 def _plant_starts(spec: Spec, evidence: Evidence, motion: Motion) -> Iterator[InitialGuess]:
     assert spec.plant is not None
-    for dof in spec.plant.dofs:
-        scene = dof_scene(spec, evidence, motion, dof)
+    alone = [dof_scene(spec, evidence, motion, dof) for dof in spec.plant.dofs]
+    apart = [between_scene(one, other) for one, other in combinations(alone, 2)]
+    for scene in (*alone, *apart):
         for law in ranked("plant"):
-            yield from _finite(guessed(law, "plant", dof, scene, scene.seen))
+            if scene in alone or law.between_dofs:
+                yield from _finite(guessed(law, "plant", scene.place, scene, scene.seen))
 
 
 def _wire_starts(spec: Spec, evidence: Evidence, motion: Motion) -> Iterator[InitialGuess]:

@@ -14,6 +14,7 @@ from rthm_core.compiled import Floats
 from rthm_core.effects.guess import rms
 from rthm_core.effects.possible import Seen
 from rthm_core.spec import Spec
+from rthm_core.spec.effect import RELATIVE
 
 
 @dataclass(frozen=True)
@@ -140,6 +141,14 @@ def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene
         0.0,
         evidence.time,
     )
+
+
+def between_scene(one: Scene, other: Scene) -> Scene:
+    """Scene of a dof relative to another: their motion apart, and the mass that resists it."""
+    mass = one.mass * other.mass / (one.mass + other.mass)
+    force = mass * (one.force / one.mass - other.force / other.mass)
+    apart = {name: getattr(one, name) - getattr(other, name) for name in ("x", "v", "a")}
+    return replace(one, place=f"{one.place}{RELATIVE}{other.place}", force=force, mass=mass, **apart)
 
 
 def wire_scene(spec: Spec, evidence: Evidence, motion: Motion, actuator: str) -> Scene:

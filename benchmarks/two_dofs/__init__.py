@@ -1,0 +1,1 @@
+"""Concealed effects at one of two dofs or between them, of a plant alone and on two motors."""

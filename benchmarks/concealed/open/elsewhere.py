@@ -95,7 +95,7 @@ def _screw(draft: Draft) -> tuple[dict[str, object], Hidden]:
     u = float(np.sqrt(np.mean(draft.setting.pilot[:, 2] ** 2)))
     screw, pitch = draft.size(0.01, 0.05) * u, u * draft.scene.between(0.3, 1.5)
     effect = {"block": "motor", "kind": "screw_error", "screw": screw, "pitch": pitch}
-    return effect, Hidden("screw error", ("motor",), depends=("u", "command"))
+    return effect, Hidden("screw error", ("motor",), depends=("u", "command"), several=True)
 
 
 def _creep(draft: Draft) -> tuple[dict[str, object], Hidden]:

@@ -47,7 +47,8 @@ class Hidden:
     interval
         When it acts, in seconds of the simulation, where it does not all the time.
     several
-        Whether some of the variables may be enough: forces with a memory, or of a mass.
+        Whether some of the variables may be enough: forces with a memory, or of a mass; a motor's command
+        and its position, which are the same but for its error.
     """
 
     what: str

@@ -85,4 +85,7 @@ def test_a_force_is_found_with_the_place_at_which_it_acts(
     assert not isinstance(size, str) and size.value == pytest.approx(value, rel=0.03)
     assert not part.unexplained and not part.described
     (section,) = part.effects
+    assert {one.variable for one in part.curves} & (
+        {"x1 - x2", "d(x1 - x2)/dt"} if place == BETWEEN else {"v"}
+    )
     assert section.get("relative_to") == ("x2" if "relative" in place else None)

@@ -122,10 +122,12 @@ class Described:
     share, held_out_gain : float
         Part of the squared error that it removes, on all data and on data that chose nothing.
     at, force, std : (n,) arrays
-        The curve over the first variable, N, as the recording has it.
+        The curve over the first variable, as the recording has it, in `unit`.
     words : str
     law : pair of (s,) arrays or None
         First variable and force of the formula at single samples.
+    unit : str
+        ``N``; of a motor's error ``m``.
     """
 
     block: str
@@ -145,6 +147,7 @@ class Described:
     std: Floats
     words: str
     law: tuple[Floats, Floats] | None = None
+    unit: str = "N"
 
 
 @dataclass(frozen=True)

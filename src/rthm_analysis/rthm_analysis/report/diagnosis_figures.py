@@ -34,6 +34,7 @@ VARIABLES = {
     "x": "the position",
     "v": "the velocity",
     "t": "time",
+    "u": "the motor's position",
     "load": "the known load",
     "u - x": "the elongation",
     "du/dt - v": "the rate of elongation",
@@ -90,10 +91,13 @@ def _first_view(time: Floats, signal: Floats) -> tuple[float, float]:
     return float(time[0]), float(time[last])
 
 
-def curve_plot(curve: Curve, law: str = "named physics") -> figure:
-    """Force over the variable that explains it, with the force of what was named, or of another `law`."""
-    title = f"{curve.block}: the missing force over {VARIABLES.get(curve.variable, curve.variable)}"
-    plot = plain_plot(title, f"{curve.variable} ({curve.unit})", "force (N)", 340)
+def curve_plot(curve: Curve, law: str = "named physics", unit: str = "N") -> figure:
+    """Force over the variable that explains it, with the force of what was named, or of another `law`; of a
+    motor its error, in its own `unit`.
+    """
+    what, label = ("the missing force", "force") if unit == "N" else ("the error of the position", "error")
+    title = f"{curve.block}: {what} over {VARIABLES.get(curve.variable, curve.variable)}"
+    plot = plain_plot(title, f"{curve.variable} ({curve.unit})", f"{label} ({unit})", 340)
     spread = {"at": curve.at, "force": curve.force, "std": curve.std}
     source = ColumnDataSource(spread | {"low": curve.force - curve.std, "high": curve.force + curve.std})
     plot.add_layout(Span(location=0.0, dimension="width", line_color=AXIS, line_width=1))
@@ -103,7 +107,7 @@ def curve_plot(curve: Curve, law: str = "named physics") -> figure:
     )
     if curve.law is not None and np.isfinite(curve.law[1]).any():
         plot.scatter(*curve.law, size=3, color=COLOURS[2], name=law, legend_label=law)
-    tips = [(curve.variable, "@at{0.000000}"), ("force", "@force{0.000000} +- @std{0.000000} N")]
+    tips = [(curve.variable, "@at{0.000000}"), (label, f"@force{{0.000000}} +- @std{{0.000000}} {unit}")]
     plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
     plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
     for axis in (plot.xaxis, plot.yaxis):
@@ -124,7 +128,7 @@ def described_plot(one: Described) -> figure:
     variable = (one.depends_on or ("x",))[0]
     unit = VARIABLE_UNITS[variable]
     curve = Curve(one.block, variable, unit, one.at, one.force, one.std, one.law, one.held_out_gain)
-    return curve_plot(curve, "fitted law")
+    return curve_plot(curve, "fitted law", one.unit)
 
 
 def _drawn(curve: Curve) -> Floats:

@@ -144,6 +144,10 @@ EARLY_SHAPES_REFINED = 2
 LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""
 
+MOTOR_CURVE_BINS = 150
+MOTOR_CURVE_TRAINED = 0.6
+"""Even bins of a motor's position in which its mean error is taken, of so much of the training samples."""
+
 FORMULA_STEPS = 4e7
 FORMULA_FIT_BUDGET = 1e7
 """Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of

@@ -16,23 +16,27 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.result import Curve, Physics
 from rthm_core.compiled import Floats
+from rthm_core.spec.effect import place_keys
 
 
 def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics]) -> Iterator[Curve]:
-    """Missing force on each dof over x, v or t, whichever it depends on most; none without a mismatch.
+    """Missing force on each dof, and between two where physics was named there, over x, v or t, whichever it
+    depends on most; none without a mismatch.
 
     `predicted` is the prediction of the best model.
     """
     spec = physical.settled
     assert spec.plant is not None
-    for dof in spec.plant.dofs:
-        found = residual_force(physical.evidence, physical.settled, predicted, dof)
+    between = {one.place for one in physics if one.block == "plant" and one.place not in spec.plant.dofs}
+    for place in (*spec.plant.dofs, *sorted(filter(None, between))):
+        found = _at(physical, predicted, place)
         if found is None:
             continue
         x, v, left = found
-        named = named_force(physical, dof, x, v)
+        named = named_force(physical, place, x, v)
         force = left if named is None else left + named
-        variables = {"x": (x, "m"), "v": (v, "m/s"), "t": (physical.evidence.time, "s")}
+        position, velocity = _names(place)
+        variables = {position: (x, "m"), velocity: (v, "m/s"), "t": (physical.evidence.time, "s")}
         curves = {name: binned(values, force) for name, (values, _) in variables.items()}
         best = max(curves, key=lambda name: curves[name][3])
         at, mean, std, share = curves[best]
@@ -42,11 +46,28 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
             yield Curve("plant", best, unit, at, mean, std, law, share)
 
 
-def named_force(physical: Physical, dof: str, x: Floats, v: Floats) -> Floats | None:
-    """Force (s,) of the effects that were named on a dof, along the measured motion; None without any."""
+def _at(physical: Physical, predicted: Floats, place: str) -> tuple[Floats, Floats, Floats] | None:
+    """Motion at a place, of its dof less the other, and the force that the model lacks on its dof: (s,)."""
+    dof, other = place_keys(place)
+    found = residual_force(physical.evidence, physical.settled, predicted, dof)
+    if found is None or other is None:
+        return found
+    beside = residual_force(physical.evidence, physical.settled, predicted, other)
+    return None if beside is None else (found[0] - beside[0], found[1] - beside[1], found[2])
+
+
+def _names(place: str) -> tuple[str, str]:
+    """Position and velocity at a place, as they are called."""
+    dof, other = place_keys(place)
+    return ("x", "v") if other is None else (f"{dof} - {other}", f"d({dof} - {other})/dt")
+
+
+def named_force(physical: Physical, place: str, x: Floats, v: Floats) -> Floats | None:
+    """Force (s,) of the effects that were named at a place, along the measured motion; None without any."""
     model = physical.selection.best.model
-    here = [i for i, one in enumerate(model.added) if one.block == "plant" and one.place == dof]
+    here = [i for i, one in enumerate(model.added) if one.block == "plant" and one.place == place]
     if not here:
         return None
-    evidence, place = physical.evidence, model.spec.plant.dofs.index(dof) if model.spec.plant else 0
-    return law_forces(model, here, evidence.time, x, v, evidence.load[:, place])
+    evidence, dofs = physical.evidence, model.spec.plant.dofs if model.spec.plant else ()
+    load = evidence.load[:, dofs.index(place_keys(place)[0])]
+    return law_forces(model, here, evidence.time, x, v, load)

@@ -48,6 +48,8 @@ class Drives:
         Sizes at which other kinds would have been seen.
     left : (s, m) array
         What the settled spec leaves of the motors' positions, over their noise.
+    noise : (m,) array
+        Of the motors' sensors, m.
     wanders : bool
         Whether that may be coloured noise of their sensors.
     """
@@ -56,6 +58,7 @@ class Drives:
     settled: Spec
     limits: Limits
     left: Floats
+    noise: Floats
     wanders: bool
 
     @property
@@ -127,7 +130,7 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
         model = tried[0].fitted.model
     left = evidence.measured - experiment.predicted(model.spec, runs)
     noise = _noise(experiment, model, runs, spec)
-    return Drives(rounds, model.spec, limits, left / noise, _wanders(evidence, left, noise))
+    return Drives(rounds, model.spec, limits, left / noise, noise, _wanders(evidence, left, noise))
 
 
 def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:

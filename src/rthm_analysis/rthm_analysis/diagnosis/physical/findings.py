@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
 from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
+from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -77,6 +78,8 @@ def physical_part(physical: Physical) -> Part:
     physical, judged, fewer = _with_fewer(physical, _judged(physical))
     refused = (*refused, *fewer)
     judged, force = _with_force(judged)
+    if judged.is_driven_wrong or motors_read_wrong(judged.physical):
+        force = (*force, *motors_described(judged.physical))
     physical = judged.physical
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
     retuned = _determined(retuned_values(physical))

@@ -56,6 +56,8 @@ class Physical:
         Sizes at which other effects of the motors would have been seen.
     motor_left : (s, m) array
         What the settled spec leaves of the motors' positions in the training part, over their noise.
+    motor_noise : (m,) array
+        Of the motors' sensors, m.
     motor_wanders : bool
         Whether that may be coloured noise of their sensors.
     """
@@ -73,6 +75,7 @@ class Physical:
     selection: Selection
     drive_limits: Limits
     motor_left: Floats
+    motor_noise: Floats
     motor_wanders: bool
 
     @property
@@ -98,7 +101,7 @@ def diagnose_physical(
     """
     train = int(TRAINED_SHARE * evidence.stamps_ns.size)
     first = before if evidence.driven_by == "command" else np.empty(0)
-    drives = Drives([], spec, {}, np.empty((train, 0)), wanders=False)
+    drives = Drives([], spec, {}, np.empty((train, 0)), np.empty(0), wanders=False)
     if evidence.only("motor").channels:
         progress("checking the motors")
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
@@ -124,7 +127,7 @@ def diagnose_physical(
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return Physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
-        begun.nominal, selection, drives.limits, drives.left, drives.wanders,
+        begun.nominal, selection, drives.limits, drives.left, drives.noise, drives.wanders,
     )  # fmt: skip
 
 

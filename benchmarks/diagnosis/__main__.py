@@ -21,6 +21,7 @@ from typing import Any
 
 from benchmarks.rigs import RTHM, virtual_bag
 
+from rthm_core.effects import load_effects
 from rthm_core.spec import Spec, apply, shipped_spec, write_spec
 
 NOMINAL = "paper_noisy"
@@ -124,6 +125,7 @@ def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
         code: environment | {"RTHM_CACHE_DIR": str(folder / f"cache-{code}")}
         for code, environment in codes.items()
     }
+    load_effects([UNLISTED])
     rows: list[dict[str, Any]] = []
     for number, (name, changes) in enumerate(HIDDEN.items()):
         true = apply(shipped_spec(NOMINAL), {"effects_from": [str(UNLISTED)]} | changes)

@@ -55,8 +55,8 @@ WIRE_FEWEST_BLOCKS = 50
 
 # Detection limits.
 
-DETECTION_HALVINGS = 8
-"""Halvings of the logarithm of a range, after which the smallest size that would be seen is told."""
+DETECTION_HALVINGS = 4
+"""Halvings of the logarithm of a range in which the smallest size that would be seen is looked for."""
 
 COINCIDENT_NS = 10_000
 """Time, ns, from a command's step within which a sample sees the step or not by chance."""

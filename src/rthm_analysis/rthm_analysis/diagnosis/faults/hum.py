@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     MAINS_WANDER_HZ,
 )
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
-from rthm_analysis.diagnosis.faults.smooth import channel_at
+from rthm_analysis.diagnosis.faults.smooth import channel_at, good_length
 from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
 from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
@@ -128,10 +128,10 @@ def _line(time: Floats, values: Floats, spectrum: Spectrum, near: float, mains: 
 
 def _spectrum(values: Floats, time: Floats) -> Spectrum:
     """Frequencies, Hz, and power through a window that keeps strong slow motion where it is."""
-    step = float(time[-1]) / max(time.size - 1, 1)
+    step, size = float(time[-1]) / max(time.size - 1, 1), good_length(values.size)
     second = np.diff(values, 2, prepend=values[0], append=values[-1])
-    spectrum = np.fft.rfft(second * np.blackman(values.size))
-    frequencies = np.asarray(np.fft.rfftfreq(values.size, step), dtype=float)
+    spectrum = np.fft.rfft(second * np.blackman(values.size), size)
+    frequencies = np.asarray(np.fft.rfftfreq(size, step), dtype=float)
     return Spectrum(frequencies, np.square(np.abs(spectrum)))
 
 

@@ -77,7 +77,7 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
     if rows.size < SMOOTH_FEWEST_POINTS:
         return None
     size = evidence.stamps_ns.size
-    padded = _good_length(size + int(2 * SMOOTH_REACH_STDS * width / step))
+    padded = good_length(size + int(2 * SMOOTH_REACH_STDS * width / step))
     omega = 2.0 * np.pi * np.fft.rfftfreq(padded, step)
     bell = np.exp(-0.5 * np.square(omega * width))
     values, rates, seconds = {}, {}, {}
@@ -147,7 +147,7 @@ def _rows(evidence: Evidence, width: float, step: float) -> Integers:
     return np.asarray(rows[many == 0])
 
 
-def _good_length(least: int) -> int:
-    """Length for which a transform is quick: 2^a or 3 * 2^a."""
+def good_length(least: int) -> int:
+    """Length, not below the least, for which a transform is quick: 2^a or 3 * 2^a."""
     power = 1 << max(least - 1, 1).bit_length()
     return 3 * power // 4 if 3 * power // 4 >= least else power

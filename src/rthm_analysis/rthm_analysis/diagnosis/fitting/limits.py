@@ -28,19 +28,28 @@ Limits = dict[tuple[str, str, str], dict[str, float]]
 
 
 def just_seen(power: Callable[[float], float], harmless: float, gross: float, enough: float) -> float | None:
-    """Value between two at which an effect has `enough` power, by halving their ratio; None if it never has.
+    """Value between two at which an effect has `enough` power, by halving their ratio, and between the last
+    two by a power law; None if it never has.
 
     Parameters
     ----------
     power : callable
         Squared change that the effect makes, in units of the noise; grows from `harmless` to `gross`.
     """
-    if not power(gross) > enough:
+    above, below = power(gross), 0.0
+    if not above > enough:
         return None
     for _ in range(DETECTION_HALVINGS):
         middle = float(np.sqrt(harmless * gross))
-        harmless, gross = (harmless, middle) if power(middle) > enough else (middle, gross)
-    return gross
+        found = power(middle)
+        if found > enough:
+            gross, above = middle, found
+        else:
+            harmless, below = middle, found
+    if not (below > 0.0 and above < np.inf):
+        return gross
+    share = np.log(enough / below) / np.log(above / below)
+    return float(harmless * (gross / harmless) ** share)
 
 
 def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:

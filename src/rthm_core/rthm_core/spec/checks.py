@@ -195,11 +195,10 @@ def _effect(spec: Spec, one: EffectSpec) -> None:
 def _between(spec: Spec, one: EffectSpec) -> None:
     others = [dof for dof in spec.plant.dofs if dof != one.dof]
     within = f"{one.name}.relative_to"
-    if one.block != "plant":
-        raise RefusedError(one.relative_to, f"left out, as {one.block} has no dofs", "remove it", within)
-    if one.relative_to not in others:
-        allowed = f"one of {', '.join(others)}" if others else "left out, as the plant has one dof"
-        raise RefusedError(one.relative_to, allowed, suggestion(str(one.relative_to), others), within)
+    if one.block != "plant" or not others:
+        allowed = "left out, as only an effect on a plant with several dofs acts between two"
+        raise RefusedError(one.relative_to, allowed, "remove relative_to", within)
+    _known(within, str(one.relative_to), others)
 
 
 def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:

@@ -107,7 +107,7 @@ class Predictor:
             time, forces = trial.recorded
             for i, column in enumerate(forces.T):
                 total[:, :, i] += np.interp(points, time, column)
-        return on_columns(self.spec, total, self.hidden)
+        return on_columns(self.closed, total, self.hidden)
 
     def _named(self, out: Floats, n: int) -> Predicted:
         signals = {one.signal: out[:, i] for i, one in enumerate(self.channels)}

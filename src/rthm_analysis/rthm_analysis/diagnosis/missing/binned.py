@@ -16,8 +16,10 @@ def spread_over(values: Floats, force: Floats) -> tuple[Floats, Floats]:
     return values[rows], force[rows]
 
 
-def binned(values: Floats, force: Floats) -> tuple[Floats, Floats, Floats, float]:
-    """Average `force` (s,) in bins of `values` (s,) that hold as many samples each.
+def binned(
+    values: Floats, force: Floats, edges: Floats | None = None
+) -> tuple[Floats, Floats, Floats, float]:
+    """Average `force` (s,) in bins of `values` (s,) between some edges, or that hold as many samples each.
 
     Returns
     -------
@@ -26,12 +28,14 @@ def binned(values: Floats, force: Floats) -> tuple[Floats, Floats, Floats, float
     share : float
         Part of the variance of the force that the means explain.
     """
-    edges = np.quantile(values, np.linspace(0.0, 1.0, CURVE_BINS + 1))
-    number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, CURVE_BINS - 1)
-    count = np.maximum(np.bincount(number, minlength=CURVE_BINS), 1)
-    at = np.bincount(number, values, CURVE_BINS) / count
-    mean = np.bincount(number, force, CURVE_BINS) / count
-    spread = np.sqrt(np.maximum(np.bincount(number, force**2, CURVE_BINS) / count - mean**2, 0.0) / count)
+    if edges is None:
+        edges = np.quantile(values, np.linspace(0.0, 1.0, CURVE_BINS + 1))
+    bins = edges.size - 1
+    number = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, bins - 1)
+    count = np.maximum(np.bincount(number, minlength=bins), 1)
+    at = np.bincount(number, values, bins) / count
+    mean = np.bincount(number, force, bins) / count
+    spread = np.sqrt(np.maximum(np.bincount(number, force**2, bins) / count - mean**2, 0.0) / count)
     share = float(np.var(mean[number]) / max(float(np.var(force)), 1e-300))
-    used = np.bincount(number, minlength=CURVE_BINS) > 0
+    used = np.bincount(number, minlength=bins) > 0
     return at[used], mean[used], spread[used], share

@@ -61,12 +61,7 @@ def motors_described(physical: Physical) -> Iterator[Described]:
 def _over(u: Floats, error: Floats, part: Flags) -> Floats:
     """Error (s,) by the means of a part in even bins of the position, straight between their middles."""
     edges = np.linspace(u[part].min(), u[part].max(), MOTOR_CURVE_BINS + 1)
-    number = np.clip(np.searchsorted(edges, u[part], side="right") - 1, 0, MOTOR_CURVE_BINS - 1)
-    count = np.bincount(number, minlength=MOTOR_CURVE_BINS)
-    used = count > 0
-    at, mean = (
-        np.bincount(number, one, MOTOR_CURVE_BINS)[used] / count[used] for one in (u[part], error[part])
-    )
+    at, mean, _, _ = binned(u[part], error[part], edges)
     return np.asarray(np.interp(u, at, mean))
 
 

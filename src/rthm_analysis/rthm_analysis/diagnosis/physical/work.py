@@ -62,8 +62,9 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats, load: Floats)
     limits = law.thresholds(one.ordered)
     rows = zip(time.tolist(), x.tolist(), v.tolist(), load.tolist(), strict=True)
     before: tuple[float, float, float, int] | None = None
+    reads = reads_load(law)
     for k, (t, here, speed, known) in enumerate(rows):
-        if reads_load(law):
+        if reads:
             p[LOAD] = known
         mode = (
             sum(here > limit for limit in limits)

@@ -213,8 +213,8 @@ class Experiment:
         if self._motors_alone:
             nothing = np.empty((*time.shape, 0))
             return Motion(nothing, nothing, nothing, seen), time.size
-        load = on_columns(spec, known, hidden_loads(spec, points), further)
         arrays = mechanics(spec, motor[0, 0])
+        load = on_columns(arrays, known, hidden_loads(spec, points), further)
         longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 2 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])

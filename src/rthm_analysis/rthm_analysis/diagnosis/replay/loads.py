@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_analysis.diagnosis.replay.mechanics import any_reads_load
 from rthm_core.loads import sinusoid
 from rthm_core.physical.laws import plant_laws
 from rthm_core.physical.model import excitations
@@ -15,6 +14,7 @@ from rthm_core.physical.model import excitations
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_analysis.diagnosis.replay.grid import Grid
+    from rthm_analysis.diagnosis.replay.mechanics import Mechanics
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
@@ -41,12 +41,12 @@ def straight(grid: Grid, time: Floats, load: Floats) -> Floats:
     return np.stack([np.interp(points, time, column) for column in load.T], axis=2)
 
 
-def on_columns(spec: Spec, known: Floats, *beside: Floats | None) -> Floats:
-    """Known loads (g, 3, n) and others beside them on the columns of the mechanics of a spec: added to them,
-    or apart, where a law depends on the known ones alone.
+def on_columns(mechanics: Mechanics, known: Floats, *beside: Floats | None) -> Floats:
+    """Known loads (g, 3, n) and others beside them on the columns of some mechanics: added to them, or apart,
+    where a law depends on the known ones alone.
     """
     others = [one for one in beside if one is not None]
-    if any_reads_load(spec):
+    if mechanics.loads > known.shape[2]:
         return np.concatenate([known, sum(others, np.zeros_like(known))], axis=2)
     return np.asarray(sum(others, known))
 

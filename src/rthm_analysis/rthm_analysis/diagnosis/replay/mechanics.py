@@ -84,7 +84,7 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
     assert spec.plant is not None
     n = len(spec.plant.dofs)
     dofs = [*range(n)]
-    built = mechanical(spec, load_dofs=dofs * 2 if any_reads_load(spec) else dofs, known=n)
+    built = mechanical(spec, load_dofs=dofs * 2 if _any_reads_load(spec) else dofs, known=n)
     initial = np.zeros(built.parts.a.shape[0])
     initial[:n], initial[n : 2 * n] = spec.plant.initial_position, spec.plant.initial_velocity
     rest(built, built.resting, initial, first_command(spec) if first_motor is None else first_motor)
@@ -99,7 +99,7 @@ def mechanics(spec: Spec, first_motor: Floats | None = None) -> Mechanics:
     )
 
 
-def any_reads_load(spec: Spec) -> bool:
+def _any_reads_load(spec: Spec) -> bool:
     """Whether a law on the plant depends on the known load."""
     return any(one.block == "plant" and reads_load(one.law) for one in spec.effects)
 

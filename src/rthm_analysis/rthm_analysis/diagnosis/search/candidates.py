@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,10 +37,10 @@ def _plant_starts(spec: Spec, evidence: Evidence, motion: Motion) -> Iterator[In
     assert spec.plant is not None
     alone = [dof_scene(spec, evidence, motion, dof) for dof in spec.plant.dofs]
     apart = [between_scene(one, other) for one, other in combinations(alone, 2)]
-    for scene in (*alone, *apart):
-        for law in ranked("plant"):
-            if scene in alone or law.between_dofs:
-                yield from _finite(guessed(law, "plant", scene.place, scene, scene.seen))
+    between = [law for law in ranked("plant") if law.between_dofs]
+    for scenes, laws in ((alone, ranked("plant")), (apart, between)):
+        for scene, law in product(scenes, laws):
+            yield from _finite(guessed(law, "plant", scene.place, scene, scene.seen))
 
 
 def _wire_starts(spec: Spec, evidence: Evidence, motion: Motion) -> Iterator[InitialGuess]:

@@ -158,6 +158,11 @@ class Place(NamedTuple):
     dof: int
     other: int = -1
 
+    def apart(self, signal: Floats) -> Floats:
+        """What a law here gets of a signal (..., n) of all dofs: that of its dof, less that of the other."""
+        found = signal[..., self.dof]
+        return found if self.other < 0 else np.asarray(found - signal[..., self.other])
+
 
 def place_of(spec: Spec, one: EffectSpec) -> Place:
     """Where an effect on the plant acts."""

@@ -118,7 +118,9 @@ class _Assembly:
 
     def push_at(self, place: Place) -> Floats:
         """Effect of a unit force of a law on dy/dt."""
-        return self.push(place.dof) - (self.push(place.other) if place.other >= 0 else 0.0)
+        column = np.zeros(self.a.shape[0])
+        column[self.n : 2 * self.n] = place.apart(self.inverse_mass)
+        return column
 
     def add_plant(self) -> None:
         motion = slice(2 * self.n)
@@ -139,11 +141,8 @@ class _Assembly:
 
     def add_linear_law(self, law: Any, p: tuple[float, ...], place: Place, at: int) -> None:
         """Probe a linear law with unit motions."""
-        states, rows = law.states, np.zeros((2 + law.states, self.a.shape[0]))
-        for first, dof in enumerate((place.dof, self.n + place.dof)):
-            rows[first, dof] = 1.0
-        if place.other >= 0:
-            rows[0, place.other] = rows[1, self.n + place.other] = -1.0
+        n, states, rows = self.n, law.states, np.zeros((2 + law.states, self.a.shape[0]))
+        rows[0, :n] = rows[1, n : 2 * n] = place.apart(np.eye(n))
         rows[2:, at : at + states] = np.eye(states)
         for row, unit in zip(rows, np.eye(2 + states), strict=True):
             z, dz, effect = list(unit[2:]), [0.0] * states, np.zeros(self.a.shape[0])

@@ -54,8 +54,7 @@ def rest(model: PhysicalModel | Mechanical, resting: list[Resting], y: Floats, u
             y[row[PULLEY]] = (soft * u[actuator] + k * y[row[DOF]]) / (soft + k)
     for law, p, place, at in resting:
         if isinstance(place, Place):
-            x = y[place.dof] - (y[place.other] if place.other >= 0 else 0.0)
-            y[at : at + law.states] = law.initial(x, p)
+            y[at : at + law.states] = law.initial(place.apart(y), p)
         else:
             drive_position = wires.drive[place] @ np.concatenate([y, u])
             y[at : at + law.states] = law.initial(drive_position, y[wires.numbers[place, DOF]], p)

@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.effects.laws import LOAD, MOST_PARAMETERS
 from rthm_core.loads import sinusoid
-from rthm_core.physical.laws import Place, place_of, reads_load
+from rthm_core.physical.laws import place_of, reads_load
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.model import Model
@@ -32,13 +32,8 @@ def law_work(experiment: Experiment, runs: Windows, spec: Spec, one: EffectSpec)
     assert spec.plant is not None
     motion = experiment.motion(spec, runs)
     place, evidence = place_of(spec, one), experiment.evidence
-    x, v = (_apart(signal, place) for signal in (motion.position, motion.velocity))
+    x, v = (place.apart(signal) for signal in (motion.position, motion.velocity))
     return _work(experiment, law_force(one, evidence.time, x, v, evidence.load[:, place.dof]), v)
-
-
-def _apart(signal: Floats, place: Place) -> Floats:
-    """Motion (s,) that a law gets, of that (s, n) of all dofs."""
-    return signal[:, place.dof] - (signal[:, place.other] if place.other >= 0 else 0.0)
 
 
 def law_forces(

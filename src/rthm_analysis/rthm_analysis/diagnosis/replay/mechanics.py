@@ -130,11 +130,7 @@ def modes(mechanics: Mechanics, spec: Spec) -> np.ndarray:
     a, n = state_matrix(mechanics), mechanics.n
     for effect in spec.effects:
         if effect.block == "plant":
-            place = place_of(spec, effect)
-            reach = np.zeros(n)
-            reach[place.dof] = 1.0
-            if place.other >= 0:
-                reach[place.other] = -1.0
+            reach = place_of(spec, effect).apart(np.eye(n))
             stiffness, damping = cast("type[PlantLaw]", effect.law).steepest(effect.numbers)
             push = np.outer(mechanics.inverse_mass @ reach, reach)
             a[n : 2 * n, :n] -= abs(stiffness) * push

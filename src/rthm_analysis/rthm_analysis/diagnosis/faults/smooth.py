@@ -8,6 +8,7 @@ signals exactly as they hold between the true ones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,8 +55,11 @@ class Smooth:
     seconds: dict[tuple[str, str], Floats]
 
 
+@lru_cache(maxsize=1)
 def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ...]) -> Smooth | None:
     """Signals of an evidence through one bell; None where too little is known.
+
+    Most recordings have no fault, so that one step after the other asks for the same: the last is kept.
 
     Parameters
     ----------

@@ -53,9 +53,9 @@ class Channel:
         return ("F" if self.family == "force" else "u") + (number if number != "1" else "")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Evidence:
-    """Inputs and outputs of the physical side in one recording.
+    """Inputs and outputs of the physical side in one recording; equal to nothing but itself.
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -215,15 +215,17 @@ def timing(bag: Recorded, spec: Named | None = None) -> Timing:
     return Timing.of(timing_of(recorded, recorded.spec if spec is None else load(spec)))
 
 
-def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | Path] = ()) -> Diagnosis:
+def diagnose(
+    bag: Recorded | Sequence[Recorded], spec: Named | None = None, effects: Iterable[str | Path] = ()
+) -> Diagnosis:
     """Find out where a recording and its simulation differ, and which physics was left out.
 
     Parameters
     ----------
-    bag : str, Path or Recording
-        The recording.
+    bag : str, Path or Recording, or a sequence of these
+        The recording, or several of one rig: the last confirms what the others show.
     spec : str, Path or Spec, optional
-        The nominal model; the spec in the recording when absent.
+        The nominal model; the spec in each recording when absent.
     effects : iterable of str or Path
         Python files, or modules, that declare further kinds of effects to look for. They are executed.
 
@@ -234,7 +236,8 @@ def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | P
     Raises
     ------
     InputError
-        If names or sizes of spec and recording do not fit, or the recording is too short to say anything.
+        If names or sizes of spec and recording do not fit, the recording is too short to say anything, or
+        several are not of one rig.
 
     Examples
     --------
@@ -245,5 +248,7 @@ def diagnose(bag: Recorded, spec: Named | None = None, effects: Iterable[str | P
     """
     from rthm_analysis import diagnosis
 
-    recorded = read(bag, effects)
-    return Diagnosis.of(diagnosis.diagnose(recorded, recording.nominal_spec(recorded, spec, effects)))
+    bags = bag if isinstance(bag, Sequence) and not isinstance(bag, str) else [bag]
+    recorded = [read(one, effects) for one in bags]
+    specs = [recording.nominal_spec(one, spec, effects) for one in recorded]
+    return Diagnosis.of(diagnosis.diagnose_together(recorded, specs))

@@ -12,9 +12,19 @@ import pytest
 from bokeh.models import Scatter
 
 from rthm_analysis.diagnosis.missing.binned import spread_over
-from rthm_analysis.diagnosis.result import Alternative, Curve, Diagnosis, Fit, Limit, Mismatch, Physics, Value
+from rthm_analysis.diagnosis.result import (
+    Alternative,
+    Curve,
+    Diagnosis,
+    Fit,
+    Limit,
+    Mismatch,
+    Physics,
+    RecordingFit,
+    Value,
+)
 from rthm_analysis.recording import read_recording
-from rthm_analysis.report.diagnosis import write_diagnosis
+from rthm_analysis.report.diagnosis import diagnosis_page, write_diagnosis
 from rthm_analysis.report.diagnosis_drawing import drawing, times_noise
 from rthm_analysis.report.diagnosis_figures import curve_plot, energy_plot
 from rthm_core.spec import shipped_spec
@@ -120,3 +130,14 @@ def test_words_are_shown_as_text_and_the_page_needs_no_network(page: str) -> Non
 
 def test_every_heading_has_a_link_to_what_explains_it(page: str) -> None:
     assert page.count('</h2><a class="about" href="') == page.count("<section ") > 5
+
+
+def test_a_page_of_several_recordings_has_a_row_for_each(tmp_path: Path) -> None:
+    bag = read_recording(rosbag2(tmp_path / "bag", recorded(shipped_spec("paper"), 1.0)))
+    errors = {"nominal": 0.3, "retuned": 0.3, "explained": 0.012, "noise_floor": 0.011}
+    fits = [RecordingFit(name, (0.0, 9.0), name == "high", {"x1": errors}) for name in ("low", "high")]
+    html = diagnosis_page(replace(SAID, recordings=tuple(fits)), bag, shipped_spec("paper"))
+    assert "<h1>Diagnosis: low, high</h1>" in html
+    rows = re.findall(r"<tr><td>(low|high)</td><td>([a-z ]+)</td><td>x1</td>", html)
+    assert rows == [("low", "fitted"), ("high", "held out")]
+    assert "Recording by recording" not in diagnosis_page(SAID, bag, shipped_spec("paper"))

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rthm_analysis.diagnosis.result import Diagnosis
+from rthm_analysis.diagnosis.result import Diagnosis, RecordingFit
 from rthm_bringup.cli.main import main
 from rthm_core.spec import shipped_spec
 
@@ -23,9 +23,9 @@ SAID = Diagnosis(
 @pytest.fixture
 def told(monkeypatch: pytest.MonkeyPatch) -> list[Diagnosis]:
     said = [SAID]
-    recording = SimpleNamespace(notes=(), known_spec=lambda: shipped_spec("paper"))
+    recording = SimpleNamespace(notes=(), name="bag", known_spec=lambda: shipped_spec("paper"))
     monkeypatch.setattr("rthm_analysis.recording.read_recording", lambda bag: recording)
-    monkeypatch.setattr("rthm_analysis.diagnosis.diagnose", lambda *given: said[0])
+    monkeypatch.setattr("rthm_analysis.diagnosis.diagnose_together", lambda *given: said[0])
     return said
 
 
@@ -65,3 +65,17 @@ def test_what_cannot_be_written_is_one_sentence_and_the_rest_is_there(
     printed = capsys.readouterr()
     assert "explained: Words." in printed.out and printed.err.count("\n") == 1
     assert all(Path(place).is_file() for key, place in places.items() if key != bad)
+
+
+def test_each_of_several_recordings_is_told(
+    told: list[Diagnosis], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    errors = {"nominal": 0.3, "retuned": 0.3, "explained": 0.01, "noise_floor": 0.01}
+    fits = [RecordingFit(name, (0.0, 9.0), name == "high", {"x1": errors}) for name in ("low", "high")]
+    told[0] = replace(SAID, recordings=tuple(fits))
+    numbers = tmp_path / "said.json"
+    assert status(monkeypatch, "other", "--json", str(numbers)) == 0
+    said = capsys.readouterr().out
+    assert "error of x1 in low (fitted): 30 % as specified, 1 % explained; the noise alone is 1 %" in said
+    assert "error of x1 in high (held out)" in said
+    assert [one["held_out"] for one in json.loads(numbers.read_text())["recordings"]] == [False, True]

@@ -8,21 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.computed import diagnose_computed
+from rthm_analysis.diagnosis.alone import Alone, WrongSpecError, look_alone, software_part
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
-from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
-from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
-from rthm_analysis.diagnosis.links import diagnose_links
-from rthm_analysis.diagnosis.names import check_names
+from rthm_analysis.diagnosis.names import check_names, check_one_rig
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.evidence import gather
-from rthm_analysis.diagnosis.replay.updates import readings_only
+from rthm_analysis.diagnosis.replay.joint import one_after_the_other
 from rthm_analysis.diagnosis.result import Diagnosis, Fault, Part
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
@@ -54,30 +50,51 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
         When the spec has no plant, names or sizes of spec and recording do not fit, or the recording is too
         short to say anything.
     """
-    say = progress or (lambda said: None)
-    _check(recording, spec)
-    parts: list[Part] = []
-    if spec.timing is not None:
-        say("checking the links")
-        parts.append(diagnose_links(recording, spec))
-        say("checking the computing blocks")
-        parts.append(diagnose_computed(recording, as_run(parts, spec)))
-        if other := find_other_loop(parts):
-            return _stopped(spec, other)
-    here = as_run(parts, spec)
-    say("checking the recording itself")
-    mended = mend(gather(recording, here), here)
-    if any(fault.kind == "wrong_spec" for fault in mended.faults):
-        return _stopped(spec, mended.faults, mended.notes)
-    parts = _with_motion(parts, recording, mended, spec)
-    physical = _physical(parts, mended, spec, say)
+    return diagnose_together([recording], [spec], progress)
+
+
+def diagnose_together(
+    recordings: Sequence[Recording], specs: Sequence[Spec], progress: Callable[[str], None] | None = None
+) -> Diagnosis:
+    """Find one explanation for several recordings of a rig: other levels, other inputs, other days.
+
+    What is missing has the same values in all; each recording begins in a state of its own. The last one
+    confirms what the others show, and has no part in any choice or fit.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        At least one; one by itself is diagnosed as by `diagnose`.
+    specs : sequence of Spec
+        The nominal model of each: they may differ in loads and timing. The first is patched.
+    progress : callable, optional
+        Told what is being done, in words.
+
+    Raises
+    ------
+    InputError
+        As `diagnose`; also when the recordings or their specs are not of one rig.
+
+    Examples
+    --------
+    >>> low, high = (read_recording(path) for path in ("low/bag", "high/bag"))  # doctest: +SKIP
+    >>> diagnose_together([low, high], [spec, spec]).physics[0].kind  # doctest: +SKIP
+    'softening'
+    """
+    say, spec = progress or (lambda said: None), specs[0]
+    for one, nominal in zip(recordings, specs, strict=True):
+        _check(one, nominal)
+    check_one_rig(specs, [one.name for one in recordings])
+    try:
+        several = [look_alone(*one, say) for one in zip(recordings, specs, strict=True)]
+    except WrongSpecError as wrong:
+        return _stopped(spec, wrong.faults, wrong.notes)
+    physical = _physical(several, say)
     lateness = late_sensors(physical)
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:
-        mended = mended.moved_back(late)
-        parts = _with_motion(parts, recording, mended, spec)
-        physical = _physical(parts, mended, spec, say)
-    notes = (*mended.notes, *undecided(lateness))
-    parts += [Part(faults=mended.faults, notes=notes), physical_part(physical)]
+        several = [one.moved_back(late) for one in several]
+        physical = _physical(several, say)
+    parts = [software_part(several), Part(notes=undecided(lateness)), physical_part(physical)]
     say("putting it into words")
     found = joined(parts, spec)
     say("planning the next test")
@@ -85,23 +102,12 @@ def diagnose(recording: Recording, spec: Spec, progress: Callable[[str], None] |
     return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
 
 
-def _with_motion(parts: list[Part], recording: Recording, mended: Mended, spec: Spec) -> list[Part]:
-    """Parts with the computing blocks judged by the motion as it should have been recorded, if that is
-    closer to what they computed: they may have been given what was recorded.
-    """
-    if not (mended.moved and spec.is_loop):
-        return parts
-    again = diagnose_computed(with_motion(recording, mended.evidence), as_run(parts[:-1], spec))
-    return [*parts[:-1], min(again, parts[-1], key=_mismatch)]
-
-
-def _mismatch(part: Part) -> float:
-    return max((one.mismatch for one in part.blocks), default=0.0)
-
-
-def _physical(parts: list[Part], mended: Mended, spec: Spec, say: Callable[[str], None]) -> Physical:
-    evidence = readings_only(mended.evidence).under_command()
-    return diagnose_physical(evidence, as_run(parts, spec), command_before(parts, spec), say)
+def _physical(several: Sequence[Alone], say: Callable[[str], None]) -> Physical:
+    parts, spec = several[0].parts, several[0].spec
+    before = command_before(parts, spec)
+    names = [one.recording.name for one in several]
+    evidence = one_after_the_other([one.evidence for one in several], names, before)
+    return diagnose_physical(evidence, as_run(parts, spec), before, say)
 
 
 def _check(recording: Recording, spec: Spec) -> None:
@@ -129,6 +135,7 @@ def _next(found: Diagnosis, physical: Physical, spec: Spec, patched: Spec) -> Ne
     evidence = physical.evidence
     noise = {one.signal: float(size) for one, size in zip(evidence.channels, physical.sigma, strict=True)}
     forced = evidence.driven_by == "force" and np.any(evidence.load)
+    first, (begin, end) = evidence.recordings[0], evidence.spans[0]
     return next_experiment(
         Found(
             spec,
@@ -140,12 +147,12 @@ def _next(found: Diagnosis, physical: Physical, spec: Spec, patched: Spec) -> Ne
             found.detection_limits,
             rivals_of(physical, patched),
             noise,
-            float(evidence.time[-1]),
-            (evidence.time, evidence.load) if forced else None,
+            end - begin,
+            (evidence.time[first], evidence.load[first]) if forced else None,
         )
     )
 
 
-def command_before(parts: list[Part], spec: Spec) -> Floats:
+def command_before(parts: Sequence[Part], spec: Spec) -> Floats:
     """Command (m,) before the test, m, of a controller and a numerical side as they were found."""
     return first_command(patched_spec(parts, spec)) if spec.is_loop else np.empty(0)

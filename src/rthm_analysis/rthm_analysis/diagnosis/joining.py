@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rthm_analysis.diagnosis.criteria.verdict import PATCHED_ERROR_RATIO, RUNAWAY_ERROR_RATIO
 from rthm_analysis.diagnosis.replay.entries import OF_PLANT, entry_of
 from rthm_analysis.diagnosis.result import Diagnosis, Part, Verdict
@@ -9,7 +11,7 @@ from rthm_analysis.diagnosis.words import stated_spreads, verdict_words
 from rthm_core.spec import Spec, apply, write_spec
 
 
-def joined(parts: list[Part], spec: Spec) -> Diagnosis:
+def joined(parts: Sequence[Part], spec: Spec) -> Diagnosis:
     """The parts as one answer; what to do next is left open."""
     whole = Part.joined(parts)
     significant = [one.block for one in whole.blocks if one.significant]
@@ -55,13 +57,13 @@ def _runs(whole: Part) -> bool:
     )
 
 
-def as_run(parts: list[Part], spec: Spec) -> Spec:
+def as_run(parts: Sequence[Part], spec: Spec) -> Spec:
     """Spec with the times and the compensator that the test was run with."""
     changes = Part.joined(parts).changes
     return apply(spec, changes) if changes else spec
 
 
-def patched_spec(parts: list[Part], spec: Spec) -> Spec:
+def patched_spec(parts: Sequence[Part], spec: Spec) -> Spec:
     """Spec whose simulation behaves as recorded."""
     whole = Part.joined(parts)
     changes: dict[str, object] = dict(whole.changes)

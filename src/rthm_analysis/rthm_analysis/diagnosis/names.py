@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,10 @@ from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_ST
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
+
+
+OF_THE_RIG = ("plant", "numerical", "interface", "actuator", "effects")
+"""Sections that describe a rig; loads, timing and noise are those of a test."""
 
 
 def check_names(recording: Recording, spec: Spec) -> None:
@@ -36,6 +40,31 @@ def check_names(recording: Recording, spec: Spec) -> None:
         if table is not None:
             _same(table.names, names, topic)
     _check_driven(recording, loop.actuator.names)
+
+
+def check_one_rig(specs: Sequence[Spec], recordings: Sequence[str]) -> None:
+    """Compare the specs of several recordings: what they say of the rig has to be the same.
+
+    Raises
+    ------
+    InputError
+        When a section that describes the rig differs from the first one's, with its name and the way out.
+    """
+    first, *others = specs
+    for spec, recording in zip(others, recordings[1:], strict=True):
+        unlike = [name for name in OF_THE_RIG if _anywhere(spec, name) != _anywhere(first, name)]
+        if unlike:
+            raise InputError(
+                f"the specs of {recordings[0]} and {recording} describe two rigs ({', '.join(unlike)}); give "
+                "the spec of both with --spec."
+            )
+
+
+def _anywhere(spec: Spec, section: str) -> object:
+    """A section of the rig, wherever its masses start."""
+    found = getattr(spec, section)
+    starts = {name: () for name in ("initial_position", "initial_velocity") if hasattr(found, name)}
+    return found.model_copy(update=starts) if starts else found
 
 
 def _of_parts(spec: Spec) -> Iterator[tuple[str, tuple[str, ...]]]:

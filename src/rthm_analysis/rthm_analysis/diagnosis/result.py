@@ -240,6 +240,27 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class RecordingFit:
+    """How well one of several recordings is simulated.
+
+    Attributes
+    ----------
+    name : str
+    interval : (float, float)
+        Its begin and end where times of the answer are those of the recordings one after the other, s.
+    held_out : bool
+        Whether it had no part in any selection or fit, but for the state in which it begins.
+    nrmse : dict of dict
+        By signal: error over its standard deviation in this recording, with the keys of `Fit.nrmse`.
+    """
+
+    name: str
+    interval: tuple[float, float]
+    held_out: bool
+    nrmse: dict[str, dict[str, float]]
+
+
+@dataclass(frozen=True)
 class Curve:
     """The force that the model without the named physics lacks, averaged over one variable.
 
@@ -300,6 +321,7 @@ class Part:
     traces: tuple[Trace, ...] = ()
     refused: tuple[Refused, ...] = ()
     free_run: dict[str, FreeRun] = field(default_factory=dict)
+    recordings: tuple[RecordingFit, ...] = ()
 
     @classmethod
     def joined(cls, parts: Iterable[Part]) -> Part:
@@ -336,6 +358,8 @@ class Diagnosis:
     free_run: dict[str, FreeRun] = field(default_factory=dict)
     next_experiment_spec: str | None = None
     """Text of a spec that runs `next_experiment`, where that is a test of the rig."""
+    recordings: tuple[RecordingFit, ...] = ()
+    """Where several were diagnosed together."""
     next_experiment_gain: float | None = None
     """Smallest rms difference between what the surviving hypotheses predict of it, in units of the noise."""
 
@@ -362,6 +386,7 @@ class Diagnosis:
             "traces": [asdict(one) for one in self.traces],
             "refused": [asdict(one) for one in self.refused],
             "free_run": {dof: asdict(one) for dof, one in self.free_run.items()},
+            "recordings": [asdict(one) for one in self.recordings],
         }
 
 

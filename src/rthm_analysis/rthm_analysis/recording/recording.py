@@ -72,6 +72,12 @@ class Recording:
         return next((abort for abort in aborts if abort is not None), None)
 
     @property
+    def name(self) -> str:
+        """Name for the eye: of its folder, or of the run that has it."""
+        path = self.path.resolve()
+        return path.parent.name if path.name == "bag" else path.name
+
+    @property
     def plant(self) -> Table:
         """Samples of ``plant/state``."""
         return self.tables[PLANT_STATE]

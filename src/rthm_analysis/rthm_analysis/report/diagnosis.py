@@ -23,7 +23,6 @@ from rthm_analysis.report.page import (
     assemble,
     fact_boxes,
     foot,
-    name_of,
     note_list,
     write_page,
 )
@@ -56,9 +55,13 @@ def diagnosis_page(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> st
     """Page as text."""
     numbers = script_safe(json.dumps(_plain(diagnosis.as_dict()), allow_nan=False))
     data = f'<script type="application/json" id="diagnosis">{numbers}</script>'
-    title, end = f"Diagnosis: {name_of(recording)}", foot(USE, recording.spec_text)
+    title, end = f"Diagnosis: {_names(diagnosis, recording)}", foot(USE, recording.spec_text)
     header, sections = _header(title, diagnosis, spec), _sections(diagnosis, recording, spec)
     return assemble(title, header, sections, end, data)
+
+
+def _names(diagnosis: Diagnosis, recording: Recording) -> str:
+    return ", ".join(one.name for one in diagnosis.recordings) or recording.name
 
 
 def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Section]:
@@ -103,6 +106,12 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "Small dots: the effect that was found, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
             "diagnosis#how-it-works",
+        ),
+        Section(
+            "Recording by recording",
+            "One model for all; each begins in a state of its own. The last chose and fitted nothing.",
+            [tables.recordings(diagnosis)] if diagnosis.recordings else [],
+            "diagnosis#several-recordings",
         ),
         Section(
             "Before and after, on held-out data",

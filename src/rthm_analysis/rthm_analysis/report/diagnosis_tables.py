@@ -73,6 +73,23 @@ def fits(diagnosis: Diagnosis) -> str:
     return table(head, rows) + words if rows else ""
 
 
+def recordings(diagnosis: Diagnosis) -> str:
+    """One row per signal of each recording, where several were diagnosed together."""
+    head = ("recording", "", "signal", "as specified", "retuned", "explained", "noise")
+    rows = [
+        [
+            one.name,
+            "held out" if one.held_out else "fitted",
+            signal,
+            *(_percent(errors.get(name)) for name in ("nominal", "retuned", "explained", "noise_floor")),
+        ]
+        for one in diagnosis.recordings
+        for signal, errors in one.nrmse.items()
+    ]
+    words = '<p class="unit">Errors over the signal\'s standard deviation in that recording.</p>'
+    return table(head, rows) + words if rows else ""
+
+
 def _percent(part: float | None) -> str:
     return "–" if part is None or not math.isfinite(part) else percent(part, 3)
 

@@ -188,13 +188,7 @@ def _explained(section: Section) -> str:
 
 def _title(gathered: Gathered) -> str:
     kind = "Hybrid test" if gathered.spec and gathered.spec.is_loop else "Test of a plant"
-    return f"{kind}: {name_of(gathered.recording)}"
-
-
-def name_of(recording: Recording) -> str:
-    """Name of a recording: of its folder, or of the run that has it."""
-    path = recording.path.resolve()
-    return path.parent.name if path.name == "bag" else path.name
+    return f"{kind}: {gathered.recording.name}"
 
 
 def _header(gathered: Gathered) -> str:

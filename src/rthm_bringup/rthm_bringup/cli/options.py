@@ -71,6 +71,13 @@ PICTURES = (".png", ".svg", ".pdf")
 """Endings of a picture."""
 
 Bag = Annotated[Path, typer.Argument(metavar="BAG", help="A recording: its folder or file.")]
+Bags = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="BAG...",
+        help="A recording, or several of one rig: the last confirms what the others show.",
+    ),
+]
 
 
 def check_picture(path: Path) -> None:

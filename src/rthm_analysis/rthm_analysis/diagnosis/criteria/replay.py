@@ -93,6 +93,11 @@ STRAY_COMMANDS_SHARE = 0.01
 CHANNEL_FEWEST_SHARE = 0.5
 """Share of the samples above which a signal counts as measured."""
 
+JOINT_PAUSE_SAMPLES = 4
+JOINT_MOTORS_PAUSE_S = 1.0
+"""Pause between two recordings of a rig that are replayed one after the other: sampling intervals at least,
+and seconds where motors have to go back to where the tests begin."""
+
 REST_MOST_SHARE = 0.1
 """Share of the samples before the first command above which what motors do until then is not left out."""
 
@@ -104,6 +109,11 @@ LATTICE_MOST_VALUES = 0.9
 
 LATTICE_TOLERANCE = 1e-3
 """Share of a step within which all values must lie on the lattice."""
+
+LATTICE_MOST_DIGITS = 12
+LATTICE_LAST_DIGIT_SHARE = 0.05
+"""Readings written with fewer decimal digits lie off their lattice by half of the last: allowed where that is
+below such a share of a step."""
 
 TAIL_STDS = 3.0
 """Typical sizes from which an error is far off."""

@@ -123,6 +123,7 @@ class Fitting:
         self.expected = float(np.count_nonzero(self.weight))
         self.measured = np.nan_to_num(measured)
         edges = np.linspace(0, measured.shape[0], CROSS_VALIDATION_PARTS + 1).astype(int)
+        edges = np.union1d(edges, self.experiment.evidence.begins)
         self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
         self.rebase(self.base)
 
@@ -214,9 +215,9 @@ class Fitting:
         return kept
 
     def state_correction(self, fitted: Fitted) -> Floats:
-        """Change (2 n,) of the initial state of a run over everything that fits best; zero in windows."""
+        """Change (2 n,) of the initial state of the only run that fits best; zero where there are several."""
         unchanged = np.zeros(self.windows.state.shape[1])
-        if self.windows.length is not None:
+        if not self.windows.is_one:
             return unchanged
         residual = self.residual(fitted.model)
         states = self.states(fitted.model, residual)

@@ -120,7 +120,7 @@ def _recorded_motion(evidence: Evidence, spec: Spec) -> Floats | None:
             motion[:, column] = _smoothed(values)
     for dof in range(n):
         if np.isnan(motion[0, n + dof]):
-            motion[:, n + dof] = np.gradient(motion[:, dof], evidence.time)
+            motion[:, n + dof] = evidence.rates(motion[:, dof])
     return None if np.isnan(motion).any() else motion
 
 

@@ -205,7 +205,7 @@ def _runs(seen: Evidence, settled: Model, train: int, part: Experiment) -> tuple
         runs = windows(seen, settled.spec, seen.driven_by == "command", longer)
         part.begin_at(seen.stamps_ns[runs.first(train).start])
         noise = noise_left(part, settled.spec, runs.first(train))
-        if runs.length is None or runs.length > LONGEST_RUN_SHARE * float(seen.time[-1]):
+        if runs.length is None or runs.length > LONGEST_RUN_SHARE * seen.longest:
             return runs, noise
         fitting = Fitting(part, runs.first(train), noise.sigma, settled)
         if reduced_chi2(fitting, fitting.fit(settled)) > WINDOWED_CHI2:

@@ -10,7 +10,12 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import FINE_FIT_GAIN, POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.replay import SECOND_QUESTION_STEPS
-from rthm_analysis.diagnosis.criteria.search import DISTINGUISHING_GAIN, FINISHING_STEPS, NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.criteria.search import (
+    DISTINGUISHING_GAIN,
+    FINISHING_GAIN,
+    FINISHING_STEPS,
+    NEAR_NOISE_CHI2,
+)
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2, NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, in_short_runs
@@ -35,7 +40,9 @@ def chosen(
     fitting = begun.fitting
     plain = near = freed_near = draft = None
     hopeless = False
-    if not at_noise(fitting, begun.retuned):
+    if at_noise(fitting, begun.retuned):
+        begun = begun._replace(retuned=_finished(fitting, begun.retuned))
+    else:
         near = in_short_runs(begun, seen, settled, train) if fitting.reduced_chi2 > _lost(begun) else None
         if near is not None:
             begun = begun._replace(retuned=_begun_near(fitting, begun.retuned, near.retuned))
@@ -61,6 +68,13 @@ def chosen(
     if selection.imitates and reduced_chi2(explained.fitting, selection.best) > NOISE_FLOOR_RATIO**2:
         return _simple(begun, near, (explained, selection))
     return explained, selection
+
+
+def _finished(fitting: Fitting, retuned: Fitted) -> Fitted:
+    """Fit of the values that will be told to its end: on a ridge the last steps bring little and go far."""
+    if retuned.settled <= FINISHING_GAIN or not retuned.model.parameters:
+        return retuned
+    return fitting.fit(retuned.model, most=FINISHING_STEPS, least=FINISHING_GAIN)
 
 
 def _values_are_not_it(begun: Baseline, draft: Draft, near: Fitted | None) -> bool:

@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.physical.confirming import (
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
-from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
+from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
@@ -116,6 +116,7 @@ def physical_part(physical: Physical) -> Part:
         traces=tuple(traces),
         refused=(*refused, *vague, *judged.refused),
         free_run=free_runs(physical, runs),
+        recordings=recording_fits(physical, runs),
     )
 
 

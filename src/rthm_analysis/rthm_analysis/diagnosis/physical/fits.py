@@ -7,7 +7,7 @@ import numpy as np
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, spread
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows, state_at
-from rthm_analysis.diagnosis.result import Fit, FreeRun
+from rthm_analysis.diagnosis.result import Fit, FreeRun, RecordingFit
 
 SIGNAL_OF = {
     "plant": "position",
@@ -41,21 +41,44 @@ def fits_of(physical: Physical, runs: dict[str, Simulated], blocks: set[str]) ->
 def _fit(physical: Physical, runs: dict[str, Simulated], block: str, k: int) -> Fit:
     time, train = physical.evidence.time, physical.train
     held = slice(train, None)
-    errors = {name: nrmse(physical, run.predicted, k) for name, run in runs.items()}
-    errors["noise_floor"] = float(physical.noise.level[k]) / spread(physical, k)
     return Fit(
         block,
         physical.evidence.channels[k].signal,
         physical.windows.length,
         (0.0, float(time[train])),
         (float(time[train]), float(time[-1])),
-        errors,
+        _errors(physical, runs, k),
         time[held],
         physical.evidence.measured[held, k],
         runs["nominal"].predicted[held, k],
         runs["retuned"].predicted[held, k],
         runs["explained"].predicted[held, k],
     )
+
+
+def recording_fits(physical: Physical, runs: dict[str, Simulated]) -> tuple[RecordingFit, ...]:
+    """How well each of several recordings is simulated; none where there is one only."""
+    evidence = physical.evidence
+    if len(evidence.names) < 2:
+        return ()
+    several = zip(evidence.names, evidence.spans, evidence.recordings, strict=True)
+    return tuple(
+        RecordingFit(
+            name,
+            span,
+            samples.start >= physical.train,
+            {c.signal: _errors(physical, runs, k, samples) for k, c in enumerate(evidence.channels)},
+        )
+        for name, span, samples in several
+    )
+
+
+def _errors(
+    physical: Physical, runs: dict[str, Simulated], k: int, samples: slice | None = None
+) -> dict[str, float]:
+    """Errors of a channel and its noise over its standard deviation, by default in the unseen part."""
+    found = {name: nrmse(physical, run.predicted, k, samples) for name, run in runs.items()}
+    return found | {"noise_floor": float(physical.noise.level[k]) / spread(physical, k, samples)}
 
 
 def free_runs(physical: Physical, runs: dict[str, Simulated]) -> dict[str, FreeRun]:

@@ -28,18 +28,20 @@ class Simulated:
 def simulate_all(physical: Physical, fitted: Fitted) -> Simulated:
     """Run a fitted model over the whole recording.
 
-    A run over everything begins in the state that the training part gave. Short runs begin in states that fit
-    each of them: what is recorded at their starts alone is too noisy, or too coarse, to begin from.
+    A run over everything begins in the state that the training part gave. Of several runs each begins in a
+    state that fits it: what is recorded at their starts alone is too noisy, or too coarse, to begin from.
     """
     return Simulated(fitted, begun_runs(physical, fitted)[1])
 
 
 def begun_runs(physical: Physical, fitted: Fitted) -> tuple[Windows, Floats]:
     """Runs of a fitted model over the whole recording, where they begin, and what they predict (s, k)."""
-    runs = physical.fitting.corrected(physical.windows, fitted)
-    spec = fitted.model.spec
+    runs, spec = physical.windows, fitted.model.spec
+    if runs.is_one:
+        runs = physical.fitting.corrected(runs, fitted)
+        return runs, physical.experiment.predicted(spec, runs)
     predicted = physical.experiment.predicted(spec, runs)
-    if runs.length is None or not np.isfinite(predicted).all():
+    if not np.isfinite(predicted).all():
         return runs, predicted
     fitting = _fitted_states(physical, spec, predicted)
     begun = physical.experiment.predicted(spec, fitting)
@@ -64,24 +66,29 @@ def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows
     return Windows(runs.start, runs.state + np.stack(steps), runs.length)
 
 
-def spread(physical: Physical, channel: int) -> float:
-    """Standard deviation of a signal on the unseen part; of the whole of it where it hardly moves there."""
+def spread(physical: Physical, channel: int, samples: slice | None = None) -> float:
+    """Standard deviation of a signal in some samples, by default the unseen ones; of the whole of it where it
+    hardly moves there.
+    """
     measured = physical.evidence.measured[:, channel]
-    held = float(np.nanstd(measured[physical.train :]))
+    there = float(np.nanstd(measured[samples or slice(physical.train, None)]))
     return (
-        held
-        if held > STILL_SIGNAL_TO_NOISE * physical.noise.level[channel]
+        there
+        if there > STILL_SIGNAL_TO_NOISE * physical.noise.level[channel]
         else max(float(np.nanstd(measured)), 1e-300)
     )
 
 
-def nrmse(physical: Physical, predicted: Floats, channel: int) -> float:
-    """Error on the held-out part over the `spread` of the signal; `DIVERGED_ERROR` at most."""
-    held = slice(physical.train, None)
-    error = physical.evidence.measured[held, channel] - predicted[held, channel]
-    if not np.isfinite(predicted[held, channel]).all():
+def nrmse(physical: Physical, predicted: Floats, channel: int, samples: slice | None = None) -> float:
+    """Error in some samples, by default the unseen ones, over the `spread` of the signal there;
+    `DIVERGED_ERROR` at most.
+    """
+    samples = samples or slice(physical.train, None)
+    error = physical.evidence.measured[samples, channel] - predicted[samples, channel]
+    if not np.isfinite(predicted[samples, channel]).all():
         return DIVERGED_ERROR
-    return min(float(np.sqrt(np.nanmean(np.square(error)))) / spread(physical, channel), DIVERGED_ERROR)
+    size = spread(physical, channel, samples)
+    return min(float(np.sqrt(np.nanmean(np.square(error)))) / size, DIVERGED_ERROR)
 
 
 def errors_of(physical: Physical, predicted: Floats) -> Floats:

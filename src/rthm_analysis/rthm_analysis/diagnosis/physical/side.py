@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO, TRAINED_SHARE
+from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
@@ -99,7 +99,7 @@ def diagnose_physical(
     progress : callable
         Told what is being done, in words.
     """
-    train = int(TRAINED_SHARE * evidence.stamps_ns.size)
+    train = evidence.trained
     first = before if evidence.driven_by == "command" else np.empty(0)
     drives = Drives([], spec, {}, np.empty((train, 0)), np.empty(0), wanders=False)
     if evidence.only("motor").channels:

@@ -102,7 +102,7 @@ def beyond_springs(physical: Physical) -> Iterator[Beyond]:
         force, x = (channels.index(one) for one in (("force", name), ("position", dof)))
         at, u = spec.plant.dofs.index(dof), motion.motor[:, actuator]
         elongation = u - evidence.measured[:, x]
-        rate = np.gradient(u, evidence.time) - motion.velocity[:, at]
+        rate = evidence.rates(u) - motion.velocity[:, at]
         noise = float(np.hypot(physical.noise.level[force], k * physical.noise.level[x]))
         yield Beyond(
             name,

@@ -2,6 +2,7 @@
 
 ==============  ===============================================================================
 ``evidence``    what went in, what was measured, and when
+``joint``       several recordings as one
 ``between``     what a load did between two of its samples
 ``resolution``  how finely a replay has to go through time
 ``grid``        its time grid

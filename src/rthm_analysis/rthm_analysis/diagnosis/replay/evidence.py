@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.replay import (
     REST_MOST_SHARE,
     STRAY_COMMANDS_SHARE,
 )
+from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -55,7 +57,8 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Inputs and outputs of the physical side in one recording; equal to nothing but itself.
+    """Inputs and outputs of the physical side in a recording, or in several one after the other; equal to
+    nothing but itself.
 
     Attributes
     ----------
@@ -75,6 +78,10 @@ class Evidence:
         What could not be used.
     under_way : float
         Shortest time from the stamp of a command to its arrival, s; no motor can answer earlier by more.
+    begins : tuple of int
+        First sample of each recording.
+    names : tuple of str
+        Of the recordings, where there are several.
     """
 
     stamps_ns: Integers
@@ -86,6 +93,8 @@ class Evidence:
     driven_by: str
     notes: tuple[str, ...] = ()
     under_way: float = 0.0
+    begins: tuple[int, ...] = (0,)
+    names: tuple[str, ...] = ("",)
 
     @cached_property
     def time(self) -> Floats:
@@ -99,14 +108,47 @@ class Evidence:
         """
         return self.driven_by == "command" or bool(np.any(self.load))
 
-    def first(self, samples: int) -> Evidence:
-        """The first part of it."""
+    @property
+    def recordings(self) -> list[slice]:
+        """Samples of each recording."""
+        return [slice(*ends) for ends in pairwise((*self.begins, self.stamps_ns.size))]
+
+    @property
+    def spans(self) -> list[tuple[float, float]]:
+        """Begin and end of each recording, s; the first begins with the test."""
+        begins = [0.0, *(float(self.time[first]) for first in self.begins[1:])]
+        return [(a, float(self.time[one][-1])) for a, one in zip(begins, self.recordings, strict=True)]
+
+    @property
+    def longest(self) -> float:
+        """Duration of the longest recording, s."""
+        return max(end - begin for begin, end in self.spans)
+
+    @property
+    def trained(self) -> int:
+        """Samples, from the first, that fits and choices may see: of several recordings all but the last."""
+        return self.begins[-1] or int(TRAINED_SHARE * self.stamps_ns.size)
+
+    def rates(self, values: Floats) -> Floats:
+        """Rates (s,) of some values (s,) in each recording by itself."""
+        return np.concatenate([np.gradient(values[one], self.time[one]) for one in self.recordings])
+
+    def kept(self, samples: Integers | slice) -> Evidence:
+        """What some of its samples say, in their order."""
+        rows = np.arange(self.stamps_ns.size)[samples]
         return replace(
             self,
-            stamps_ns=self.stamps_ns[:samples],
-            load=self.load[:samples],
-            measured=self.measured[:samples],
+            stamps_ns=self.stamps_ns[samples],
+            load=self.load[samples],
+            measured=self.measured[samples],
+            begins=tuple(
+                int(one) for one in np.unique(np.searchsorted(rows, self.begins)) if one < rows.size
+            ),
         )
+
+    def first(self, samples: int) -> Evidence:
+        """The first part of it."""
+        return self.kept(slice(samples))
 
     def only(self, *families: str) -> Evidence:
         """What channels of some families say."""

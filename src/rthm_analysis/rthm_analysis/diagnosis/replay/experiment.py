@@ -139,8 +139,7 @@ class Experiment:
     def draft(self, kept: Integers | slice = slice(None)) -> Experiment:
         """The same test in coarser steps, with the samples that are kept."""
         e = self.evidence
-        some = replace(e, stamps_ns=e.stamps_ns[kept], load=e.load[kept], measured=e.measured[kept])
-        return Experiment(some, self.first, self.starts_ns, self.between, False, e, self.budget)
+        return Experiment(e.kept(kept), self.first, self.starts_ns, self.between, False, e, self.budget)
 
     @property
     def is_draft(self) -> bool:
@@ -279,7 +278,7 @@ class Experiment:
 def _key(bare: Spec, windows: Windows) -> str:
     """What tells a model, started in some windows, from others."""
     moved = (bare.plant, bare.actuator, bare.interface, bare.effects)
-    return f"{moved!r} {hash(windows.state.tobytes())} "
+    return f"{moved!r} {hash((windows.start.tobytes(), windows.state.tobytes()))} "
 
 
 def _without_sensors(spec: Spec) -> Spec:

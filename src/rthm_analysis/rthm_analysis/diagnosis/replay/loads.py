@@ -32,7 +32,11 @@ def load_on(grid: Grid, evidence: Evidence, between: Between) -> Floats:
         return straight(grid, time, load)
     from scipy.interpolate import CubicSpline
 
-    return np.asarray(CubicSpline(time, load)(points))
+    smooth = np.zeros((*points.shape, load.shape[1]))
+    for one, (begin, end) in zip(evidence.recordings, evidence.spans, strict=True):
+        there = points[:, 0] >= begin
+        smooth[there] = CubicSpline(time[one], load[one])(np.minimum(points[there], end))
+    return smooth
 
 
 def straight(grid: Grid, time: Floats, load: Floats) -> Floats:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.replay import (
+    LATTICE_LAST_DIGIT_SHARE,
+    LATTICE_MOST_DIGITS,
     LATTICE_MOST_VALUES,
     LATTICE_TOLERANCE,
     NOISE_MEDIAN_TO_RMS,
@@ -102,5 +104,20 @@ def lattice(values: Floats) -> float | None:
     for _ in range(3):
         counts = np.rint(gaps / step)
         step = float(np.sum(gaps * counts) / np.sum(counts * counts))
-    off = np.abs(known / step - np.rint(known / step))
-    return step if float(off.max()) < LATTICE_TOLERANCE + 1e-9 * np.abs(known).max() / step else None
+    counts = np.rint(known / step)  # over the whole range the step is told best
+    step = float(np.sum(known * counts) / np.sum(counts * counts))
+    off = np.abs(known / step - counts)
+    allowed = LATTICE_TOLERANCE + 1e-9 * np.abs(known).max() / step
+    written = 0.5 * _last_digit(known) / step
+    if written < LATTICE_LAST_DIGIT_SHARE:
+        allowed += written
+    return step if float(off.max()) < allowed else None
+
+
+def _last_digit(values: Floats) -> float:
+    """Value of the last decimal digit with which all values are written; 0 where they have more."""
+    for digits in range(LATTICE_MOST_DIGITS):
+        scaled = values * 10.0**digits
+        if np.all(np.abs(scaled - np.rint(scaled)) < 1e-6):
+            return float(10.0**-digits)
+    return 0.0

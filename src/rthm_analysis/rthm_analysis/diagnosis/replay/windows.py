@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Windows:
-    """Free runs of one recording.
+    """Free runs of one recording, or of several.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Windows:
     state : (r, 2 n) array
         Positions and velocities there.
     length : float or None
-        Seconds of each; None: one run over the whole recording.
+        Seconds of each; None: one run over the whole of every recording.
     """
 
     start: Integers
@@ -57,6 +57,11 @@ class Windows:
         kept = [np.arange(a, b, step) for a, b in zip(self.start, ends, strict=True)]
         start = np.cumsum([0, *(part.size for part in kept[:-1])])
         return np.concatenate(kept), Windows(start, self.state, self.length)
+
+    @property
+    def is_one(self) -> bool:
+        """Whether there is just one run."""
+        return self.length is None and self.start.size == 1
 
     def moved(self, column: int, by: float) -> Windows:
         """The same with one entry of every state moved."""
@@ -82,17 +87,20 @@ def windows(
         Windows of one period of the motion, in which a wrong model stays near where it would not for long.
     """
     assert spec.plant is not None
-    duration = float(evidence.time[-1])
+    duration = evidence.longest
     length = None
     if short:
         length = SHORT_WINDOW_PERIODS * period(evidence)
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
-    instants = np.arange(0.0, duration, length) if length else np.zeros(1)
-    start = np.searchsorted(evidence.time, instants)
+    instants = [np.arange(a, b, length) if length else np.full(1, a) for a, b in evidence.spans]
+    start = np.searchsorted(evidence.time, np.concatenate(instants))
     state = np.array([state_at(evidence, spec, int(s)) for s in start])
     if known_start:
-        state[0] = [*spec.plant.initial_position, *spec.plant.initial_velocity]
+        state[np.isin(start, evidence.begins)] = [
+            *spec.plant.initial_position,
+            *spec.plant.initial_velocity,
+        ]
     return Windows(start.astype(np.int64), state, length)
 
 
@@ -105,14 +113,14 @@ def _drifts(spec: Spec, duration: float) -> bool:
 
 
 def _shortest(evidence: Evidence, duration: float) -> float:
-    shortest = WINDOW_FEWEST_SAMPLES * duration / evidence.time.size
+    shortest = WINDOW_FEWEST_SAMPLES * float(evidence.time[-1]) / evidence.time.size
     return float(min(max(SHORTEST_WINDOW_PERIODS * period(evidence), shortest), duration))
 
 
 def period(evidence: Evidence) -> float:
     """Mean period of the recorded motion, s."""
     position = np.nan_to_num(evidence.measured[:, 0])
-    rate = np.gradient(position, evidence.time)
+    rate = evidence.rates(position)
     return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
 
 
@@ -121,12 +129,13 @@ def _step(evidence: Evidence) -> float:
 
 
 def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
-    """Position and velocity at a sample, from parabolas through its neighbours."""
+    """Position and velocity at a sample, from parabolas through its neighbours in the same recording."""
     assert spec.plant is not None
     dofs = spec.plant.dofs
     width = min(START_HALF_WIDTH, max(2, int(START_PERIOD_SHARE * period(evidence) / _step(evidence))))
-    high = min(max(sample + width + 1, START_FEWEST_SAMPLES), evidence.time.size)
-    low = max(min(sample - width, high - START_FEWEST_SAMPLES), 0)
+    here = next(one for one in reversed(evidence.recordings) if one.start <= sample)
+    high = min(max(sample + width + 1, here.start + START_FEWEST_SAMPLES), here.stop)
+    low = max(min(sample - width, high - START_FEWEST_SAMPLES), here.start)
     t = evidence.time[low:high] - evidence.time[sample]
     state = np.zeros(2 * len(dofs))
     for column, channel in enumerate(evidence.channels):

@@ -134,7 +134,7 @@ def dof_scene(spec: Spec, evidence: Evidence, motion: Motion, dof: str) -> Scene
         dof,
         x,
         motion.velocity[:, i],
-        np.gradient(motion.velocity[:, i], evidence.time),
+        evidence.rates(motion.velocity[:, i]),
         force,
         np.empty(0),
         mass,

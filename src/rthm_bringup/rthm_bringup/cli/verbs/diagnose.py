@@ -11,20 +11,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rthm_bringup.cli.options import Bag, Effects, Json, SpecOfBag, recording_of
+from rthm_bringup.cli.options import Bags, Effects, Json, SpecOfBag, recording_of
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis import Diagnosis
-    from rthm_analysis.diagnosis.result import Fit
+    from rthm_analysis.diagnosis.result import Fit, RecordingFit
 
 EXAMPLES = (
     "rthm diagnose out/bag",
     "rthm diagnose out/bag --spec rig.yaml --report diagnosis.html --patched patched.yaml",
+    "rthm diagnose low/bag middle/bag high/bag --spec rig.yaml",
 )
 
 
 def verb(
-    bag: Bag,
+    bags: Bags,
     spec: SpecOfBag = None,
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.html", help="Write a page about it.")
@@ -42,23 +43,24 @@ def verb(
     effects: Effects = None,
     json: Json = None,
 ) -> int:
-    """Find where a recording and its simulation differ, and why."""
-    from rthm_analysis.diagnosis import diagnose
+    """Find where a recording, or several, and the simulation differ, and why."""
+    from rthm_analysis.diagnosis import diagnose_together
     from rthm_analysis.recording import nominal_spec
     from rthm_bringup.cli.output import put, status
     from rthm_core.files import write_whole
 
-    recording = recording_of(bag, effects)
-    nominal = nominal_spec(recording, spec or None, effects or ())
+    recordings = [recording_of(bag, effects) for bag in bags]
+    nominal = [nominal_spec(one, spec or None, effects or ()) for one in recordings]
     with status("reading") as say:
-        found = diagnose(recording, nominal, say)
-    found = replace(found, notes=(*recording.notes, *found.notes))
+        found = diagnose_together(recordings, nominal, say)
+    notes = dict.fromkeys(note for one in recordings for note in one.notes)
+    found = replace(found, notes=(*notes, *found.notes))
     lines = [*_lines(found), *_not_patched(found, patched), *_not_planned(found, next_test)]
     with ExitStack() as every:  # what cannot be written keeps nothing else from being written
         if report:
             from rthm_analysis.report.diagnosis import write_diagnosis
 
-            every.callback(write_diagnosis, found, recording, nominal, report)
+            every.callback(write_diagnosis, found, recordings[0], nominal[0], report)
         for text, path in ((found.patched, patched), (found.next_experiment_spec, next_test)):
             if path and text:
                 every.callback(write_whole, path, text)
@@ -88,6 +90,8 @@ def _lines(found: Diagnosis) -> Iterator[str]:
     yield from found.unexplained
     for fit in found.fits:
         yield _fit(fit)
+    for one in found.recordings:
+        yield _in_recording(one)
     unclear = [
         f"{effect(a.kind, a.block).called()} ({a.block})" for a in found.alternatives if not a.distinguishable
     ]
@@ -98,16 +102,27 @@ def _lines(found: Diagnosis) -> Iterator[str]:
 
 
 def _fit(fit: Fit) -> str:
-    """Errors of a signal on unseen data: of each model that is another than the one before it."""
-    from rthm_analysis.diagnosis.numbers import percent
-
+    """Errors of a signal on unseen data."""
     span = "" if fit.window is None else f", in free runs of {fit.window:.3g} s"
-    words = (("nominal", "as specified"), ("retuned", "retuned"), ("explained", "explained"))
-    known = [(fit.nrmse[name], said) for name, said in words]
-    changed = [known[0], *(now for before, now in pairwise(known) if now[0] != before[0])]
-    errors = ", ".join(f"{percent(error, 3)} {said}" for error, said in changed)
-    floor = percent(fit.nrmse["noise_floor"], 3)
     return (
         f"error of {fit.signal} on held-out data ({fit.held_out[0]:.4g} to {fit.held_out[1]:.4g} s{span}), "
-        f"over the signal's standard deviation: {errors}; the noise alone is {floor}"
+        f"over the signal's standard deviation: {_errors(fit.nrmse)}"
     )
+
+
+def _in_recording(one: RecordingFit) -> str:
+    """Errors of the first signal in one of several recordings."""
+    signal, nrmse = next(iter(one.nrmse.items()))
+    seen = "held out" if one.held_out else "fitted"
+    return f"error of {signal} in {one.name} ({seen}): {_errors(nrmse)}"
+
+
+def _errors(nrmse: dict[str, float]) -> str:
+    """Errors of each model that is another than the one before it, and the noise."""
+    from rthm_analysis.diagnosis.numbers import percent
+
+    words = (("nominal", "as specified"), ("retuned", "retuned"), ("explained", "explained"))
+    known = [(nrmse[name], said) for name, said in words]
+    changed = [known[0], *(now for before, now in pairwise(known) if now[0] != before[0])]
+    errors = ", ".join(f"{percent(error, 3)} {said}" for error, said in changed)
+    return f"{errors}; the noise alone is {percent(nrmse['noise_floor'], 3)}"

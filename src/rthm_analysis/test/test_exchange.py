@@ -241,3 +241,37 @@ def test_what_is_odd_is_said_and_kept(tmp_path: Path) -> None:
 )
 def test_units_are_factors_to_si(unit: str, si: str, value: float) -> None:
     assert factor(unit, si, "y") == pytest.approx(value, rel=1e-15)
+
+
+def test_a_table_in_degrees_below_title_lines_says_what_was_understood(tmp_path: Path) -> None:
+    """A rig that turns, with an encoder whose zero is elsewhere and a moment of torque."""
+    rows = [f"{0.005 * k:.3f},{12.5 + 0.1 * round(300 * np.sin(0.03 * k)):.1f},{100 * np.cos(0.03 * k):.2f}"
+            for k in range(2000)]  # fmt: skip
+    head = ["Rig 7, operator K. M.", "Test of 2026-11-26, 14:30", "", "Time [s],Theta [deg],Torque [mN m]"]
+    file = table(tmp_path / "a.csv", "\n".join([*head, *rows]) + "\n")
+    said = wanted(["position:x1=Theta", "load:x1=Torque"], offsets=["position:x1=12.5"])
+    (found,) = import_files([file], tmp_path / "bag", said)
+    plant = read_recording(found.bag).plant
+    assert plant.position[:, 0].max() == pytest.approx(np.deg2rad(30.0))
+    assert np.abs(plant.effort[:, 0]).max() == pytest.approx(0.1)
+    assert found.sampling == "200 samples per second"
+    turn, torque = found.channels
+    assert (turn.file_unit, turn.unit, torque.unit) == ("deg", "rad", "N m")
+    assert turn.step == pytest.approx(np.deg2rad(0.1)) and turn.readings == 1.0
+    assert turn.words.startswith("position x1 is Theta in deg: -0.524 to 0.524 rad")
+
+
+def test_a_slow_sensor_is_seen_in_a_table(tmp_path: Path) -> None:
+    x = np.repeat(np.random.default_rng(1).normal(size=500), 4)
+    file = table(
+        tmp_path / "a.csv", "t,x\n" + "".join(f"{0.01 * k:.2f},{v!r}\n" for k, v in enumerate(x.tolist()))
+    )
+    (found,) = import_files([file], tmp_path / "bag", wanted(["position:x1=x"]))
+    assert found.channels[0].readings == pytest.approx(0.25)
+    assert "0.25 readings per sample" in found.channels[0].words
+
+
+@pytest.mark.parametrize("text", ["position:x1=zero", "speed=1", "position=inf"])
+def test_an_offset_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match=r"--offset .* must be ROLE=NUMBER"):
+        wanted(["position:x1=x"], offsets=[text])

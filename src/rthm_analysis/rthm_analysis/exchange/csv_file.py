@@ -13,11 +13,14 @@ from rthm_core.errors import InputError, shown
 
 MISSING = ("", "na", "n/a", "null", "none", "-", "nan")
 COMMENTS = ("#", "%", "//")
+MOST_TITLES = 50
+"""Lines above a table that are looked at."""
 
 
 def read_csv(path: Path) -> Columns:
     """Read a text table.
 
+    Title lines above the table are skipped: rows of other lengths than what follows, without numbers alone.
     The first row is taken as names when it is not all numbers (else the columns are called 1, 2, ...), the
     second as units when nothing in it is a number. Empty cells are missing values.
 
@@ -29,6 +32,7 @@ def read_csv(path: Path) -> Columns:
     rows, decimal = _rows(path)
     if not rows:
         raise InputError(f"{path} has no rows; give a table with one row per sample.")
+    rows = rows[_titles(rows, decimal) :]
     headings, first = _headings(rows, decimal)
     names, units = named(headings)
     body = rows[first:]
@@ -87,6 +91,17 @@ def _cells(lines: list[tuple[int, str]], separator: str | None) -> Iterator[tupl
     parsed = csv.reader((line for _, line in lines), delimiter=separator, skipinitialspace=True)
     for (number, _), cells in zip(lines, parsed, strict=False):
         yield number, [cell.strip() for cell in cells]
+
+
+def _titles(rows: list[tuple[int, list[str]]], decimal: str) -> int:
+    """Number of rows above a table that are no part of it."""
+    width = len(rows[-1][1])
+    for k, (_, cells) in enumerate(rows[:MOST_TITLES]):
+        if len(cells) == width:
+            return k
+        if all(_is_value(cell, decimal) for cell in cells):
+            return 0
+    return 0
 
 
 def _headings(rows: list[tuple[int, list[str]]], decimal: str) -> tuple[list[str], int]:

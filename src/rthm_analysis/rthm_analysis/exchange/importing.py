@@ -13,6 +13,7 @@ from rthm_analysis.exchange.benchmarks import benchmark, benchmark_columns
 from rthm_analysis.exchange.columns import Columns
 from rthm_analysis.exchange.formats import READERS, read_columns
 from rthm_analysis.exchange.mapping import USUAL, Signal, Wanted
+from rthm_analysis.exchange.overview import Understood, sampling_words, understood
 from rthm_analysis.exchange.signals import plant_table
 from rthm_analysis.recording import LinkTable, Table
 from rthm_core.clock import NS
@@ -38,6 +39,10 @@ class Imported:
         Dofs, and what acts on them.
     notes : tuple of str
         What is odd about the data, one sentence each.
+    sampling : str
+        How often was sampled, in words.
+    channels : tuple of Understood
+        What each column was taken for; none where the files say it themselves.
     """
 
     bag: Path
@@ -45,6 +50,8 @@ class Imported:
     duration: float
     names: tuple[str, ...]
     notes: tuple[str, ...]
+    sampling: str
+    channels: tuple[Understood, ...] = ()
 
 
 def import_files(
@@ -115,7 +122,8 @@ def _from_columns(columns: Columns, bag: Path, wanted: Wanted, spec: Spec | None
     if not wanted.signals and {"u", "y"} <= set(columns.values):
         wanted = replace(wanted, signals=_input_and_output(spec))
     table, notes = plant_table(columns, wanted, spec)
-    return _written(bag, {PLANT_STATE: table}, {}, spec.expanded() if spec else "", notes)
+    written = _written(bag, {PLANT_STATE: table}, {}, spec.expanded() if spec else "", notes)
+    return replace(written, channels=tuple(understood(columns, wanted, table)))
 
 
 def _input_and_output(spec: Spec | None) -> tuple[Signal, ...]:
@@ -154,4 +162,4 @@ def _written(
     write_bag(bag, tables, links, spec_text)
     plant = tables[PLANT_STATE]
     duration = float(plant.stamp_ns[-1] - plant.stamp_ns[0]) / NS if len(plant) else 0.0
-    return Imported(bag, len(plant), duration, plant.names, tuple(notes))
+    return Imported(bag, len(plant), duration, plant.names, tuple(notes), sampling_words(plant))

@@ -53,12 +53,23 @@ class Wanted:
         Column of the time.
     rate : float or None
         Samples per second, where there is no such column.
+    offsets : dict of float
+        By role or ``role:name``: the reading, in the unit of the file, where the signal is zero.
     """
 
     signals: tuple[Signal, ...] = ()
     units: dict[str, str] = field(default_factory=dict)
     time: str | None = None
     rate: float | None = None
+    offsets: dict[str, float] = field(default_factory=dict)
+
+    def unit_of(self, one: Signal) -> str | None:
+        """Unit that the user gives a signal, or all of its role."""
+        return self.units.get(f"{one.role}:{one.name}") or self.units.get(one.role)
+
+    def offset_of(self, one: Signal) -> float:
+        """Reading, in the unit of the file, where a signal is zero."""
+        return self.offsets.get(f"{one.role}:{one.name}", self.offsets.get(one.role, 0.0))
 
 
 def wanted(
@@ -67,8 +78,9 @@ def wanted(
     time: str | None = None,
     rate: float | None = None,
     spec: Spec | None = None,
+    offsets: Sequence[str] = (),
 ) -> Wanted:
-    """Read what a user says: ``position:x1=COLUMN`` and ``position=mm``.
+    """Read what a user says: ``position:x1=COLUMN``, ``position=mm`` and ``position:x1=512``.
 
     Raises
     ------
@@ -84,7 +96,9 @@ def wanted(
         raise refusal("--rate", rate, "from 1e-6 to 1e7 Hz")
     if rate is not None and time is not None:
         raise InputError(f"--time {time} and --rate {rate:g} are both given; give the one that is right.")
-    return Wanted(signals, dict(_unit(text) for text in units), time, rate)
+    return Wanted(
+        signals, dict(_unit(text) for text in units), time, rate, dict(_offset(text) for text in offsets)
+    )
 
 
 def _signal(text: str, spec: Spec | None) -> Signal:
@@ -131,3 +145,17 @@ def _unit(text: str) -> tuple[str, str]:
             f"roles time, {', '.join(ROLES)}; correct it."
         )
     return left, unit
+
+
+def _offset(text: str) -> tuple[str, float]:
+    left, _, number = text.partition("=")
+    try:
+        value = float(number)
+    except ValueError:
+        value = float("nan")
+    if left.partition(":")[0] not in ROLES or not abs(value) < float("inf"):
+        raise InputError(
+            f"--offset {shown(text)} must be ROLE=NUMBER or ROLE:NAME=NUMBER, as position:x1=512, with one "
+            f"of the roles {', '.join(ROLES)} and the reading where it is zero; correct it."
+        )
+    return left, value

@@ -75,11 +75,10 @@ def _names(wanted: Wanted, spec: Spec | None) -> tuple[str, ...]:
 def _in_si(columns: Columns, one: Signal, wanted: Wanted) -> Floats:
     if one.column not in columns.values:
         raise no_column(columns, one.column)
-    values = np.asarray(columns.values[one.column], dtype=float)
+    values = np.asarray(columns.values[one.column], dtype=float) - wanted.offset_of(one)
     si = ROLES[one.role].unit
-    told = wanted.units.get(f"{one.role}:{one.name}") or wanted.units.get(one.role)
     what = f"{one.role} {one.name} (column {one.column} of {columns.source})"
-    values = values * factor(told or columns.units.get(one.column, si), si, what)
+    values = values * factor(unit_in_file(columns, one, wanted), si, what)
     infinite = np.flatnonzero(np.isinf(values))
     if infinite.size:
         raise InputError(
@@ -89,6 +88,11 @@ def _in_si(columns: Columns, one: Signal, wanted: Wanted) -> Floats:
     if not np.isfinite(values).any():
         raise InputError(f"{columns.source}: {one.column} has no numbers; take another column.")
     return values
+
+
+def unit_in_file(columns: Columns, one: Signal, wanted: Wanted) -> str:
+    """Unit of a signal's column: that which the user gives, else that of the file, else SI."""
+    return wanted.unit_of(one) or columns.units.get(one.column, ROLES[one.role].unit)
 
 
 def _remarks(one: Signal, values: Floats) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from rthm_core.errors import InputError, shown
@@ -17,13 +18,32 @@ _LENGTHS = {
     "ft": 0.3048,
 }
 
+_ANGLES = {
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "deg": math.pi / 180.0,
+    "\N{DEGREE SIGN}": math.pi / 180.0,
+    "rev": 2.0 * math.pi,
+}
+"""Angles stand for positions, and moments for forces."""
+
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kgf": 9.80665}
+
+_MOMENTS = {f"{unit}{gap}m": _FORCES[unit] for unit in ("N", "mN", "kN", "MN") for gap in (" ", "")}
+
 FACTORS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-    "m": _LENGTHS,
-    "m/s": {f"{unit}/s": factor for unit, factor in _LENGTHS.items()} | {"km/h": 1.0 / 3.6},
-    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "m": _LENGTHS | _ANGLES,
+    "m/s": {f"{unit}/s": factor for unit, factor in (_LENGTHS | _ANGLES).items()}
+    | {"km/h": 1.0 / 3.6, "rpm": math.pi / 30.0},
+    "N": _FORCES | _MOMENTS,
 }
 """By SI unit."""
+
+TURNING = {"m": "rad", "m/s": "rad/s", "N": "N m"}
+"""SI unit of an angle, its rate or a moment, by that of what it stands for."""
+
+_TURNING_UNITS = {*_ANGLES, *(f"{unit}/s" for unit in _ANGLES), "rpm", *_MOMENTS}
 
 _FACTOR = re.compile(r"^(?P<number>[-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\*?\s*(?P<unit>.*)$")
 
@@ -45,9 +65,7 @@ def factor(text: str, si: str, what: str) -> float:
     InputError
         The unit is not known, or the factor is zero or not finite.
     """
-    found = _FACTOR.match(text.strip())
-    number, unit = (float(found["number"]), found["unit"] or si) if found else (1.0, text.strip())
-    unit = unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    number, unit = _split(text, si)
     known = FACTORS[si]
     if unit not in known or not 0.0 < abs(number * known[unit]) < float("inf"):
         raise InputError(
@@ -55,3 +73,15 @@ def factor(text: str, si: str, what: str) -> float:
             f"{si} that one of it is; give that number with --unit."
         )
     return number * known[unit]
+
+
+def si_unit(text: str, si: str) -> str:
+    """SI unit of values in some unit: that of an angle or a moment where the unit is one of these."""
+    return TURNING.get(si, si) if _split(text, si)[1] in _TURNING_UNITS else si
+
+
+def _split(text: str, si: str) -> tuple[float, str]:
+    """Number and unit of a factor."""
+    found = _FACTOR.match(text.strip())
+    number, unit = (float(found["number"]), found["unit"] or si) if found else (1.0, text.strip())
+    return number, unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")

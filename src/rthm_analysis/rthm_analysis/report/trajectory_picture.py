@@ -36,13 +36,20 @@ def draw(columns: Mapping[str, Floats], path: Path, ideal: Trajectory | None = N
     ideal : Trajectory, optional
         Motion of the ideal system, drawn beside that of the loop.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     t = np.asarray(columns["t"])
     panels = {label: _curves(columns, names) for label, names in PANELS.items()}
     panels["energy (J)"] = {name: np.asarray(columns[name]) for name in columns if name.startswith("E_")}
     shown = {label: curves for label, curves in panels.items() if any(np.any(one) for one in curves.values())}
+    write_panels(t, shown, path, ideal)
+
+
+def write_panels(
+    t: Floats, shown: Mapping[str, Mapping[str, Floats]], path: Path, ideal: Trajectory | None = None
+) -> None:
+    """Write panels, one below the other, by the label of their axis, each with its curves (N,) over `t`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(8.0, 2.6 * len(shown)), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]

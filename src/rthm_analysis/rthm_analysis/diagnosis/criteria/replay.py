@@ -41,7 +41,7 @@ third is enough for a draft."""
 
 # Work.
 
-BUDGET_STEPS = 1.35e8
+BUDGET_STEPS = 1.5e8
 """Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_S` winds down; on a
 slow host about 40 s of one core."""
 

@@ -29,7 +29,7 @@ def readings_only(evidence: Evidence) -> Evidence:
     for k, channel in motors_last:
         if channel.family == "motor" and len(notes) == len(evidence.notes):
             break  # a motor may stand still from command to command; it is no slow sensor by itself
-        kept, way = _readings(measured[:, k])
+        kept, way = own_readings(measured[:, k])
         if kept is not None:
             notes.append(
                 f"The {channel.family} of {channel.place} has {kept.mean():.3g} readings per sample; "
@@ -43,8 +43,8 @@ def readings_only(evidence: Evidence) -> Evidence:
     )
 
 
-def _readings(values: Floats) -> tuple[Flags | None, str]:
-    """Which samples are readings of their own; None: all of them."""
+def own_readings(values: Floats) -> tuple[Flags | None, str]:
+    """Which samples (s,) are readings of their own, and what was done between them; None: all of them are."""
     if values.size < READINGS_FEWEST_SAMPLES or not np.isfinite(values).all() or values.min() == values.max():
         return None, ""
     held = _held(values)

@@ -81,20 +81,23 @@ def _alone(alone: WiresAlone, model: Model, residual: Floats, stds: Floats) -> _
 
 
 def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[InitialGuess, _Alone]]:
-    """The kinds that explain the force best, fitted to their end as far as the budget goes, best first."""
+    """The kinds that explain the force best, best first: fitted to their end as far as the budget goes, but
+    for those that explain little where another leaves as good as nothing.
+    """
     alone, without = fitting.wires_alone, nothing.model
     starts = _best_starts(fitting, without)
     rough = fitting.cores.each(
         lambda start: _fitted(alone, without, start.added_to(without), WIRE_ROUGH_RUNS), starts
     )
     order = sorted(range(len(starts)), key=lambda i: rough[i].beyond(nothing))[: WIRE_MOST_ALIKE + 1]
-    fine = []
+    fine: list[_Alone] = []
     for i in order:
-        spent = fitting.budget.spent
-        fine.append(
-            (starts[i], rough[i] if spent else _fitted(alone, without, rough[i].model, WIRE_FINE_RUNS))
-        )
-    return sorted(fine, key=lambda one: one[1].beyond(nothing))
+        settled = any(one.beyond(nothing) < WIRE_SETTLED_SHARE * nothing.left for one in fine)
+        behind = settled and rough[i].beyond(nothing) > WIRE_LEFT_SHARE * nothing.beyond(nothing)
+        ends = behind or fitting.budget.spent
+        fine.append(rough[i] if ends else _fitted(alone, without, rough[i].model, WIRE_FINE_RUNS))
+    found = zip([starts[i] for i in order], fine, strict=True)
+    return sorted(found, key=lambda one: one[1].beyond(nothing))
 
 
 def _left(alone: WiresAlone, model: Model) -> Floats:

@@ -27,6 +27,7 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.choosing import choose, is_lost
 from rthm_analysis.diagnosis.search.judging import Selection, imitates, merit, reduced_chi2
+from rthm_analysis.diagnosis.search.wire_from_force import wires_from_force
 
 
 def chosen(
@@ -188,6 +189,9 @@ def _by_effects(
     def is_over(left: float) -> bool:
         return (first is not None and first.is_enough(left)) or left > lost
 
+    if short is not None and draft is not None and wires_from_force(draft.fitting, draft.retuned):
+        # Beside a wire that is no spring a wrong model is lost at once, whatever is tried.
+        return _led_by(short, begun, Selection(begun.retuned, begun.retuned))
     selection = _choice(begun, is_over, draft)
     if first is not None and first.found is not None:
         return begun, selection

@@ -113,6 +113,10 @@ class Experiment:
         self.starts_ns = starts_ns
         self._forget()
 
+    def beginning_at(self, starts_ns: Integers) -> Experiment:
+        """The same test in free runs of its own, which begin at some instants."""
+        return replace(self, starts_ns=starts_ns, _motors={}, _motions={}, _grids={}, _lock=Lock())
+
     def sharpen(self, spec: Spec) -> bool:
         """Refine the grid from now on if a wire of this model needs it, but for a draft; whether anything
         changed.

@@ -18,6 +18,7 @@
 ``pieces``           effects of which combinations are made
 ``subsets``          what every combination would leave
 ``combining``        combinations that do better than what was found one by one
+``driven_plant``     the plant alone, under the forces that were measured
 ``beside_wire``      what goes beside an effect of such a wire
 ``choosing``         effects added one at a time, as long as unseen data are predicted better
 ===================  ========================================================================

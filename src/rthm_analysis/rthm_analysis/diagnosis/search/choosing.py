@@ -54,7 +54,7 @@ def choose(
     """
     if begun and begun.rounds:
         return _going_on(fitting, _together(fitting, begun), stop)
-    return _going_on(fitting, selected_from_wire(fitting, base) or Selection(base, base), stop)
+    return _going_on(fitting, selected_from_wire(fitting, base, choose) or Selection(base, base), stop)
 
 
 def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bool]) -> Selection:

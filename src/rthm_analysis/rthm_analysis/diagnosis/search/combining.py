@@ -36,9 +36,9 @@ from rthm_analysis.diagnosis.search.subsets import promised
 from rthm_analysis.diagnosis.search.tone_evidence import lasts
 
 
-def combined(fitting: Fitting, selection: Selection) -> Selection:
-    """Leave what was found for another combination that predicts unseen data clearly better."""
-    for again in range(COMBINATIONS_IN_TURN):
+def combined(fitting: Fitting, selection: Selection, turns: int = COMBINATIONS_IN_TURN) -> Selection:
+    """Leave what was found for another combination that predicts unseen data clearly better, in turns."""
+    for again in range(turns):
         spent = fitting.budget.spent and (again > 0 or fitting.reduced_chi2 > NEAR_NOISE_CHI2)
         asks = _questionable(fitting, selection) and not spent
         other = _other(fitting, selection) if asks else None

@@ -79,7 +79,7 @@ def diagnose_together(
     --------
     >>> low, high = (read_recording(path) for path in ("low/bag", "high/bag"))  # doctest: +SKIP
     >>> diagnose_together([low, high], [spec, spec]).physics[0].kind  # doctest: +SKIP
-    'softening'
+    'cubic_stiffness'
     """
     say, spec = progress or (lambda said: None), specs[0]
     for one, nominal in zip(recordings, specs, strict=True):

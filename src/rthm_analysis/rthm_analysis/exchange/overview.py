@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.replay.updates import own_readings
 from rthm_analysis.exchange.columns import Columns
 from rthm_analysis.exchange.mapping import ROLES, Wanted
 from rthm_analysis.exchange.signals import unit_in_file
+from rthm_analysis.exchange.stamps import are_gaps
 from rthm_analysis.exchange.units import si_unit
 from rthm_analysis.recording import Table
 from rthm_core.clock import NS
@@ -85,7 +86,6 @@ def sampling_words(table: Table) -> str:
     if len(table) < 2:
         return "one sample"
     seconds = float(table.stamp_ns[-1] - table.stamp_ns[0]) / NS
-    steps = np.diff(table.stamp_ns)
-    gaps = int(np.count_nonzero(steps > 1.5 * np.median(steps)))
+    gaps = int(np.count_nonzero(are_gaps(np.diff(table.stamp_ns))))
     lost = f", with {gaps} gaps" if gaps > 1 else ", with a gap" if gaps else ""
     return f"{bare((len(table) - 1) / seconds, 6)} samples per second{lost}"

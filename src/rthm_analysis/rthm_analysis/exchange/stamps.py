@@ -14,7 +14,7 @@ from rthm_core.clock import NS
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats, Integers
+    from rthm_core.compiled import Flags, Floats, Integers
 
 USUAL_NAMES = ("t", "time", "zeit", "temps", "timestamp", "stamp", "seconds")
 UNEVEN = 0.01
@@ -109,13 +109,18 @@ def _check_order(columns: Columns, name: str, stamps: Integers) -> None:
         )
 
 
+def are_gaps(steps: Integers) -> Flags:
+    """Which steps of time (n,) lack samples."""
+    return np.asarray(steps > 1.5 * np.median(steps))
+
+
 def _remarks(stamps: Integers) -> Sequence[str]:
     steps = np.diff(stamps)
     if not steps.size:
         return []
     period = float(np.median(steps))
     remarks = []
-    gaps = steps > 1.5 * period
+    gaps = are_gaps(steps)
     if gaps.any():
         remarks.append(
             f"gaps in time: {int(gaps.sum())}, the longest {steps.max() / NS:.4g} s: samples are missing."

@@ -153,8 +153,7 @@ def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
     alone = []
     for i, tried in enumerate(selection.rounds):
         start = tried[0].start
-        added = replace(start.added, parameters=best.effect_values(i))
-        alone.append(replace(start, added=added).added_to(other.nominal.model))
+        alone.append(start.having(best.effect_values(i)).added_to(other.nominal.model))
     for model in [best, *alone]:
         with suppress(np.linalg.LinAlgError):
             found.append(other.fitting.fit(model, most=STEPS_OF_ANOTHER_BEGINNING))

@@ -140,12 +140,8 @@ def _with_what_the_plant_lacks(
     alone = driven.fit(driven.base)
     driven.reduced_chi2 = reduced_chi2(driven, alone)
     found = choose(driven, alone)
-    starts = [
-        replace(
-            tried[0].start, added=replace(tried[0].start.added, parameters=found.best.model.effect_values(i))
-        )
-        for i, tried in enumerate(found.rounds)
-    ]
+    best = found.best.model
+    starts = [tried[0].start.having(best.effect_values(i)) for i, tried in enumerate(found.rounds)]
     return [_with_all(fitting, base, chain, starts) for chain in chains]
 
 
@@ -211,8 +207,7 @@ def _beside(
     values, alone = wire.fitted.model.values, single.fitted.model
     own = len(base.model.parameters)
     values[:own] = alone.values[:own]
-    added = replace(single.start.added, parameters=alone.effect_values(len(alone.added) - 1))
-    start = replace(single.start, added=added)
+    start = single.start.having(alone.effect_values(len(alone.added) - 1))
     model = start.added_to(wire.fitted.model.at(values))
     with fitting.based_on(model):
         return fit_further(fitting, unfitted(start, wire.fitted, model), None, BESIDE_WIRE_STEPS)

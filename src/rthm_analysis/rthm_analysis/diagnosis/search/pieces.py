@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -141,7 +141,7 @@ def _frequency(start: InitialGuess) -> float:
 def _ahead(start: InitialGuess, phase: float) -> InitialGuess:
     """The same tone, ahead by some phase in rad."""
     values = start.added.parameters | {"phase": float(start.added.parameters["phase"]) + phase}
-    return replace(start, added=replace(start.added, parameters=values))
+    return start.having(values)
 
 
 def _change(fitting: Fitting, selection: Selection, start: InitialGuess) -> Floats | None:

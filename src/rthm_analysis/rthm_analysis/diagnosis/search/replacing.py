@@ -160,7 +160,7 @@ def _fitted_instead(
     model = other.fitted.model
     own = next(i for i, one in reversed(list(enumerate(model.added))) if one.label == other.label[:2])
     values = model.effect_values(own)
-    start = replace(other.start, added=replace(other.start.added, parameters=values))
+    start = other.start.having(values)
     return _fitted_with(fitting, selection, index, start)
 
 

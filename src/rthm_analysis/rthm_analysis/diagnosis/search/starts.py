@@ -44,13 +44,17 @@ class InitialGuess:
         """A model with this effect, as large as it is here."""
         return model.plus(self.added, self.free, self.scales)
 
+    def having(self, parameters: dict[str, float | str]) -> InitialGuess:
+        """The same start with other values of its parameters."""
+        return replace(self, added=replace(self.added, parameters=parameters))
+
     @property
     def doubled(self) -> InitialGuess:
         """The same start with twice the parameter `also`."""
         assert self.also is not None
         values = dict(self.added.parameters)
         values[self.also] = 2.0 * float(values[self.also])
-        return replace(self, added=replace(self.added, parameters=values))
+        return self.having(values)
 
     def with_also(self, factor: float) -> InitialGuess:
         """The same start with the parameter `also` times a factor, which is kept positive."""
@@ -58,7 +62,7 @@ class InitialGuess:
         values = dict(self.added.parameters)
         values[self.also] = max(factor, 0.05) * float(values[self.also])
         scales = self.scales | {self.also: float(values[self.also])}
-        return replace(self, added=replace(self.added, parameters=values), scales=scales)
+        return replace(self.having(values), scales=scales)
 
     @property
     def trial(self) -> float:
@@ -71,7 +75,7 @@ class InitialGuess:
         for key in self.amplitude:
             values[key] = self.neutral + factor * (float(values[key]) - self.neutral)
         scales = {key: abs(float(values[key]) - self.neutral) or self.scales[key] for key in self.amplitude}
-        return replace(self, added=replace(self.added, parameters=values), scales=self.scales | scales)
+        return replace(self.having(values), scales=self.scales | scales)
 
 
 def guessed(

@@ -136,7 +136,7 @@ def wait_for_node(name: str, network: Network) -> None:
             time.sleep(0.05)
 
 
-def test_nodes_of_somebody_else_are_noticed_before_anything_is_started(
+def test_nodes_of_somebody_else_are_noticed_before_anything_moves(
     environment: dict[str, str], tmp_path: Path, network: Network
 ) -> None:
     node = [sys.executable, "-m", "rthm_actuator.node", "--ros-args", "-p", "autostart:=false"]
@@ -149,7 +149,7 @@ def test_nodes_of_somebody_else_are_noticed_before_anything_is_started(
     assert run.returncode == 2
     assert "Another test is in domain" in refusal
     assert "actuator" in refusal
-    assert not (tmp_path / "out" / "log" / "plant.log").exists()
+    assert not (tmp_path / "out" / "bag").exists()
 
 
 @pytest.mark.parametrize(

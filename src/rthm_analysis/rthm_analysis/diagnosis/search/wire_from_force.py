@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -31,12 +32,27 @@ from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
 
-def wires_from_force(fitting: Fitting, fitted: Fitted) -> list[tuple[InitialGuess, Model]]:
+Explained = list[tuple[InitialGuess, Model]]
+"""Effects that each explain the force of a wire, and models with them."""
+
+_ANSWERS: WeakKeyDictionary[WiresAlone, tuple[Model, Explained]] = WeakKeyDictionary()
+"""The last answer of each check: a search asks what its beginning has asked before."""
+
+
+def wires_from_force(fitting: Fitting, fitted: Fitted) -> Explained:
     """Effects that each explain the force of a wire, and models with them, best first.
 
     None where no effect does, or so many that the force tells nothing.
     """
-    alone, without = fitting.wires_alone, fitted.model
+    model, found = _ANSWERS.get(fitting.wires_alone, (None, []))
+    if model is not fitted.model:
+        found = _from_force(fitting, fitted.model)
+        _ANSWERS[fitting.wires_alone] = fitted.model, found
+    return found
+
+
+def _from_force(fitting: Fitting, without: Model) -> Explained:
+    alone = fitting.wires_alone
     if not alone.forces:
         return []
     nothing = _alone(alone, without, alone.residual(without), np.empty(0))

@@ -31,7 +31,6 @@ from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.errors import InputError
 
-
 Explained = list[tuple[InitialGuess, Model]]
 """Effects that each explain the force of a wire, and models with them."""
 

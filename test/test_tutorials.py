@@ -21,6 +21,7 @@ PAGES = [
     ROOT / "README.md",
     *(page for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")) if page != HOSTS),
     ROOT / "docs" / "how-to" / "compare-tests.md",
+    ROOT / "docs" / "how-to" / "test-a-component.md",
 ]
 LARGEST_PICTURE = 150_000
 """Bytes of a picture that a page shows."""

@@ -97,7 +97,10 @@ def test_a_fault_comes_before_anything_else() -> None:
 
 
 def test_a_new_value_is_measured_more_sharply(tmp_path: Path) -> None:
-    retuned = {"plant.mass": Retuned(1.2, 1.21, 0.001), "plant.damping": Retuned(0.05, 0.08, 0.004)}
+    retuned = {
+        "plant.mass": Retuned(1.2, 1.21, 0.001, "kg"),
+        "plant.damping": Retuned(0.05, 0.08, 0.004, "N s/m"),
+    }
     patched = apply(PAPER, {"plant.mass": 1.21, "plant.damping": 0.08})
     said = after(verdict="retuned", patched=patched, retuned=retuned)
     assert said.words.startswith("To know plant.damping better: ")

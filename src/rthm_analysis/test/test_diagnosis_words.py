@@ -90,9 +90,9 @@ def test_new_values_of_parameters_are_compared_with_what_the_spec_states() -> No
     spec = apply(shipped_spec("decay"), {"uncertainty.plant.damping": 0.5})
     stated = stated_spreads(spec)
     found = {
-        "plant.mass": Retuned(1.2, 1.164, 0.004),
-        "plant.damping": Retuned(0.05, 0.15, 0.01),
-        "plant.stiffness": Retuned(12.0, 12.1, 0.01),
+        "plant.mass": Retuned(1.2, 1.164, 0.004, "kg"),
+        "plant.damping": Retuned(0.05, 0.15, 0.01, "N s/m"),
+        "plant.stiffness": Retuned(12.0, 12.1, 0.01, "N/m"),
     }
     said = retuned_words(found, stated)
     assert "plant.mass 1.164 +- 0.004 kg instead of 1.2 kg (-3.0 %, though the spec calls it exact)" in said
@@ -110,7 +110,7 @@ def test_new_values_of_parameters_are_compared_with_what_the_spec_states() -> No
     ],
 )
 def test_a_new_value_is_never_told_as_if_it_were_the_old_one(value: float, nominal: float, said: str) -> None:
-    assert retuned_words({"plant.stiffness": Retuned(nominal, value, 1e-12)}).startswith(said)
+    assert retuned_words({"plant.stiffness": Retuned(nominal, value, 1e-12, "N/m")}).startswith(said)
 
 
 def test_what_is_not_explained_names_nothing() -> None:

@@ -195,6 +195,7 @@ class Retuned:
     nominal: float
     value: float
     std: float
+    unit: str = ""
 
 
 @dataclass(frozen=True)

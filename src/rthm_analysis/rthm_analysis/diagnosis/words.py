@@ -15,7 +15,6 @@ from rthm_analysis.diagnosis.criteria.words import (
     SLIGHT_CHANGE,
 )
 from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
-from rthm_analysis.diagnosis.replay.model import PROPERTIES
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
 
@@ -130,7 +129,7 @@ def _is_slight(one: Retuned) -> bool:
 
 def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str:
     key = name.partition("[")[0]
-    unit = PROPERTIES.get(key, "")
+    unit = one.unit
     value = number(one.value, one.std, unit, size=one.nominal)
     specified = _specified(one, value, unit)
     if not specified:
@@ -174,8 +173,9 @@ def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
 
 def stated_spreads(spec: Spec) -> dict[str, float]:
     """Relative standard deviation that a spec states for each property; 0: exact."""
-    blocks = spec.uncertainty.items()
-    return {f"{block}.{key}": float(value) for block, section in blocks for key, value in section.items()}
+    blocks = [(block, dict(section.items())) for block, section in spec.uncertainty.items()]
+    blocks += [(one.name, one.uncertainty) for one in spec.effects]
+    return {f"{block}.{key}": float(value) for block, stated in blocks for key, value in stated.items()}
 
 
 def verdict_words(

@@ -24,11 +24,17 @@ ROLES = {
     "load": Role("N", "effort", True),
     "force": Role("N", "effort", False),
     "motor": Role("m", "position", False),
+    "input": Role("1", "effort", False),
 }
-"""`load` is a known external force on a dof, `force` what an actuator or a known drive exerts."""
+"""`load` is a known external force on a dof, `force` what an actuator or a known drive exerts; `input` is
+anything else that was set, as the voltage of a damper, in a unit of its own.
+"""
 
 USUAL = {True: "x1", False: "a1"}
 """Names of a dof and of an actuator where neither the user nor a spec gives one."""
+
+USUAL_INPUT = "u1"
+"""Name of an input where the user gives none."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +115,8 @@ def _signal(text: str, spec: Spec | None) -> Signal:
             f"--map {shown(text)} must be ROLE:NAME=COLUMN, as position:x1=y, with one of the roles "
             f"{', '.join(ROLES)}; correct it."
         )
+    if role == "input":
+        return Signal(role, name or USUAL_INPUT, column)
     of_dof = ROLES[role].of_dof
     known = _names(spec, of_dof)
     name = name or (known[0] if known else USUAL[of_dof])

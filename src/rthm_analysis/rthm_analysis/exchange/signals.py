@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from rthm_core.spec import Spec
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-LARGEST = {"m": 50.0, "m/s": 200.0, "N": 1e8}
+LARGEST = {"m": 50.0, "m/s": 200.0, "N": 1e8, "1": math.inf}
 """Values beyond which a unit is probably another one."""
 
 DISAGREE = 3.0
@@ -102,7 +103,8 @@ def _remarks(one: Signal, values: Floats) -> Iterator[str]:
         yield f"{unknown} of {values.size} values of {one.column} are missing: kept as not known."
     known = values[~np.isnan(values)]
     if known.size > 1 and not np.ptp(known):
-        yield f"{one.column} is {known[0]:g} {si} all the time: is it the right column?"
+        unit = "" if si == "1" else f" {si}"
+        yield f"{one.column} is {known[0]:g}{unit} all the time: is it the right column?"
     largest = float(np.abs(known).max())
     if largest > LARGEST[si]:
         yield f"{one.role} {one.name} reaches {largest:.4g} {si}: is its unit right (--unit {one.role}=...)?"

@@ -37,8 +37,15 @@ FACTORS: dict[str, dict[str, float]] = {
     "m/s": {f"{unit}/s": factor for unit, factor in (_LENGTHS | _ANGLES).items()}
     | {"km/h": 1.0 / 3.6, "rpm": math.pi / 30.0},
     "N": _FORCES | _MOMENTS,
-}
-"""By SI unit."""
+    "1": {
+        "1": 1.0, "V": 1.0, "mV": 1e-3, "A": 1.0, "mA": 1e-3, "%": 1.0, "K": 1.0, "degC": 1.0, "Pa": 1.0,
+        "kPa": 1e3, "bar": 1e5, "Hz": 1.0,
+    },
+}  # fmt: skip
+"""By SI unit; an input may have any of the last."""
+
+INPUT_UNITS = {"mV": "V", "mA": "A", "kPa": "Pa", "bar": "Pa"}
+"""SI unit of an input, where it is another than that of the file."""
 
 TURNING = {"m": "rad", "m/s": "rad/s", "N": "N m"}
 """SI unit of an angle, its rate or a moment, by that of what it stands for."""
@@ -56,7 +63,7 @@ def factor(text: str, si: str, what: str) -> float:
     text : str
         A unit (``mm``), a number of SI units (``35.15``) or of other units (``0.5 kN``).
     si : str
-        ``s``, ``m``, ``m/s`` or ``N``.
+        ``s``, ``m``, ``m/s``, ``N``, or ``1`` for an input.
     what : str
         What has the unit, for the sentence.
 
@@ -77,7 +84,10 @@ def factor(text: str, si: str, what: str) -> float:
 
 def si_unit(text: str, si: str) -> str:
     """SI unit of values in some unit: that of an angle or a moment where the unit is one of these."""
-    return TURNING.get(si, si) if _split(text, si)[1] in _TURNING_UNITS else si
+    unit = _split(text, si)[1]
+    if si == "1":
+        return INPUT_UNITS.get(unit, unit)
+    return TURNING.get(si, si) if unit in _TURNING_UNITS else si
 
 
 def _split(text: str, si: str) -> tuple[float, str]:

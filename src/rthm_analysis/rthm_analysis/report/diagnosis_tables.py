@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 from rthm_analysis.diagnosis.numbers import number, percent, with_unit
-from rthm_analysis.diagnosis.replay.model import PROPERTIES
 from rthm_analysis.diagnosis.result import Diagnosis, Physics
 from rthm_analysis.report.tables import table
 
@@ -43,7 +42,7 @@ def retuned(diagnosis: Diagnosis) -> str:
     head = ("retuned", "as specified", "in this recording", "change")
     rows = []
     for name, one in diagnosis.retuned.items():
-        unit = PROPERTIES.get(name.partition("[")[0], "")
+        unit = one.unit
         new = _shown(number(one.value, one.std, unit))
         rows.append([name, with_unit(one.nominal, unit, 4), new, _change(one.nominal, one.value)])
     return table(head, rows) if rows else ""

@@ -11,12 +11,19 @@ from rthm_core.effects import Effect, effect
 from rthm_core.effects.blocks import PLACES, check_block
 from rthm_core.effects.declaration import Change
 from rthm_core.errors import MISSING, RefusedError, printable, shown, suggestion
+from rthm_core.quantity import Quantity
 from rthm_core.spec.entries import Name
 from rthm_core.spec.sections import Section
 from rthm_core.topics import LINKS
 
-HEAD = ("block", "kind", "dof", "relative_to", "actuator", "link")
+HEAD = ("block", "kind", "dof", "relative_to", "actuator", "link", "uncertainty")
 """Keys of an effect's section that are not parameters of its kind."""
+
+FITTED = ("plant", "wire")
+"""Blocks whose effects may be uncertain."""
+
+SPREAD = Quantity("1", "relative standard deviation of this parameter; 0: exact", minimum=0.0, maximum=100.0)
+"""How well a parameter is known."""
 
 
 class EffectSpec(Section):
@@ -34,6 +41,7 @@ class EffectSpec(Section):
     ] = None
     actuator: Annotated[str | None, Name("actuator that has it")] = None
     parameters: Annotated[dict[str, float | str], Field(validate_default=True)] = {}
+    uncertainty: dict[str, float] = {}
 
     @property
     def law(self) -> type[Effect]:
@@ -93,6 +101,27 @@ class EffectSpec(Section):
                 raise RefusedError(MISSING, f"given: {entry.description}", f"add {name}", name)
             try:
                 values[name] = entry.convert(given.get(name, getattr(entry, "default", None)))
+            except RefusedError as refused:
+                raise RefusedError(refused.value, refused.allowed, refused.way_out, name) from None
+        return values
+
+    @field_validator("uncertainty", mode="before")
+    @classmethod
+    def _known_uncertainty(cls, given: Any, info: ValidationInfo) -> dict[str, float]:
+        if not {"block", "parameters"} <= info.data.keys():
+            return {}
+        numbers = [name for name, one in info.data["parameters"].items() if not isinstance(one, str)]
+        if not isinstance(given, dict):
+            raise RefusedError(given, f"a section with {' or '.join(numbers)}")
+        if given and info.data["block"] not in FITTED:
+            raise RefusedError(given, f"left out, as it is only of effects of {' or '.join(FITTED)}")
+        values = {}
+        for name, value in given.items():
+            if name not in numbers:
+                allowed = f"left out, as only {' and '.join(numbers)} may be uncertain"
+                raise RefusedError(value, allowed, suggestion(name, numbers), name)
+            try:
+                values[name] = SPREAD.convert(value)
             except RefusedError as refused:
                 raise RefusedError(refused.value, refused.allowed, refused.way_out, name) from None
         return values

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rthm_core.quantity import Quantity, Text
-from rthm_core.spec.effect import EffectSpec
+from rthm_core.spec.effect import SPREAD, EffectSpec
 from rthm_core.spec.entries import Entry, Name, Names
 from rthm_core.spec.load import LOAD_KINDS
 from rthm_core.spec.schema import Spec
@@ -90,6 +90,8 @@ def _of_effect(one: EffectSpec) -> Iterator[Placed]:
         entry = declared.parameters[name]
         unit = declared.unit(name, one.block)
         yield f"{one.name}.{name}", value, entry, unit
+    for name, spread in one.uncertainty.items():
+        yield f"{one.name}.uncertainty.{name}", spread, SPREAD, None
 
 
 def parameter(name: str, value: Any, entry: Entry | Quantity | Text, unit: str | None = None) -> Parameter:

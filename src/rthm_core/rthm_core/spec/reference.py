@@ -35,7 +35,10 @@ the place where it sits and the parameters of its kind:
     guide: {block: "plant", kind: "coulomb_friction", dof: "x1", force: 0.05}
     band: {block: "motor", kind: "lag", actuator: "a1", time_constant: 0.003}
 
-The place may be left out where there is only one.
+The place may be left out where there is only one. `uncertainty` within an effect of the plant or of a wire
+says how well its parameters are known, as `uncertainty.plant` does for the mass: the diagnosis fits them.
+
+    guide: {block: "plant", kind: "coulomb_friction", dof: "x1", force: 0.05, uncertainty: {force: 0.3}}
 
 Kinds of one's own are declared in Python files (or modules), which `effects_from` lists; their paths count
 from the folder of the spec (docs/how-to/add-an-effect.md). A file is executed by whoever reads the spec from

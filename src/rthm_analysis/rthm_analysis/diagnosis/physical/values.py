@@ -11,8 +11,9 @@ from rthm_analysis.diagnosis.criteria.verdict import SAME_VALUE_SHARE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
-from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, nominal_values
+from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, Parameter, nominal_values
 from rthm_analysis.diagnosis.result import Retuned, Value
+from rthm_core.spec import Spec
 
 
 def stds_of(fitted: Fitted) -> dict[str, float]:
@@ -64,20 +65,32 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
 
 
 def _scaled_values(physical: Physical) -> dict[str, Retuned]:
-    """Values of what the spec calls uncertain, all with one factor; none where these hardly help."""
+    """Values of what the spec calls uncertain, matrices with one factor; none where these hardly help."""
     best, found = physical.selection.best, {}
     stds = stds_of(best)
-    scaled = [p for p in best.model.parameters if p.key in PROPERTIES]
+    unsure = {f"{one.name}.{key}" for one in physical.spec.effects for key in one.uncertainty}
+    scaled = [p for p in best.model.parameters if p.key in PROPERTIES or p.key in unsure]
     gain = physical.nominal.squares - physical.selection.base.squares
     if gain < (GAIN_OF_CHANCE + GAIN_PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
         return {}
     for p in scaled:
+        if p.key in unsure:
+            found[p.key] = _of_effect(physical.spec, p, stds[p.key])
+            continue
         values = nominal_values(physical.spec, p.key)
         for i, nominal in enumerate(values):
             if nominal:
                 name = p.key if len(values) == 1 else f"{p.key}[{i}]"
-                found[name] = Retuned(nominal, nominal * p.value, abs(nominal) * stds[p.key])
+                std = abs(nominal) * stds[p.key]
+                found[name] = Retuned(nominal, nominal * p.value, std, PROPERTIES[p.key])
     return found
+
+
+def _of_effect(spec: Spec, parameter: Parameter, std: float) -> Retuned:
+    """New value of a parameter of an effect that the spec has."""
+    name, _, key = parameter.key.partition(".")
+    one = next(one for one in spec.effects if one.name == name)
+    return Retuned(one.numbers[key], parameter.value, std, one.law.unit(key, one.block))
 
 
 def _entry_values(physical: Physical) -> dict[str, Retuned]:
@@ -88,7 +101,8 @@ def _entry_values(physical: Physical) -> dict[str, Retuned]:
         entry = entry_of(p.key)
         if entry is not None:
             name = entry[0] if _is_single(physical, entry[0]) else p.key
-            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key])
+            unit = PROPERTIES.get(entry[0], "")
+            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key], unit)
     return found
 
 

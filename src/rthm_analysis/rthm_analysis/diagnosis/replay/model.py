@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -271,4 +271,16 @@ def uncertain(spec: Spec) -> tuple[Parameter, ...]:
         present = getattr(spec, section) is not None and any(nominal_values(spec, key))
         if relative and present:
             found.append(Parameter(key, 1.0, float(relative), low=1e-3, prior=(1.0, float(relative))))
-    return tuple(found)
+    return (*found, *_uncertain_effects(spec))
+
+
+def _uncertain_effects(spec: Spec) -> Iterator[Parameter]:
+    """Parameters of effects that the spec has and calls uncertain."""
+    for one in spec.effects:
+        instance = EffectInstance(one.block, one.kind, one.place, one.parameters)
+        for name, relative in one.uncertainty.items():
+            value = one.numbers[name]
+            if relative and value:
+                low, high = instance.bounds(name, one.parameters)
+                spread = relative * abs(value)
+                yield Parameter(f"{one.name}.{name}", value, spread, low, high, prior=(value, spread))

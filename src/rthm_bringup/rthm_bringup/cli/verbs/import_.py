@@ -36,7 +36,7 @@ def verb(
             "--map",
             metavar="ROLE:NAME=COLUMN",
             help="What a column is, such as position:x1=y: position, velocity or load of a dof, force or "
-            "motor of an actuator. Can be repeated.",
+            "motor of an actuator, or another input. Can be repeated.",
         ),
     ] = None,
     units: Annotated[

@@ -1,0 +1,1 @@
+"""Concealed components, motion in and force out, with equations of the benchmark's own."""

@@ -69,6 +69,10 @@ READ_WRONG = (
     "do not follow: the sensors of the motors are off.",
 )
 
+ABOVE_UNSEEN_NOISE = "On unseen data the error is larger than the noise."
+
+LEFT_OF_FITTED = "Unseen data are predicted to the noise, but what is left of the fitted part is not random."
+
 ONLY_UNSEEN = "It shows only in the last third, which chose nothing: unconfirmed."
 
 
@@ -182,7 +186,8 @@ def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:
                 "and it is not random."
             )
             said.append(f"{text} {ONLY_UNSEEN}" if _late(one, physical) else text)
-    return tuple(said) or ("On unseen data the error is larger than the noise.",)
+    louder = any(one.rms > 1.0 for one in judged.left_over)
+    return tuple(said) or (ABOVE_UNSEEN_NOISE if louder else LEFT_OF_FITTED,)
 
 
 def _late(one: Remainder, physical: Physical) -> bool:

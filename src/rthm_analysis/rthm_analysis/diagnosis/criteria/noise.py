@@ -122,6 +122,13 @@ COLOURED_STD_RATIO = 2.0
 EVENT_PARTS = 30
 """Parts of a recording that are looked at one by one for when something happens."""
 
+OTHER_WAY_CHI2_RATIO = 3.0
+"""Chi-squared over the least of all ways in which a load may be between its samples, beyond which a way is
+not that of the rig."""
+
+UNTOUCHED_SHARE = 0.05
+"""Share of a channel's squared error up to which effects took nothing out of it that its noise was."""
+
 OUTLIER_STDS = 6.0
 """Robust standard deviations beyond which a difference is a jump, not noise."""
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.colour import Colour, white
 from rthm_analysis.diagnosis.replay.readings import noise_level
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Flags, Floats
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,11 @@ class Noise:
         """Of each channel the smaller noise."""
         pairs = zip(self.colours, other.colours, strict=True)
         return Noise(tuple(a if a.level <= b.level else b for a, b in pairs))
+
+    def kept(self, where: Flags, other: Noise) -> Noise:
+        """The same where (k,) it has a colour and says so; else the other noise."""
+        triples = zip(where, self.colours, other.colours, strict=True)
+        return Noise(tuple(a if here and not a.is_white else b for here, a, b in triples))
 
     def not_shared(self, other: Noise) -> Noise:
         """The same; the other noise of channels whose colour another channel shows, too."""

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.noise import UNTOUCHED_SHARE
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.physical.beginning import Baseline, begin, choose_again, noise_of, with_noise
-from rthm_analysis.diagnosis.physical.colours import coloured
+from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
@@ -25,7 +26,7 @@ from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Flags, Floats
 from rthm_core.spec import Spec
 
 
@@ -146,4 +147,13 @@ def _noise_left(begun: Baseline, selection: Selection) -> Noise:
     if begun.noise.is_white and not selection.rounds:  # its colour was asked for before the search
         return begun.noise.smaller(white)
     left = coloured(fitting, best, white, named=bool(selection.rounds))
-    return begun.noise.smaller(left.not_shared(white))
+    smaller = begun.noise.smaller(left.not_shared(white))
+    return begun.noise.kept(_untouched(fitting, selection), smaller)
+
+
+def _untouched(fitting: Fitting, selection: Selection) -> Flags:
+    """Of each channel whether the effects of a selection leave as much of it as there was without them."""
+    before, after = (
+        np.nansum(np.square(left_by(fitting, one)), axis=0) for one in (selection.base, selection.best)
+    )
+    return np.asarray(after > (1.0 - UNTOUCHED_SHARE) * before)

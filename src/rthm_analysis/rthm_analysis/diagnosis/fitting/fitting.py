@@ -173,11 +173,11 @@ class Fitting:
     @contextmanager
     def simple_only(self) -> Iterator[None]:
         """Look for no effect that can imitate others for a while."""
-        self.simple = True
+        before, self.simple = self.simple, True
         try:
             yield
         finally:
-            self.simple = False
+            self.simple = before
 
     @contextmanager
     def identified_as(self, kind: str, wire: str) -> Iterator[None]:

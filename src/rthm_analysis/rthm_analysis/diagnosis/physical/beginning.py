@@ -73,11 +73,11 @@ def begin(
         noise = noise.smaller(noise_left(part, settled.spec, runs.first(train)))
     begun: list[Baseline] = []
     for part in parts:
-        fitting = fitting_of(part, runs.first(train), noise, settled, progress)
+        fitting = fitting_of(part, runs.first(train), noise, settled, progress, simple=seen.comes_to_rest)
         nominal = fitting.fit(settled)
         while not begun and np.any(noise_of(fitting, nominal).level < NOISE_REVISED_RATIO * noise.level):
             noise = noise_of(fitting, nominal)
-            fitting = fitting_of(part, runs.first(train), noise, settled, progress)
+            fitting = fitting_of(part, runs.first(train), noise, settled, progress, simple=seen.comes_to_rest)
             nominal = fitting.fit(settled)
         near = (
             fitting.fit(begun[0].retuned.model, most=STEPS_OF_ANOTHER_BEGINNING)
@@ -93,16 +93,27 @@ def begin(
 
 
 def fitting_of(
-    part: Experiment, runs: Windows, noise: Noise, base: Model, progress: Callable[[str], None]
+    part: Experiment,
+    runs: Windows,
+    noise: Noise,
+    base: Model,
+    progress: Callable[[str], None],
+    *,
+    simple: bool,
 ) -> Fitting:
-    """Fits of the training part that weigh its channels by their noise."""
-    return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours)
+    """Fits of the training part that weigh its channels by their noise.
+
+    They are `simple` where the unseen part has come to rest: it cannot confirm what may imitate others.
+    """
+    return Fitting(part, runs, noise.sigma, base, progress, colours=noise.colours, simple=simple)
 
 
 def with_noise(begun: Baseline, noise: Noise) -> Baseline:
     """The same, judged by another noise."""
     before = begun.fitting
-    fitting = fitting_of(before.experiment, before.windows, noise, before.base, before.progress)
+    fitting = fitting_of(
+        before.experiment, before.windows, noise, before.base, before.progress, simple=before.simple
+    )
     nominal = fitting.fit(begun.nominal.model)
     return Baseline(begun.runs, noise, fitting, nominal, retuned_from(fitting, nominal))
 
@@ -112,7 +123,9 @@ def in_short_runs(begun: Baseline, seen: Evidence, settled: Model, train: int) -
     longer = begun.fitting
     longer.progress("looking in short runs, where a wrong model stays near")
     runs = windows(seen, settled.spec, seen.driven_by == "command", short=True)
-    fitting = fitting_of(longer.experiment, runs.first(train), begun.noise, settled, longer.progress)
+    fitting = fitting_of(
+        longer.experiment, runs.first(train), begun.noise, settled, longer.progress, simple=longer.simple
+    )
     nominal = fitting.fit(settled)
     return Baseline(runs, begun.noise, fitting, nominal, retuned_from(fitting, nominal))
 

@@ -109,7 +109,7 @@ def diagnose_physical(
     seen = evidence.only("position", "velocity", "force")
     settled = drives.model
     begun, *others = whitened(begin(seen, settled, first, train, progress))
-    begun, selection = chosen(begun, seen, settled, train)
+    begun, selection = chosen(begun, seen, settled, train, formula=not seen.comes_to_rest)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)
     if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):

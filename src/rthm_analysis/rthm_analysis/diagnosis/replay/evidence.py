@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.criteria.replay import (
     REST_MOST_SHARE,
     STRAY_COMMANDS_SHARE,
 )
-from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
+from rthm_analysis.diagnosis.criteria.verdict import REST_SHARE_OF_MOTION, TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
@@ -128,6 +128,18 @@ class Evidence:
     def trained(self) -> int:
         """Samples, from the first, that fits and choices may see: of several recordings all but the last."""
         return self.begins[-1] or int(TRAINED_SHARE * self.stamps_ns.size)
+
+    @cached_property
+    def comes_to_rest(self) -> bool:
+        """Whether nothing moves in the unseen part any more: it then confirms where it rests, and no law
+        of its motion.
+        """
+        motion = [i for i, one in enumerate(self.channels) if one.family in ("position", "velocity")]
+        seen, unseen = (
+            np.nanstd(rows[:, motion], axis=0)
+            for rows in (self.measured[: self.trained], self.measured[self.trained :])
+        )
+        return bool(np.all(unseen < REST_SHARE_OF_MOTION * seen))
 
     def rates(self, values: Floats) -> Floats:
         """Rates (s,) of some values (s,) in each recording by itself."""

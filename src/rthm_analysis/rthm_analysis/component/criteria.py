@@ -32,7 +32,7 @@ MOST_LAWS = 3
 """Laws beside spring and damper that one component is given."""
 
 GAIN_OF_CHANCE = 10.0
-"""Gain of the criterion (BIC) that chance brings among the kinds that are tried."""
+"""Gain of the criterion (BIC) that chance brings among the kinds, and the sizes, that are tried."""
 
 LEAST_GAIN_SHARE = 0.05
 """Part of the squared error beyond the noise that a law must take away: less is not worth a name."""

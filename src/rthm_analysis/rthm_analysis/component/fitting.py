@@ -27,10 +27,13 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Model:
-    """Parts of the force, and the lag, s, of each input that scales them."""
+    """Parts of the force, the lag, s, of each input that scales them, and inputs that keep the value of a
+    sample until the next; others go on a straight line.
+    """
 
     shapes: tuple[Shape, ...]
     lags: Mapping[str, float] = field(default_factory=dict)
+    held: frozenset[str] = frozenset()
 
     @property
     def places(self) -> list[tuple[int, Power]]:
@@ -44,22 +47,30 @@ class Model:
 
     def columns(self, test: ComponentTest) -> Floats:
         """Forces (s, q) of which each has one size."""
-        scales = {ALWAYS: np.ones_like(test.t)}
-        for _, power in self.places:
-            if power not in scales:
-                scales[power] = lagged(test.inputs[power.of], self.lags[power.of], test.step) ** power.power
+        scales = {power: self.scale(test, power) for power in dict.fromkeys(of for _, of in self.places)}
         signals = [shape.signal(test) for shape in self.shapes]
         return np.stack([signals[i] * scales[power] for i, power in self.places], axis=1)
 
+    def scale(self, test: ComponentTest, power: Power) -> Floats:
+        """What a size is proportional to, (s,)."""
+        if power == ALWAYS:
+            return np.ones_like(test.t)
+        values, lag = test.inputs[power.of], self.lags[power.of]
+        return lagged(values, lag, test.step, held=power.of in self.held) ** power.power
 
-def lagged(values: Floats, lag: float, step: float) -> Floats:
-    """An input (s,) behind a first-order lag, s; it has been constant before the first sample."""
+
+def lagged(values: Floats, lag: float, step: float, *, held: bool = False) -> Floats:
+    """An input (s,) behind a first-order lag, s; it has been constant before the first sample.
+
+    Between samples it is `held`, or goes on a straight line.
+    """
     from scipy.signal import lfilter
 
     if lag <= 0.0:
         return values
     kept = np.exp(-step / lag)
-    middle = np.append(values[:1], 0.5 * (values[1:] + values[:-1]))
+    between = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
+    middle = np.append(values[:1], between)
     return np.asarray(lfilter([1.0 - kept], [1.0, -kept], middle, zi=[kept * values[0]])[0])
 
 
@@ -152,7 +163,7 @@ def moved(model: Model, where: Sequence[Coordinate], values: Floats, seen: Seen)
             low, high = possible(shape.values, seen)
             new = min(max(new, low), high)
         shapes[one.shape] = shape.at({one.name: new})
-    return Model(tuple(shapes), lags)
+    return replace(model, shapes=tuple(shapes), lags=lags)
 
 
 def sized(model: Model, parts: Sequence[Part]) -> Fitted:

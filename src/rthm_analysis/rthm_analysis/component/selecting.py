@@ -20,7 +20,7 @@ from rthm_analysis.component.criteria import (
     NEGATIVE_SHARE,
     PLAINER_LOSS_SHARE,
 )
-from rthm_analysis.component.fitting import Fitted, Model, Part, fitted, lagged, sized, with_steps
+from rthm_analysis.component.fitting import Fitted, Model, Part, fitted, sized, with_steps
 from rthm_analysis.component.shapes import ALWAYS, Power, Shape, base_shapes, law_shapes
 
 Progress = Callable[[str], None]
@@ -75,8 +75,9 @@ def _with_lags(one: Fitted) -> Fitted:
     for name in one.model.inputs:
         there = [one.model.lags[name]] if one.model.lags[name] > 0.0 else []
         tried = [
-            sized(replace(one.model, lags={**one.model.lags, name: float(lag)}), one.parts)
+            sized(replace(one.model, lags={**one.model.lags, name: float(lag)}, held=held), one.parts)
             for lag in (0.0, *there, *grid)
+            for held in (one.model.held - {name}, one.model.held | {name})
         ]
         one = min(tried, key=lambda found: found.squares)
     return fitted(one.model, one.parts)
@@ -125,27 +126,19 @@ def _is_possible(found: Fitted, i: int) -> bool:
         return True
     own = [k for k, (at, _) in enumerate(found.model.places) if at == i]
     for part in found.parts:
-        size = sum(found.sizes[k] * _scale(found.model, part, found.model.places[k][1]) for k in own)
+        size = sum(found.sizes[k] * found.model.scale(part.test, found.model.places[k][1]) for k in own)
         low, high = float(np.min(size)), float(np.max(np.abs(size)))
         if low < -NEGATIVE_SHARE * high:
             return False
     return True
 
 
-def _scale(model: Model, part: Part, power: Power) -> np.ndarray:
-    """What a size is proportional to, along a test."""
-    test = part.test
-    if power == ALWAYS:
-        return np.ones_like(test.t)
-    return np.asarray(lagged(test.inputs[power.of], model.lags[power.of], test.step) ** power.power)
-
-
 def _needed(one: Fitted) -> Fitted:
-    """The same without the sizes and lags that it predicts as well without."""
+    """The same without the sizes and lags without which it predicts as well, or better by chance alone."""
     while True:
         tried = [sized(model, one.parts) for model in _simpler(one.model)]
         best = max(tried, key=lambda found: found.gain(one), default=None)
-        if best is None or best.gain(one) <= 0.0:
+        if best is None or best.gain(one) <= -GAIN_OF_CHANCE:
             return fitted(one.model, one.parts)
         one = best
 

@@ -1,8 +1,5 @@
 """Every number that decides something about a component, with its reason."""
 
-TRAINED_SHARE = 2.0 / 3.0
-"""Part of a lone recording that is fitted; the rest confirms."""
-
 SETTLING_SHARE = 0.04
 """Part of a recording at its beginning that says nothing: what is remembered there is not known."""
 

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from rthm_analysis.component.criteria import AT_NOISE_RATIO, BETTER_RATIO, SETTLING_SHARE, TRAINED_SHARE
+from rthm_analysis.component.criteria import AT_NOISE_RATIO, BETTER_RATIO, SETTLING_SHARE
 from rthm_analysis.component.fitting import Fitted, Part, fitted, sized
 from rthm_analysis.component.motion import smoothed
 from rthm_analysis.component.recorded import Channels, ComponentTest
 from rthm_analysis.component.result import ComponentFinding, Errors, Term
 from rthm_analysis.component.selecting import Progress, selected
 from rthm_analysis.component.shapes import OFFSET
-from rthm_analysis.component.told import lags_of, terms_of
+from rthm_analysis.component.told import told
 from rthm_analysis.component.words import (
     denied_words,
     error_words,
@@ -22,12 +22,11 @@ from rthm_analysis.component.words import (
     sampled_words,
     verdict_words,
 )
+from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
+from rthm_analysis.diagnosis.replay.readings import typical_size
 
 MOTION_OF = {"stiffness": ("x",), "damping": ("v",), OFFSET: ()}
 """What the parts without a law depend on."""
-
-NORMAL_OVER_MEDIAN = 1.4826
-"""Standard deviation of normal errors over the median of their sizes."""
 
 
 def identify_component(
@@ -62,8 +61,7 @@ def identify_component(
     verdict = _verdict(errors)
     if denied and verdict == "explained":
         verdict = "improved"
-    terms = terms_of(best) if verdict != "unexplained" else ()
-    lags = lags_of(best) if verdict != "unexplained" else {}
+    terms, lags = told(best) if verdict != "unexplained" else ((), {})
     depends_on = _depends_on(best, terms)
     held_out = _held_out(tests, unseen)
     force_std = float(np.std(unseen.test.force[unseen.rows]))
@@ -94,7 +92,7 @@ def _noise(test: ComponentTest) -> float:
     neighbouring samples differ by.
     """
     force = test.force[test.known]
-    differing = float(np.median(np.abs(np.diff(force, 3)))) * NORMAL_OVER_MEDIAN / np.sqrt(20.0)
+    differing = typical_size(np.diff(force, 3)) / np.sqrt(20.0)
     return float(max(min(differing, smoothed(force).noise), 1e-12 * float(np.std(force))))
 
 

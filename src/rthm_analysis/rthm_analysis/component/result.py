@@ -5,14 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-
-@dataclass(frozen=True)
-class Value:
-    """A number with its standard deviation, SI."""
-
-    value: float
-    std: float
-    unit: str
+from rthm_analysis.diagnosis.result import Value
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ import numpy as np
 
 from rthm_analysis.component.criteria import FIT_DIFFERENCE
 from rthm_analysis.component.fitting import Coordinate, Fitted, Model, coordinates, moved
-from rthm_analysis.component.result import Term, Value
+from rthm_analysis.component.result import Term
 from rthm_analysis.component.shapes import ALWAYS, UNITS, Power, Shape, seen_in
+from rthm_analysis.diagnosis.result import Value
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -27,12 +28,17 @@ class Entry(NamedTuple):
     name: str
 
 
-def terms_of(found: Fitted) -> tuple[Term, ...]:
-    """Parts of the force with their values."""
-    entries = _entries(found.model)
+def told(found: Fitted) -> tuple[tuple[Term, ...], dict[str, Value]]:
+    """Parts of the force with their values, and the lag, s, of each input that it depends on."""
     where = coordinates(found.model, found.parts[0].test)
+    covariance = _covariance(found, where)
+    return _terms(found, where, covariance), _lags(found, where, covariance)
+
+
+def _terms(found: Fitted, where: Sequence[Coordinate], covariance: Floats) -> tuple[Term, ...]:
+    entries = _entries(found.model)
     values = _values(found.model, found.sizes, entries)
-    stds = _stds(found, entries, where)
+    stds = _stds(found, entries, where, covariance)
     terms = []
     for i, shape in enumerate(found.model.shapes):
         said: dict[Power, dict[str, Value]] = {ALWAYS: {}}
@@ -46,10 +52,8 @@ def terms_of(found: Fitted) -> tuple[Term, ...]:
     return tuple(terms)
 
 
-def lags_of(found: Fitted) -> dict[str, Value]:
-    """Lag of each input that the force depends on, s."""
-    where = coordinates(found.model, found.parts[0].test)
-    spread = np.sqrt(np.maximum(np.diag(_covariance(found, where)), 0.0))
+def _lags(found: Fitted, where: Sequence[Coordinate], covariance: Floats) -> dict[str, Value]:
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     stds = {one.name: float(std) for one, std in zip(where, spread, strict=False) if one.shape < 0}
     lags = found.model.lags
     return {name: Value(lags[name], lags[name] * stds.get(name, 0.0), "s") for name in found.model.inputs}
@@ -84,7 +88,7 @@ def _values(model: Model, sizes: Floats, entries: Sequence[Entry]) -> Floats:
     return np.array(values)
 
 
-def _stds(found: Fitted, entries: Sequence[Entry], where: Sequence[Coordinate]) -> Floats:
+def _stds(found: Fitted, entries: Sequence[Entry], where: Sequence[Coordinate], covariance: Floats) -> Floats:
     """Standard deviations of the entries, from those of coordinates and sizes."""
     slopes = []
     seen = seen_in(found.parts[0].test)
@@ -100,7 +104,7 @@ def _stds(found: Fitted, entries: Sequence[Entry], where: Sequence[Coordinate]) 
         sizes[k] += step_of_size
         slopes.append((_values(found.model, sizes, entries) - here) / step_of_size)
     jacobian = np.array(slopes).T
-    squares = np.einsum("ij,jk,ik->i", jacobian, _covariance(found, where), jacobian)
+    squares = np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 

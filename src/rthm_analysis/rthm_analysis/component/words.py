@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rthm_analysis.component.result import Errors, Term, Value
+from rthm_analysis.component.result import Errors, Term
 from rthm_analysis.diagnosis.numbers import bare, number, percent
+from rthm_analysis.diagnosis.result import Value
 
 PLAIN = {"offset": "a constant force", "stiffness": "a spring", "damping": "a damper"}
 

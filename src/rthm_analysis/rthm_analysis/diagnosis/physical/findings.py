@@ -168,8 +168,8 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
-        is_confirmed = free is not None and not judged.physical.evidence.comes_to_rest
-        judged = (compose(judged, free) if free and is_confirmed else None) or judged
+        rests = judged.physical.evidence.comes_to_rest
+        judged = (compose(judged, free) if free and not rests else None) or judged
         if not judged.composed:
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve

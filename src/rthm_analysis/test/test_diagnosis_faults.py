@@ -268,8 +268,9 @@ def test_a_position_that_rate_and_force_speak_against_is_the_one_that_is_wrong(
     assert np.allclose(mended.evidence.load, driven.load)
 
 
-def test_a_free_motion_in_millimetres_shows_at_its_start(free: Evidence) -> None:
-    wrong = replace(free, measured=1e3 * free.measured)
+@pytest.mark.parametrize("factor", [1000.0, 57.29578, 39.37008])
+def test_a_free_motion_in_another_unit_shows_at_its_start(free: Evidence, factor: float) -> None:
+    wrong = replace(free, measured=factor * free.measured)
     assert said(wrong, FREE) == [("unit", "x1.position"), ("unit", "x1.velocity")]
     assert said(changed(free, VELOCITY, np.negative), FREE) == [("sign", "x1.velocity")]
 

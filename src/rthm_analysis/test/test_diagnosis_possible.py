@@ -94,6 +94,16 @@ def test_a_kind_is_identified_when_its_main_parameters_are() -> None:
     assert not law.identified(values, known | {"n": 13.0})
 
 
+@pytest.mark.parametrize(
+    ("kind", "name"), [("end_stop", "position"), ("clearance", "gap"), ("harmonic_load", "amplitude")]
+)
+def test_where_a_contact_is_and_how_large_a_tone_must_be_known_well(kind: str, name: str) -> None:
+    law = effect(kind, "plant")
+    values = dict.fromkeys(law.parameters, 2.0)
+    known = dict.fromkeys(law.parameters, 0.02)
+    assert law.identified(values, known) and not law.identified(values, known | {name: 0.2})
+
+
 def sums_of(columns: np.ndarray, residual: np.ndarray) -> Sums:
     parts = np.array_split(np.arange(residual.size), 20)
     hessian = np.stack([columns[:, p] @ columns[:, p].T for p in parts])

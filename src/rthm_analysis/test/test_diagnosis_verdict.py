@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.physical import diagnose_physical, verdict
-from rthm_analysis.diagnosis.physical.findings import _has_rivals, physical_part
+from rthm_analysis.diagnosis.physical import confirming, diagnose_physical, verdict
+from rthm_analysis.diagnosis.physical.confirming import rivalled
+from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.judged import Simulated
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Part
-from rthm_analysis.diagnosis.search.judging import Selection
 from rthm_core.spec import Spec, apply
 
 from .plain import DAMPING, STIFFNESS, plant, recorded, wandering
@@ -172,7 +172,31 @@ def test_what_matters_little_is_told_unless_another_kind_would_do_nearly_as_well
     selection = SimpleNamespace(
         base=base, rounds=[tried(500.0, 510.0), tried(400.0, 480.0), tried(300.0, 305.0)]
     )
-    assert [_has_rivals(cast(Selection, selection), i) for i in range(3)] == [True, False, True]
+    physical = cast(Physical, SimpleNamespace(selection=selection))
+    assert rivalled(physical, [0.001, 0.001, 0.001], 0.01) == [0, 2]
+    assert rivalled(physical, [0.5, 0.001, -0.1], 0.01) == []  # what matters, or makes up for others, stays
+
+
+def test_what_matters_little_and_is_not_known_well_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    went: list[int] = []
+    monkeypatch.setattr(confirming, "is_sure", lambda best, index, share: index == 1)
+    monkeypatch.setattr(confirming, "without_each", lambda physical, indices: went.extend(indices))
+    label = ("plant", "cubic_stiffness", "x1")
+    selection = SimpleNamespace(best=None, rounds=[[SimpleNamespace(label=label)]] * 3)
+    _, refused = confirming.without_slight(
+        cast(Physical, SimpleNamespace(selection=selection)), [0.9, 0.01, 0.01]
+    )
+    assert went == [2] and [one.kind for one in refused] == ["cubic_stiffness"]
+
+
+@pytest.mark.parametrize(("quiet", "at_noise"), [([False, False], False), ([True, False], True)])
+def test_sensors_do_not_deny_what_is_left_of_all_of_them(
+    monkeypatch: pytest.MonkeyPatch, quiet: list[bool], at_noise: bool
+) -> None:
+    monkeypatch.setattr(Judgement, "_is_noise_of_sensor", lambda self, channel: True)
+    judged = Judgement(cast(Physical, None), {})
+    judged.__dict__["_quiet_channels"] = quiet
+    assert judged.at_noise is at_noise
 
 
 def test_a_stiffness_that_drifts_is_described_over_position_and_time() -> None:

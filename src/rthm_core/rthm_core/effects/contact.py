@@ -10,7 +10,7 @@ import numpy as np
 from rthm_core.effects.declaration import EffectParameter
 from rthm_core.effects.guess import SMALL, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
-from rthm_core.effects.possible import Seen, Values, between
+from rthm_core.effects.possible import SURE, Seen, Values, between
 from rthm_core.effects.registry import register
 
 DAMPED = 10.0
@@ -58,6 +58,7 @@ class EndStop(PlantLaw):
     experiment = "Push {place} slowly against the stop."
     possible = {"position": _reached, "damping": _sprung}
     secondary = ("damping",)
+    within = {"position": SURE}
     partition = "position"
     rank = 60
 
@@ -109,6 +110,7 @@ class Clearance(PlantLaw):
     noun = "a spring with play"
     experiment = "Push {place} slowly through the gap, both ways."
     possible = {"gap": _played, "stiffness": between(0.0)}
+    within = {"gap": SURE}
     partition = "position"
     rank = 70
 

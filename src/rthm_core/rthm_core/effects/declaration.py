@@ -92,6 +92,8 @@ class Effect:
         recording can show. In this order; bounds may depend on the parameters before.
     secondary
         Parameters without which it is still this kind, whether they are identified or not.
+    within
+        Parameters that must be known better than to half their value, and to which part of it.
     along
         Parameters of either sign that are sizes in the same unit as a positive one, by which they are
         measured: a fit moves their ratio.
@@ -129,6 +131,7 @@ class Effect:
     rank: ClassVar[int] = 1000
     possible: ClassVar[Mapping[str, Possible]] = {}
     secondary: ClassVar[tuple[str, ...]] = ()
+    within: ClassVar[Mapping[str, float]] = {}
     along: ClassVar[Mapping[str, str]] = {}
     plainer: ClassVar[tuple[Plainer, ...]] = ()
     flexible: ClassVar[bool] = False
@@ -156,7 +159,8 @@ class Effect:
     @classmethod
     def identified(cls, values: Values, stds: Values) -> bool:
         """Whether values with these standard deviations make it this kind and no plainer one."""
-        return identified(values, {name: std for name, std in stds.items() if name not in cls.secondary})
+        main = {name: std for name, std in stds.items() if name not in cls.secondary}
+        return identified(values, main, cls.within)
 
     @classmethod
     def unit(cls, parameter: str, block: str) -> str:

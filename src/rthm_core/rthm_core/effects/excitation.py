@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from rthm_core.effects.declaration import EffectParameter
 from rthm_core.effects.guess import SMALL, Guess, Signals
 from rthm_core.effects.laws import PlantLaw
-from rthm_core.effects.possible import Plainer, in_band
+from rthm_core.effects.possible import SURE, Plainer, in_band
 from rthm_core.effects.registry import register
 
 
@@ -38,6 +38,7 @@ class HarmonicLoad(PlantLaw):
     rank = 130
     possible = {"frequency": in_band}
     secondary = ("phase",)
+    within = {"amplitude": SURE}
     plainer = (Plainer("constant_load", lambda p: {"force": p["amplitude"] * math.sin(p["phase"])}),)
 
     @staticmethod

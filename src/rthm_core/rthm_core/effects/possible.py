@@ -9,10 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 UNSURE = 0.5
 """Part of its value from which the standard deviation of a parameter leaves even its size open: zero is then
 within two of them."""
+
+SURE = 0.05
+"""The same of a parameter without which a kind says nothing: where a contact is, how large a tone is. An edge
+that is placed no better is a smooth law, and a tone that is known no better what another model left."""
 
 AWAY = 0.02
 """Part of the range of motion by which a contact lies away from rest and from both ends of the range: nearer
@@ -111,6 +116,6 @@ class Plainer:
     beyond: Callable[[Values, Values], Iterable[dict[str, float]]] | None = None
 
 
-def identified(values: Values, stds: Values) -> bool:
-    """Whether the standard deviations leave every value at least its size."""
-    return all(std <= UNSURE * abs(values[name]) for name, std in stds.items())
+def identified(values: Values, stds: Values, within: Values = MappingProxyType({})) -> bool:
+    """Whether the standard deviations leave every value its size, or what is asked `within` it."""
+    return all(std <= within.get(name, UNSURE) * abs(values[name]) for name, std in stds.items())

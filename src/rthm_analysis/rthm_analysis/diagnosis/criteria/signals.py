@@ -80,6 +80,9 @@ FARTHEST_MOTION = 20.0
 UNIT_AT_START_SHARE = 0.05
 """Relative distance from the spec's start, over a unit's factor, up to which the start tells the unit."""
 
+FAR_START_RATIO = 10.0
+"""Start of a free motion over the spec's, above which that a unit explains it is no chance."""
+
 # Another rig, or another loop, than that of the spec.
 
 OTHER_PERIOD_LOG = 0.04

@@ -59,6 +59,11 @@ removes nearly everything."""
 NEGLIGIBLE_SHARE = 0.01
 """Share of the mismatch on unseen data below which an effect does not matter."""
 
+SLIGHT_SHARE = 0.02
+SLIGHT_STD_SHARE = 0.05
+"""Share of the squared error on unseen data below which an effect is slight, and the part of its values up to
+which their standard deviations may then go: what is known no better may be the imperfection of the others."""
+
 RETUNED_LEFT_SHARE = 0.5
 """Share of the mismatch on unseen data that new values may leave, to be told although they do not reach the
 noise."""
@@ -124,7 +129,7 @@ MOTOR_EXPLAINED_SHARE = 0.5
 """Share of that residual above which the measured error of the motor is the reason."""
 
 NEGLIGIBLE_DELAY_STD = 1e-6
-"""Standard deviation of a motor's delay, s, below which it makes no difference to the loop."""
+"""Standard deviation of a motor's delay, s, below which it makes no difference: no search is finer."""
 
 # Times and values that are told.
 

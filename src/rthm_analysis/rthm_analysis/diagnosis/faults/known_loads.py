@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.signals import (
+    FAR_START_RATIO,
     FARTHEST_MOTION,
     LOAD_CORRELATION,
     LOAD_MOST_UNSURE,
@@ -82,7 +83,7 @@ def _common(ratios: dict[str, float], spec: Spec) -> float | None:
 def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | None:
     """Recorded over specified start; None where the spec starts at zero, or it is another start.
 
-    Of a free motion nothing confirms a unit, so that only powers of ten are beyond chance.
+    Of a free motion nothing confirms a unit: only a start that is far from the spec's is beyond chance.
     """
     assert spec.plant is not None
     nominal = spec.plant.initial_position[0]
@@ -90,7 +91,8 @@ def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | N
     if nominal == 0.0 or not np.isfinite(first):
         return None
     ratio = first / nominal
-    factor = known_factor(ratio, "position", 0.0 if evidence.load.any() else LOAD_MOST_UNSURE)
+    far = evidence.load.any() or not 1.0 / FAR_START_RATIO < abs(ratio) < FAR_START_RATIO
+    factor = known_factor(ratio, "position", 0.0 if far else LOAD_MOST_UNSURE)
     return factor if factor is not None and abs(ratio / factor - 1.0) < UNIT_AT_START_SHARE else None
 
 

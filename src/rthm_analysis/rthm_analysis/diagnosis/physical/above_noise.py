@@ -6,6 +6,7 @@ in what the law leaves, the law should have been. A curve over other variables i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -54,6 +55,18 @@ def certain_only(physical: Physical) -> tuple[Physical, tuple[tuple[str, str, st
         vague.append(selection.rounds[index][0].label)
         selection = _left_out(selection, index, without)
     return replace(physical, selection=selection), tuple(vague)
+
+
+def without_each(physical: Physical, indices: Sequence[int]) -> Physical:
+    """The same without some of its effects, the others fitted again; one whose lack diverges stays."""
+    selection = physical.selection
+    for index in sorted(indices, reverse=True):
+        without = _without(physical, selection, index)
+        if without is not None:
+            selection = _left_out(selection, index, without)
+    if not selection.rounds:
+        selection = replace(selection, best=selection.base)
+    return replace(physical, selection=selection)
 
 
 def _least_needed(physical: Physical, selection: Selection) -> tuple[int, Fitted | None]:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 from rthm_analysis.diagnosis.criteria.noise import COLOURED_STD_RATIO
-from rthm_analysis.diagnosis.criteria.verdict import CONFIRMING_GAIN, CONTACT_EXPLAINED_SHARE
+from rthm_analysis.diagnosis.criteria.verdict import (
+    CONFIRMING_GAIN,
+    CONTACT_EXPLAINED_SHARE,
+    RIVAL_GAIN_SHARE,
+    SLIGHT_SHARE,
+    SLIGHT_STD_SHARE,
+)
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.physical.above_noise import certain_only, needed_only
+from rthm_analysis.diagnosis.physical.above_noise import certain_only, needed_only, without_each
 from rthm_analysis.diagnosis.physical.judged import held_out_squares, simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Refused
-from rthm_analysis.diagnosis.search.judging import Selection, imitates
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable, imitates
+from rthm_analysis.diagnosis.search.replacing import is_sure
 
 if TYPE_CHECKING:
     from rthm_core.effects.laws import PlantLaw
@@ -22,6 +30,12 @@ PATCHING = "beside a curved spring it did little but bend the curve of that spri
 IMITATES = "it can imitate others, and with it, too, more than the noise is left"
 
 VALUES_NOT_TOLD = "beside the others the recording does not tell its values"
+
+SLIGHT = (
+    "it matters little in the unseen data, and its values are not well known: the others may leave as much"
+)
+
+RIVALLED = "it does little in the unseen data, and another kind would do nearly as well"
 
 NEEDLESS = "the others explain nearly as much without it"
 
@@ -74,6 +88,46 @@ def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without effects whose values are not told beside the others, and why they went."""
     physical, vague = certain_only(physical)
     return physical, tuple(because(label, VALUES_NOT_TOLD) for label in vague)
+
+
+def without_slight(physical: Physical, shares: Sequence[float]) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without effects that matter little and are not known well, and why they went.
+
+    `shares` are the parts of the error on unseen data that the effects remove, in order.
+    """
+    best = physical.selection.best
+    slight = [i for i, share in enumerate(shares) if share < SLIGHT_SHARE]
+    return _without(physical, [i for i in slight if not is_sure(best, i, SLIGHT_STD_SHARE)], SLIGHT)
+
+
+def rivalled(physical: Physical, shares: Sequence[float], negligible: float) -> list[int]:
+    """Effects with less than a `negligible` share in whose place another would do nearly as well."""
+    small = [i for i, share in enumerate(shares) if 0.0 <= share < negligible]
+    return [i for i in small if _rivals(physical.selection, i)]
+
+
+def without_rivalled(physical: Physical, indices: Sequence[int]) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without effects that have rivals, and why they went."""
+    return _without(physical, indices, RIVALLED)
+
+
+def are_told_apart(physical: Physical, indices: Sequence[int]) -> bool:
+    """Whether the recording tells effects from those that would do nearly as well."""
+    selection = physical.selection
+    rivals = [one for i in indices for one in _rivals(selection, i)]
+    return all(distinguishable(selection.best, one.fitted) for one in rivals)
+
+
+def _without(physical: Physical, indices: Sequence[int], why: str) -> tuple[Physical, tuple[Refused, ...]]:
+    refused = tuple(because(physical.selection.rounds[i][0].label, why) for i in indices)
+    return (without_each(physical, indices) if indices else physical), refused
+
+
+def _rivals(selection: Selection, index: int) -> list[FittedCandidate]:
+    """Other effects that would have done nearly as well as one that was added to others."""
+    before = selection.rounds[index - 1][0].error if index else float(selection.base.left_out.sum())
+    first, *others = selection.rounds[index]
+    return [one for one in others if before - one.error > RIVAL_GAIN_SHARE * (before - first.error)]
 
 
 def _last_refused(selection: Selection, why: str) -> Refused:

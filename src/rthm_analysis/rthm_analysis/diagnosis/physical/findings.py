@@ -10,15 +10,18 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
     NEGLIGIBLE_SHARE,
     RETUNED_LEFT_SHARE,
-    RIVAL_GAIN_SHARE,
 )
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.composing import compose
 from rthm_analysis.diagnosis.physical.confirming import (
+    are_told_apart,
     because,
     confirmed,
     plain_only,
+    rivalled,
     without_needless,
+    without_rivalled,
+    without_slight,
     without_vague,
 )
 from rthm_analysis.diagnosis.physical.curves import force_curve
@@ -52,12 +55,11 @@ from rthm_analysis.diagnosis.result import (
     Trace,
     Value,
 )
-from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
-RIVALLED = "it does little in the unseen data, and another kind would do nearly as well"
 ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
 
 DRIVEN = (
@@ -127,9 +129,12 @@ def physical_part(physical: Physical) -> Part:
 def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
     """The same, or with fewer effects that are earned where all together are not; why the others went."""
     refused: tuple[Refused, ...] = ()
+    if judged.names and not physical.selection.formulas:
+        physical, judged, refused = _without_doubtful(physical, judged)
     if judged.names and not judged.at_noise and not physical.selection.imitates:
-        physical, refused = without_needless(physical)
-        judged = _judged(physical) if refused else judged
+        physical, needless = without_needless(physical)
+        refused = (*refused, *needless)
+        judged = _judged(physical) if needless else judged
     if judged.names and not judged.earned:
         certain, vague = without_vague(physical)
         again = _judged(certain) if vague else judged
@@ -138,6 +143,26 @@ def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgem
         physical, imitating = plain_only(physical)
         refused = (*refused, *imitating)
         judged = _judged(physical) if imitating else judged
+    return physical, judged, refused
+
+
+def _without_doubtful(
+    physical: Physical, judged: Judgement
+) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
+    """The same without small effects that are not well known, or whose kind is not sure, and why they went.
+
+    One whose kind is not sure stays where the others do not reach the noise without it, and the recording
+    tells it from its rivals.
+    """
+    physical, refused = without_slight(physical, judged.shares)
+    judged = _judged(physical) if refused else judged
+    if not (judged.earned and judged.at_noise and len(physical.selection.rounds) > 1):
+        return physical, judged, refused
+    unsure = rivalled(physical, judged.shares, _negligible(judged))
+    fewer, why = without_rivalled(physical, unsure)
+    again = _judged(fewer) if why else judged
+    if again.at_noise or not are_told_apart(physical, unsure):
+        return fewer, again, (*refused, *why)
     return physical, judged, refused
 
 
@@ -209,34 +234,30 @@ def _on_the_load(physical: Physical) -> tuple[str, ...]:
 
 
 def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[Trace], list[Refused]]:
-    """Effects that were earned, and those of them that do not matter, with those whose kind is not sure.
+    """Effects that were earned, those of them that do not matter, and those of which nothing can be said.
 
     Above the noise what does not matter says nothing.
     """
     selection, found, traces, vague = physical.selection, [], [], []
     if not judged.earned:
         return [], [], []
-    whole = max(judged.gone * judged.mismatch, 1e-300)
     for i, share in enumerate(judged.shares[: len(selection.rounds) - selection.formulas]):
         one = selection.best.model.added[i]
         values = values_of(selection.best, i)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(selection.rounds) == 1 or not 0.0 <= share < NEGLIGIBLE_SHARE * whole:
+        if len(selection.rounds) == 1 or not 0.0 <= share < _negligible(judged):
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
-        elif judged.at_noise and not _has_rivals(selection, i):
+        elif judged.at_noise:
             traces.append(Trace(one.block, one.kind, share, words))
         else:
-            why = RIVALLED if judged.at_noise else ABOVE_NOISE
-            vague.append(because((one.block, one.kind, one.place), why))
+            vague.append(because((one.block, one.kind, one.place), ABOVE_NOISE))
     return found, traces, vague
 
 
-def _has_rivals(selection: Selection, index: int) -> bool:
-    """Whether another effect would have done nearly as well as one that was added to others."""
-    before = selection.rounds[index - 1][0].error if index else float(selection.base.left_out.sum())
-    first, *others = selection.rounds[index]
-    return any(before - other.error > RIVAL_GAIN_SHARE * (before - first.error) for other in others)
+def _negligible(judged: Judgement) -> float:
+    """Share of the squared error on unseen data below which an effect does not matter."""
+    return NEGLIGIBLE_SHARE * max(judged.gone * judged.mismatch, 1e-300)
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:
@@ -258,7 +279,8 @@ def _drive_physics(physical: Physical) -> list[Physics]:
     for i, tried in enumerate(physical.drives):
         fitted = physical.drives[-1][0].fitted
         one = fitted.model.added[i]
-        values = values_of(fitted, i) | settled_by_plant(physical, fitted.model.name(i), one)
+        searched = values_of(fitted, i, tried[0].start.scales)
+        values = searched | settled_by_plant(physical, fitted.model.name(i), one)
         before = tried[-1].fitted.squares if len(tried) > 1 else float("nan")
         share = float(1.0 - tried[0].fitted.squares / before) if before > 0.0 else float("nan")
         energy = wire_work(physical.experiment, physical.windows, physical.settled, physical.spec)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -25,8 +27,13 @@ def stds_of(fitted: Fitted) -> dict[str, float]:
     }
 
 
-def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
-    """Parameters of an added effect with their standard deviations."""
+def values_of(
+    fitted: Fitted, index: int, within: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, Value | str]:
+    """Parameters of an added effect with their standard deviations.
+
+    `within` says of those that no fit but a search found how far they may be off.
+    """
     stds, model = stds_of(fitted), fitted.model
     one = model.added[index]
     declared = one.law
@@ -35,7 +42,7 @@ def values_of(fitted: Fitted, index: int) -> dict[str, Value | str]:
         if isinstance(value, str):
             values[key] = value
         else:
-            std = stds.get(f"{model.name(index)}.{key}", 0.0)
+            std = stds.get(f"{model.name(index)}.{key}", within.get(key, 0.0) / np.sqrt(3.0))
             values[key] = Value(float(value), std, declared.unit(key, one.block))
     return values
 

@@ -122,8 +122,15 @@ class Judgement:
         """Whether the best model is at the noise over the whole recording, unseen part included.
 
         A model without anything fitted owes all of it; one with fitted values is as good as they are sure.
+        Some channels may deny what is left of others, but never all of each other.
         """
-        return all(self._channel_at_noise(k) for k in range(len(self.left["explained"])))
+        quiet = self._quiet_channels
+        return all(quiet) or (any(quiet) and all(self._channel_at_noise(k) for k in range(len(quiet))))
+
+    @cached_property
+    def _quiet_channels(self) -> list[bool]:
+        """By channel: whether the best model leaves nothing of it but noise."""
+        return [self._is_quiet(k) for k in range(len(self.left["explained"]))]
 
     @property
     def settled(self) -> bool:
@@ -131,13 +138,16 @@ class Judgement:
         return self.at_noise and self.earned == self.names
 
     def _channel_at_noise(self, channel: int) -> bool:
+        return self._quiet_channels[channel] or self._is_noise_of_sensor(channel)
+
+    def _is_quiet(self, channel: int) -> bool:
         one = self.left["explained"][channel]
         low = bool(np.isfinite(one.rms)) and one.rms <= NOISE_FLOOR_RATIO * one.loudness
         if self.names or self.tuned:
             quiet = one.train < TRAINING_SLOW_POWER or (self.names and self._mostly_gone(channel))
         else:
             quiet = not (one.in_train or one.in_held_out or one.parts.size)
-        return (low and quiet) or self._is_noise_of_sensor(channel)
+        return low and quiet
 
     @cached_property
     def wrong_sensors(self) -> set[str]:

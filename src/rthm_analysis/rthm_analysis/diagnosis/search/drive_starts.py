@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     ROUNDING_FEWEST_STEPS,
     ROUNDING_LINE_TO_RMS,
 )
+from rthm_analysis.diagnosis.criteria.verdict import NEGLIGIBLE_DELAY_STD
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
@@ -111,7 +112,7 @@ def _best_delay(spec: Spec, fitting: Fitting, name: str) -> tuple[float, float]:
     low, high = (_edge(error, best, best + side * DRIVE_FLAT_DELAY) for side in (-1.0, 1.0))
     if low <= 0.0 <= high:
         return 0.0, 0.0
-    return 0.5 * (low + high), 0.5 * (high - low)
+    return 0.5 * (low + high), max(0.5 * (high - low), NEGLIGIBLE_DELAY_STD)
 
 
 def _edge(error: Callable[[float], float], inside: float, outside: float) -> float:

@@ -85,6 +85,12 @@ def is_identified(fitted: Fitted, index: int) -> bool:
     return not ends and one.law.identified(values, stds)
 
 
+def is_sure(fitted: Fitted, index: int, share: float) -> bool:
+    """Whether the standard deviations of all main parameters of an effect are at most this share of them."""
+    values, stds = _main(fitted, index)
+    return all(std <= share * abs(values[key]) for key, std in stds.items())
+
+
 def is_seen(fitted: Fitted, index: int) -> bool:
     """Whether the data tell any of the main parameters of an added effect."""
     values, stds = _main(fitted, index)

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.physical import confirming, diagnose_physical, verd
 from rthm_analysis.diagnosis.physical.confirming import rivalled
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.judged import Simulated
+from rthm_analysis.diagnosis.physical.rounding import is_rounding
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -175,6 +176,15 @@ def test_what_matters_little_is_told_unless_another_kind_would_do_nearly_as_well
     physical = cast(Physical, SimpleNamespace(selection=selection))
     assert rivalled(physical, [0.001, 0.001, 0.001], 0.01) == [0, 2]
     assert rivalled(physical, [0.5, 0.001, -0.1], 0.01) == []  # what matters, or makes up for others, stays
+
+
+@pytest.mark.parametrize(("off", "rounds"), [(0.0, True), (0.4, False)])
+def test_a_coarse_sensor_may_read_what_is_predicted_rounded(off: float, rounds: bool) -> None:
+    predicted = 0.7 * np.sin(0.01 * np.arange(3000.0))[:, None]
+    coarse = 0.5 * np.round((predicted + off) / 0.5)
+    physical = cast(Physical, SimpleNamespace(evidence=SimpleNamespace(measured=coarse), train=2000))
+    assert is_rounding(physical, predicted, 0) is rounds
+    assert is_rounding(physical, predicted + 1e-3, 0) is rounds
 
 
 def test_what_matters_little_and_is_not_known_well_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:

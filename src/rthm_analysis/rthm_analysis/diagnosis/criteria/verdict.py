@@ -146,6 +146,11 @@ stiffness or mass look so much off."""
 ROUNDING_STEP_RATIO = 0.8
 """Step of a sensor, over what the best model leaves unexplained, from which rounding is worth a word."""
 
+ROUNDING_ERROR_STEPS = 0.6
+ROUNDING_BEYOND_SHARE = 0.01
+"""Size of an error, in steps of a sensor, that rounding makes, and the share of samples that noise may take
+further: where the motion is small, all readings are off the same way."""
+
 FEWEST_RECORDED_SAMPLES = 100
 """Samples of a recording below which nothing is concluded: each part of a cross-validation needs some."""
 

@@ -6,7 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.verdict import ROUNDING_STEP_RATIO
+from rthm_analysis.diagnosis.criteria.verdict import (
+    ROUNDING_BEYOND_SHARE,
+    ROUNDING_ERROR_STEPS,
+    ROUNDING_STEP_RATIO,
+)
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_analysis.diagnosis.result import Physics, Value
@@ -34,6 +38,16 @@ def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
         words = physics_words(block, kind, channel.place, values, float("nan"), 0.0)
         found.append(Physics(block, kind, channel.place, values, words, 0.0, 0.0))
     return found
+
+
+def is_rounding(physical: Physical, predicted: Floats, channel: int) -> bool:
+    """Whether a channel reads what a model predicts, rounded to its steps."""
+    measured = physical.evidence.measured[:, channel]
+    step = lattice(measured[: physical.train])
+    if step is None:
+        return False
+    beyond = np.abs(measured - predicted[:, channel]) > ROUNDING_ERROR_STEPS * step
+    return float(np.mean(beyond)) <= ROUNDING_BEYOND_SHARE
 
 
 def rounded_section(one: Physics) -> dict[str, Any]:

@@ -39,6 +39,7 @@ from rthm_analysis.diagnosis.physical.judged import (
     spread,
 )
 from rthm_analysis.diagnosis.physical.remainder import Remainder
+from rthm_analysis.diagnosis.physical.rounding import is_rounding
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unrelated import possible_causes, unrelated
 from rthm_analysis.diagnosis.replay.entries import entry_of
@@ -138,7 +139,11 @@ class Judgement:
         return self.at_noise and self.earned == self.names
 
     def _channel_at_noise(self, channel: int) -> bool:
-        return self._quiet_channels[channel] or self._is_noise_of_sensor(channel)
+        return (
+            self._quiet_channels[channel]
+            or self._is_noise_of_sensor(channel)
+            or is_rounding(self.physical, self.runs["explained"].predicted, channel)
+        )
 
     def _is_quiet(self, channel: int) -> bool:
         one = self.left["explained"][channel]

@@ -16,6 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rthm.components import component
     from rthm.recordings import diagnose, energy, import_table, read, timing
     from rthm.simulations import sensitivities, simulate, simulate_many
     from rthm.specs import load
@@ -30,6 +31,7 @@ __all__ = [
     "Effect",
     "InputError",
     "__version__",
+    "component",
     "diagnose",
     "energy",
     "import_table",
@@ -47,6 +49,7 @@ __all__ = [
 _PLACES = {
     "Effect": "rthm_core.effects",
     "InputError": "rthm_core.errors",
+    "component": "rthm.components",
     "diagnose": "rthm.recordings",
     "energy": "rthm.recordings",
     "import_table": "rthm.recordings",

@@ -14,8 +14,8 @@ import pytest
 import rthm
 
 ROOT = Path(__file__).parents[3]
-FUNCTIONS = ("diagnose", "energy", "import_table", "load", "read", "response", "sensitivities", "simulate",
-             "simulate_many", "stability", "sweep", "timing")  # fmt: skip
+FUNCTIONS = ("component", "diagnose", "energy", "import_table", "load", "read", "response", "sensitivities",
+             "simulate", "simulate_many", "stability", "sweep", "timing")  # fmt: skip
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
 CPU = "import numpy, time; before = time.process_time(); import rthm; print(time.process_time() - before)"
 

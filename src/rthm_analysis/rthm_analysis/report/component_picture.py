@@ -12,6 +12,8 @@ from rthm_analysis.report.thinning import extremes
 from rthm_analysis.report.trajectory_picture import DPI
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from rthm_analysis.component import ComponentFinding, ComponentTest
     from rthm_analysis.component.fitting import Fitted
     from rthm_core.compiled import Floats
@@ -25,7 +27,12 @@ FOUND = {"color": COLOURS[0], "linewidth": 0.9, "label": "as found"}
 
 
 def draw(finding: ComponentFinding, model: Fitted, test: ComponentTest, path: Path) -> None:
-    """Write a PNG, SVG or PDF file.
+    """Write a PNG, SVG or PDF file of the `picture`."""
+    picture(finding, model, test).savefig(path, dpi=DPI)
+
+
+def picture(finding: ComponentFinding, model: Fitted, test: ComponentTest) -> Figure:
+    """Draw loops, force over time, and what is left.
 
     Parameters
     ----------
@@ -34,7 +41,6 @@ def draw(finding: ComponentFinding, model: Fitted, test: ComponentTest, path: Pa
         What was found; drawn where it explains or improves something.
     test : ComponentTest
         The recording that confirms it.
-    path : Path
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -54,7 +60,7 @@ def draw(finding: ComponentFinding, model: Fitted, test: ComponentTest, path: Pa
     panels["t"].legend(frameon=False, fontsize=8, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     panels["left"].set_ylabel("what is left (N)")
     panels["left"].set_xlabel("time (s)")
-    figure.savefig(path, dpi=DPI)
+    return figure
 
 
 def _loop(axis: Any, test: ComponentTest, over: Floats, predicted: Floats | None, label: str) -> None:

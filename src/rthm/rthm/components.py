@@ -118,7 +118,7 @@ def component(
     """
     bags = bag if isinstance(bag, Sequence) and not isinstance(bag, str) else [bag]
     recorded = [read(one, effects) for one in bags]
-    channels = [channels_of(one.plant, motion, force, inputs) for one in recorded]
+    channels = [channels_of(one, motion, force, inputs) for one in recorded]
     tests = [component_test(one, of) for one, of in zip(recorded, channels, strict=True)]
     found, model = identify_component(tests, channels[0])
     return Component.of(found, model=model, test=tests[-1])

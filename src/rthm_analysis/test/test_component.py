@@ -13,10 +13,13 @@ from rthm_analysis.component.along import force_along, substeps_for
 from rthm_analysis.component.fitting import lagged
 from rthm_analysis.component.motion import smooth_motion, smoothed
 from rthm_analysis.component.words import lag_words, term_words
+from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.exchange import import_files, wanted
 from rthm_analysis.recording import read_recording
 from rthm_core.effects.registry import effect
 from rthm_core.errors import InputError
+
+from .plain import plant
 
 T = np.arange(0.0, 16.0, 0.01)
 X = 0.02 * np.sin(5.0 * T) + 0.01 * np.sin(1.9 * T + 0.3)
@@ -126,13 +129,22 @@ def test_a_file_of_a_logger_becomes_a_test_of_a_component(tmp_path: Path, sign: 
     bag = import_files([str(write(tmp_path / "damper.csv", sign))], tmp_path / "bag", said)[0]
     assert [(one.name, one.unit) for one in bag.channels] == [("x1", "m"), ("a1", "N"), ("voltage", "V")]
     recording = read_recording(bag.bag)
-    channels = channels_of(recording.plant)
-    assert channels == NAMES
+    channels = channels_of(recording)
+    assert channels == NAMES and recording.plant.names == ("x1", "a1")  # a voltage is no force on a plant
     test = component_test(recording, channels)
     assert test.reversed == (sign < 0.0)
     assert np.allclose(test.force, 500.0 * X + 30.0 * V, atol=1e-6)
     assert np.allclose(test.inputs["voltage"], VOLTAGE)
     with pytest.raises(InputError, match="--input speed is no input of this recording, which has voltage"):
-        channels_of(recording.plant, inputs=["speed"])
+        channels_of(recording, inputs=["speed"])
     with pytest.raises(InputError, match="--motion is x2"):
-        channels_of(recording.plant, motion="x2")
+        channels_of(recording, motion="x2")
+
+
+def test_a_diagnosis_of_a_plant_takes_no_input_for_a_force(tmp_path: Path) -> None:
+    said = wanted(["position:x1=x", "force:a1=f", "input:voltage=u"])
+    bag = import_files([str(write(tmp_path / "damper.csv", 1.0))], tmp_path / "bag", said)[0].bag
+    recording = read_recording(bag)
+    seen = gather(recording, plant())
+    assert np.array_equal(seen.load, recording.plant.columns("effort", ["a1"]))
+    assert any(note.startswith("voltage is an input of a component") for note in seen.notes)

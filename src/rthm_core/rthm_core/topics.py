@@ -13,6 +13,8 @@ PLANT_STATE = "plant/state"
 NUMERICAL_STATE = "numerical/state"
 FORCE_REFERENCE = "numerical/force_reference"
 COMMAND, DRY_COMMAND = "actuator/command", "actuator/command_dry"
+INPUTS = "plant/inputs"
+"""What is recorded of a component beside motion and force, such as a voltage: efforts in their own units."""
 LINKS = ("tau1", "tau2", "tau3", "tau4")
 """Delays of the loop."""
 

@@ -13,6 +13,7 @@ from rthm_analysis.component.motion import smooth_motion
 from rthm_analysis.exchange.mapping import USUAL
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
+from rthm_core.topics import INPUTS
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording, Table
@@ -65,7 +66,9 @@ class ComponentTest:
         return float(self.t[1] - self.t[0])
 
 
-def channels_of(table: Table, motion: str = "", force: str = "", inputs: Sequence[str] = ()) -> Channels:
+def channels_of(
+    recording: Recording, motion: str = "", force: str = "", inputs: Sequence[str] = ()
+) -> Channels:
     """Which signals are what: as named; else the force has the name that `rthm import` gives it, or that of
     the motion, and is the only one otherwise.
 
@@ -74,17 +77,19 @@ def channels_of(table: Table, motion: str = "", force: str = "", inputs: Sequenc
     InputError
         A name is not there, or there are several that it can be.
     """
+    table, beside = recording.plant, recording.tables.get(INPUTS)
     moving = _with(table, "position") or _with(table, "velocity")
     acting = [name for name in _with(table, "effort") if name not in inputs]
     motion = _one(motion, moving, "motion", "a position", "--motion")
     usual = next((name for name in (USUAL[False], motion) if name in acting), "")
     force = _one(force or usual, acting, "force", "a force", "--force")
-    others = tuple(inputs) or tuple(name for name in acting if name not in (force, motion))
+    there = [*(name for name in _with(table, "effort") if name != force), *(beside.names if beside else ())]
+    others = tuple(inputs) or tuple(name for name in there if name != motion)
     for name in others:
-        if name not in _with(table, "effort") or name == force:
+        if name not in there:
             raise InputError(
                 f"--input {name} is no input of this recording, which has "
-                f"{', '.join(one for one in acting if one != force) or 'none'}; name one of these."
+                f"{', '.join(there) or 'none'}; name one of these."
             )
     return Channels(motion, force, others)
 
@@ -135,13 +140,19 @@ def component_test(recording: Recording, channels: Channels) -> ComponentTest:
             f"least {FEWEST_SAMPLES}; record more."
         )
     x, v = smooth_motion(t, _even(time, column["position"], t), _even(time, column["velocity"], t))
-    inputs = {
-        name: np.asarray(_even(time, table.columns("effort", [name])[:, 0], t)) for name in channels.inputs
-    }
+    inputs = {name: np.asarray(_even(*_input(recording, name), t)) for name in channels.inputs}
     resisting = _even(time, force, t)
     assert resisting is not None
     turned = float(np.sum((resisting * v)[known])) < 0.0
     return ComponentTest(recording.name, t, x, v, -resisting if turned else resisting, known, inputs, turned)
+
+
+def _input(recording: Recording, name: str) -> tuple[Floats, Floats]:
+    """Instants, s, and values of an input: of the topic of inputs, or a force of that name."""
+    beside = recording.tables.get(INPUTS)
+    table = beside if beside is not None and name in beside.names else recording.plant
+    time = (table.stamp_ns - recording.plant.stamp_ns[0]) / NS
+    return time, table.columns("effort", [name])[:, 0]
 
 
 def _even(time: Floats, values: Floats, at: Floats) -> Floats | None:

@@ -19,7 +19,7 @@ from rthm_analysis.recording import LinkTable, Table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, read_spec
-from rthm_core.topics import PLANT_STATE
+from rthm_core.topics import INPUTS, PLANT_STATE
 
 SPEC_FILE = "spec.yaml"
 
@@ -122,8 +122,11 @@ def _from_columns(columns: Columns, bag: Path, wanted: Wanted, spec: Spec | None
     if not wanted.signals and {"u", "y"} <= set(columns.values):
         wanted = replace(wanted, signals=_input_and_output(spec))
     table, notes = plant_table(columns, wanted, spec)
-    written = _written(bag, {PLANT_STATE: table}, {}, spec.expanded() if spec else "", notes)
-    return replace(written, channels=tuple(understood(columns, wanted, table)))
+    inputs = [one.name for one in wanted.signals if one.role == "input"]
+    plant = table.only([name for name in table.names if name not in inputs])
+    tables = {PLANT_STATE: plant} | ({INPUTS: table.only(inputs)} if inputs else {})
+    written = _written(bag, tables, {}, spec.expanded() if spec else "", notes)
+    return replace(written, names=table.names, channels=tuple(understood(columns, wanted, table)))
 
 
 def _input_and_output(spec: Spec | None) -> tuple[Signal, ...]:

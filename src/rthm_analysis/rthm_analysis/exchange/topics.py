@@ -9,9 +9,12 @@ from rthm_analysis.recording import LinkTable, Recording, Table
 from rthm_analysis.recording.cdr import FIELDS
 from rthm_analysis.recording.reading import STATES
 from rthm_core.errors import InputError
-from rthm_core.topics import LINKS
+from rthm_core.topics import ENERGY, INPUTS, LINKS
 
 UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
+OTHER_UNITS = {ENERGY: "J", INPUTS: "1"}
+"""Units of the fields, and of all fields of topics that have another."""
+
 STAMP, RECEIVED, SENT, SAMPLE = "stamp", "received", "sent", "sample"
 
 INSTANTS = (STAMP, RECEIVED, SENT)
@@ -50,7 +53,7 @@ def state_columns(table: Table, topic: str) -> tuple[dict[str, Column], dict[str
         known = [field for field in FIELDS if np.isfinite(getattr(table, field)[:, k]).any()] or ["effort"]
         for field in known:
             values[f"{name}.{field}"] = getattr(table, field)[:, k]
-            units[f"{name}.{field}"] = "J" if topic == "energy" else UNITS[field]
+            units[f"{name}.{field}"] = OTHER_UNITS.get(topic, UNITS[field])
     return values, units
 
 

@@ -26,6 +26,7 @@ from rthm_core.topics import (
     ENERGY,
     EVENTS,
     FORCE_REFERENCE,
+    INPUTS,
     JOINT_STATE,
     LINKS,
     NUMERICAL_STATE,
@@ -39,7 +40,7 @@ from rthm_core.topics import (
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
-STATES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND, ENERGY)
+STATES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND, ENERGY, INPUTS)
 
 T = TypeVar("T", Table, LinkTable)
 

@@ -33,7 +33,7 @@ class Table:
     names : tuple of k str
         Column names: degrees of freedom, actuators or energy terms.
     position, velocity, effort : (n, k) arrays
-        m, m/s and N (J for the topic ``energy``).
+        m, m/s and N (J for the topic ``energy``, units of their own for inputs).
     """
 
     stamp_ns: Integers
@@ -55,6 +55,11 @@ class Table:
             if name in self.names:
                 picked[:, column] = values[:, self.names.index(name)]
         return picked
+
+    def only(self, names: Sequence[str]) -> Table:
+        """Return the columns of some names."""
+        position, velocity, effort = (self.columns(field, names) for field in FIELDS)
+        return replace(self, names=tuple(names), position=position, velocity=velocity, effort=effort)
 
     def rows(self, which: Integers | slice) -> Table:
         """Return some of the samples."""

@@ -20,7 +20,7 @@ from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 from rthm_core.link import Link
 from rthm_core.schedule import overtaking
-from rthm_core.topics import COMMAND
+from rthm_core.topics import COMMAND, INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -204,6 +204,12 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
         load = _with_forces(plant, others, load, spec)
     elif not names:
         load = _with_forces(plant, [name for name in plant.names if name not in dofs], load, spec)
+    if INPUTS in recording.tables:
+        inputs = ", ".join(recording.tables[INPUTS].names)
+        notes.append(
+            f"{inputs} is an input of a component, on which no law here depends: `rthm component` finds "
+            "what it does."
+        )
     channels, columns = [], []
     for family, field, places in (
         ("position", "position", dofs),

@@ -49,7 +49,7 @@ def verb(
     if plot:
         check_picture(plot)
     recordings = [recording_of(bag, effects) for bag in bags]
-    channels = [channels_of(one.plant, motion, force, inputs or ()) for one in recordings]
+    channels = [channels_of(one, motion, force, inputs or ()) for one in recordings]
     tests = [component_test(one, of) for one, of in zip(recordings, channels, strict=True)]
     with status("reading") as say:
         found, model = identify_component(tests, channels[0], say)

@@ -27,6 +27,9 @@ FINE_DIFFERENCE_RATIO = 0.02
 """Share of the squared error that a step must still bring in a fit that finishes, and the factor of its last
 finite differences."""
 
+LEAST_DAMPING = 1e-4
+"""Damping with which a fit begins (Levenberg-Marquardt), in the scale of the parameters."""
+
 LARGEST_LOG_STEP = 1.2
 """Largest step of a positive parameter, as the logarithm of a factor."""
 

@@ -22,6 +22,7 @@ from rthm_analysis.diagnosis.criteria.fitting import (
     FINE_FIT_GAIN,
     FIT_GAIN,
     FIT_STEPS,
+    LEAST_DAMPING,
     POOR_FIT_CHI2,
     SETTLED_GAIN,
 )
@@ -299,7 +300,7 @@ class Fitting:
         kept = 0 if anew or known is None else known.shape[0]
         residual = self.residual(model)
         bases = self._bases_of(model, residual, started=started)
-        best, damping = self._cost(model, residual, bases), 1e-4
+        best, damping = self._cost(model, residual, bases), LEAST_DAMPING
         columns, small, settled = np.empty((0, residual.size)), DIFFERENCE_STEP, np.inf
         for _ in range(most):
             free = range(kept, len(model.parameters))
@@ -316,15 +317,15 @@ class Fitting:
                 if cost < best:
                     model, residual, best, damping = trial, trial_residual, cost, damping * 0.1
                     break
-                damping = max(damping * 10.0, 1e-3)
+                damping = max(damping * 10.0, 10.0 * LEAST_DAMPING)
             if affordable and self.budget.spent:
                 break
             if before - best < max(SETTLED_GAIN, least * best):
                 if small < DIFFERENCE_STEP or least > FINE_FIT_GAIN:
                     settled = least
                     break
-                # Where motions part quickly, a longer step tells little.
-                small = DIFFERENCE_STEP * FINE_DIFFERENCE_RATIO
+                # Where motions part quickly, a longer step tells little, and refused steps were its fault.
+                small, damping = DIFFERENCE_STEP * FINE_DIFFERENCE_RATIO, LEAST_DAMPING
             if self.reduced_chi2 > POOR_FIT_CHI2:
                 bases = self._bases_of(model, residual, started=started)
                 best = self._cost(model, residual, bases)

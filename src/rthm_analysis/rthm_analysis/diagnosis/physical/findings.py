@@ -37,7 +37,7 @@ from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_s
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
 from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
-from rthm_analysis.diagnosis.physical.values import retuned_values, settled_by_plant, values_of
+from rthm_analysis.diagnosis.physical.values import less_sure, retuned_values, settled_by_plant, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve, wires_described
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
@@ -88,7 +88,7 @@ def physical_part(physical: Physical) -> Part:
         force = (*force, *motors_described(judged.physical))
     physical = judged.physical
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
-    retuned = _determined(retuned_values(physical))
+    retuned = _determined(less_sure(retuned_values(physical), judged.misfit))
     left = not judged.settled
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces, vague = _named(physical, judged)
@@ -243,7 +243,7 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         return [], [], []
     for i, share in enumerate(judged.shares[: len(selection.rounds) - selection.formulas]):
         one = selection.best.model.added[i]
-        values = values_of(selection.best, i)
+        values = less_sure(values_of(selection.best, i), judged.misfit)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
         if len(selection.rounds) == 1 or not 0.0 <= share < _negligible(judged):

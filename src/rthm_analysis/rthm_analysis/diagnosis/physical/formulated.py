@@ -20,7 +20,7 @@ from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.polygon import is_polygon
-from rthm_analysis.diagnosis.physical.values import values_of
+from rthm_analysis.diagnosis.physical.values import less_sure, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.physical.written import Written
@@ -73,7 +73,7 @@ def _left(judged: Judgement, dof: str) -> Floats | float:
 
 
 def _written(judged: Judgement, index: int) -> Written:
-    found = values_of(judged.physical.selection.best, index)
+    found = less_sure(values_of(judged.physical.selection.best, index), judged.misfit)
     return Written(str(found["force"]), {k: one for k, one in found.items() if isinstance(one, Value)})
 
 

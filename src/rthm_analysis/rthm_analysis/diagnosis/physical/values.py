@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 
@@ -45,6 +46,17 @@ def values_of(
             std = stds.get(f"{model.name(index)}.{key}", within.get(key, 0.0) / np.sqrt(3.0))
             values[key] = Value(float(value), std, declared.unit(key, one.block))
     return values
+
+
+Told = TypeVar("Told", Value | str, Retuned)
+
+
+def less_sure(values: Mapping[str, Told], factor: float) -> dict[str, Told]:
+    """The same with standard deviations that are so much larger."""
+    return {
+        key: value if isinstance(value, str) else replace(value, std=factor * value.std)
+        for key, value in values.items()
+    }
 
 
 def settled_by_plant(physical: Physical, name: str, one: EffectInstance) -> dict[str, Value | str]:

@@ -82,6 +82,14 @@ class Judgement:
         """By channel: what is left of the model that is told, without effects that were not earned."""
         return self.left[self.told]
 
+    @cached_property
+    def misfit(self) -> float:
+        """Error of the model that is told on unseen data, over the noise, where that is largest; at least 1.
+
+        Its values are so much less sure than noise alone would leave them.
+        """
+        return max((1.0, *(one.rms / one.loudness for one in self.left_over)))
+
     @property
     def told(self) -> str:
         """Name of the model that is told: with effects only where they were earned."""

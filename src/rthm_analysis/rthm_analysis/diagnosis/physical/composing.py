@@ -9,11 +9,13 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.polygon import polygon
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.search.judging import reduced_chi2
+from rthm_analysis.diagnosis.search.replacing import is_identified
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 
@@ -42,7 +44,10 @@ def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement
 
 
 def _with_all(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> Judgement | None:
-    """The model with some formulas, judged; None where it diverges."""
+    """The model with some formulas, judged; None where it diverges.
+
+    Effects whose values the recording does not tell beside the formulas are left out.
+    """
     physical, selection = judged.physical, judged.physical.selection
     physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
     fitted = fit_terms(physical.fitting, with_all(base.model, guesses))
@@ -50,7 +55,9 @@ def _with_all(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> J
         return None
     rounds = [*(selection.rounds if judged.earned else ()), *rounds_of(guesses, fitted)]
     with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
-    runs = judged.runs | {"explained": simulate_all(with_formula, fitted)}
+    vague = [i for i in range(len(rounds) - len(guesses)) if not is_identified(fitted, i)]
+    with_formula = without_each(with_formula, vague) if vague else with_formula
+    runs = judged.runs | {"explained": simulate_all(with_formula, with_formula.selection.best)}
     return Judgement(with_formula, runs, composed=True)
 
 

@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.physical import colours
 from rthm_analysis.diagnosis.physical.remainder import remainder_of, slow_power
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.readings import noise_level
+from rthm_analysis.diagnosis.replay.resting import rests
 from rthm_analysis.diagnosis.replay.updates import readings_only
 
 from .faulty import hybrid
@@ -202,3 +203,11 @@ def test_the_quantile_of_a_few_averages_decides_below_few_alone() -> None:
     few = np.arange(1, 10 * FEWEST_NORMAL_AVERAGES)
     beyond = chdtri(few, SLOW_POWER_CHANCE) / few - 1.0 > SLOW_POWER_STDS * np.sqrt(2.0 / few)
     assert np.array_equal(beyond, few < FEWEST_NORMAL_AVERAGES)
+
+
+@pytest.mark.parametrize(("left", "resting"), [(0.0, True), (3e-4, False)])
+def test_a_motion_that_is_above_the_noise_does_not_rest(left: float, resting: bool) -> None:
+    t = np.arange(0.0, 30.0, 0.01)
+    motion = np.where(t < 15.0, np.exp(-t / 3.0), left) * np.cos(3.0 * t)
+    assert rests(motion + 1e-4 * np.random.default_rng(0).standard_normal(t.size), 2000) is resting
+    assert rests(1e-3 * np.round(motion / 1e-3), 2000)  # of a coarse sensor nothing is seen of it

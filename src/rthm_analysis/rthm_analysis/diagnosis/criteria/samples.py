@@ -1,5 +1,13 @@
 """Faults of single samples: stuck values, drop-outs, spikes, ends of a range, motors that do not move."""
 
+# Rest: a motion that has died away.
+
+REST_FEWEST_SAMPLES = 50
+"""Samples below which nothing says that a signal rests."""
+
+REST_NOISE_RATIO = 1.3
+"""Standard deviation of a signal over its noise, or the step of its sensor, up to which it rests."""
+
 # Stuck: a sensor repeats one value.
 
 STUCK_FEWEST_SAMPLES = 7

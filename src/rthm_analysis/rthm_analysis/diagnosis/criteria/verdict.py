@@ -1,8 +1,5 @@
 """When the names that were found explain a recording: errors on unseen data, and what is left."""
 
-REST_SHARE_OF_MOTION = 0.02
-"""Standard deviation of a motion in the unseen part over that before, below which it has come to rest."""
-
 TRAINED_SHARE = 2.0 / 3.0
 """Share of a recording, from its start, that fits and choices may see: the rest confirms what they chose."""
 

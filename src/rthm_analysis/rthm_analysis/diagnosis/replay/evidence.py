@@ -14,8 +14,9 @@ from rthm_analysis.diagnosis.criteria.replay import (
     REST_MOST_SHARE,
     STRAY_COMMANDS_SHARE,
 )
-from rthm_analysis.diagnosis.criteria.verdict import REST_SHARE_OF_MOTION, TRAINED_SHARE
+from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
+from rthm_analysis.diagnosis.replay.resting import rests
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 from rthm_core.link import Link
@@ -135,11 +136,7 @@ class Evidence:
         of its motion.
         """
         motion = [i for i, one in enumerate(self.channels) if one.family in ("position", "velocity")]
-        seen, unseen = (
-            np.nanstd(rows[:, motion], axis=0)
-            for rows in (self.measured[: self.trained], self.measured[self.trained :])
-        )
-        return bool(np.all(unseen < REST_SHARE_OF_MOTION * seen))
+        return all(rests(self.measured[:, i], self.trained) for i in motion)
 
     def rates(self, values: Floats) -> Floats:
         """Rates (s,) of some values (s,) in each recording by itself."""

@@ -1,0 +1,29 @@
+"""Whether a signal rests: it then shows nothing but the noise of its sensor."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.samples import REST_FEWEST_SAMPLES, REST_NOISE_RATIO
+from rthm_analysis.diagnosis.replay.readings import lattice, typical_size
+
+if TYPE_CHECKING:
+    from rthm_core.compiled import Floats
+
+
+def rests(values: Floats, begin: int) -> bool:
+    """Whether a signal does not move from some sample on beyond its noise, or the step of its sensor.
+
+    Parameters
+    ----------
+    values : (s,) array
+        Position or velocity; NaN where it is not known.
+    begin : int
+    """
+    known = values[begin:][np.isfinite(values[begin:])]
+    if known.size < REST_FEWEST_SAMPLES:
+        return False
+    noise = max(typical_size(np.diff(known, 3)) / np.sqrt(20.0), lattice(values) or 0.0)
+    return bool(known.std() <= REST_NOISE_RATIO * noise)

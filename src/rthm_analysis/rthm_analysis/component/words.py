@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from rthm_analysis.component.result import Errors, Term
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.numbers import bare, number, percent
 from rthm_analysis.diagnosis.result import Value
 
 PLAIN = {"offset": "a constant force", "stiffness": "a spring", "damping": "a damper"}
-
-
-def joined(parts: Iterable[str]) -> str:
-    """Parts of a sentence: ``a, b and c``."""
-    *most, last = parts
-    return f"{', '.join(most)} and {last}" if most else last
 
 
 def verdict_words(verdict: str, depends_on: tuple[str, ...], terms: tuple[Term, ...]) -> str:
@@ -25,9 +18,9 @@ def verdict_words(verdict: str, depends_on: tuple[str, ...], terms: tuple[Term, 
             "it follows from was not recorded, or is no law of the library."
         )
     before = ", and on what was before" if any(term.memory for term in terms) else ""
-    parts = joined(PLAIN.get(term.kind, term.called) for term in terms)
+    parts = enumerated(PLAIN.get(term.kind, term.called) for term in terms)
     left = " Something is left that is not noise." if verdict == "improved" else ""
-    return f"The force depends on {joined(depends_on)}{before}: {parts}.{left}"
+    return f"The force depends on {enumerated(depends_on)}{before}: {parts}.{left}"
 
 
 def term_words(term: Term) -> str:

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.words import (
     FAR_STDS,
     SLIGHT_CHANGE,
 )
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
 from rthm_analysis.diagnosis.result import Described, Fault, Physics, Retuned, Trace, Value
 from rthm_core.effects import Effect, EffectText, effect
@@ -208,6 +209,6 @@ def verdict_words(
 
 
 def _where(verdict: str, located: tuple[str, ...]) -> str:
-    where = " and ".join(block_words(block) for block in located)
+    where = enumerated(block_words(block) for block in located)
     known = ", and no known kind of physics explains it" if verdict == "unexplained" else ""
     return f"Simulation and recording differ in {where}{known}."

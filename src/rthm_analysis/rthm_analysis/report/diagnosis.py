@@ -10,6 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Diagnosis
 from rthm_analysis.diagnosis.words import block_words, retuned_words, stated_spreads
@@ -172,7 +173,7 @@ def _header(title: str, diagnosis: Diagnosis, spec: Spec) -> str:
 
 def _answer(diagnosis: Diagnosis) -> str:
     """Return the verdict in a sentence."""
-    where = " and ".join(block_words(block) for block in diagnosis.located)
+    where = enumerated(block_words(block) for block in diagnosis.located)
     differ = f"Simulation and recording differ in {where}"
     if diagnosis.verdict == "explained" and diagnosis.described and not diagnosis.physics:
         return f"{differ}; the force that was left out has no name, and its formula is below."

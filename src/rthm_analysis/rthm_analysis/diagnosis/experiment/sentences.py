@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.experiment.planning import Planned
 from rthm_analysis.diagnosis.experiment.trials import Trial
 from rthm_analysis.diagnosis.numbers import bare
@@ -14,14 +15,14 @@ def listed(names: Sequence[str]) -> str:
     """``a``, ``a from b``, ``a, b and c from each other``."""
     if len(names) == 2:
         return f"{names[0]} from {names[1]}"
-    return f"{', '.join(names[:-1])} and {names[-1]} from each other"
+    return f"{enumerated(names)} from each other"
 
 
 def input_words(trial: Trial, nominal: Spec) -> str:
     """The input of a trial: ``a harmonic load of 0.8 N at 1.9 rad/s on x1, from rest``."""
     loads = [_load_words(one) for one in trial.loads.values() if one.kind != "none"]
     if loads:
-        return f"{' and '.join(loads)}, from rest"
+        return f"{enumerated(loads)}, from rest"
     assert nominal.plant is not None
     starts = [
         f"{dof} = {trial.start * x:.3g} m"

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     SIMPLER_CURVE_LEFT_RATIO,
     SYMMETRIC_SHARE,
 )
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.missing.motion import Along
@@ -109,9 +110,8 @@ def ranges_of(domain: dict[str, tuple[float, float]]) -> str:
 
 def law_of(formula: str, depends_on: Iterable[str]) -> str:
     """A formula as a law, with the units of its variables: ``F = 2 * x in N, with x in m``."""
-    units = [f"{name} in {VARIABLE_UNITS[name]}" for name in depends_on]
-    listed = " and ".join([*([", ".join(units[:-1])] if units[:-1] else []), *units[-1:]])
-    return f"F = {formula} in N" + (f", with {listed}" if listed else "")
+    units = enumerated(f"{name} in {VARIABLE_UNITS[name]}" for name in depends_on)
+    return f"F = {formula} in N" + (f", with {units}" if units else "")
 
 
 def _words(
@@ -122,7 +122,7 @@ def _words(
     domain: dict[str, tuple[float, float]],
     whole: str,
 ) -> str:
-    names = " and ".join(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
+    names = enumerated(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
     when = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
     seen = f" (seen from {ranges})" if (ranges := ranges_of(domain)) else ""

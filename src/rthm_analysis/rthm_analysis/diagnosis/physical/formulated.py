@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.describe import (
     NAMES,
@@ -84,7 +85,7 @@ def _sum(terms: Iterator[str]) -> str:
 def _words(
     judged: Judgement, dof: str, terms: list[Written], depends_on: tuple[str, ...], at: Along, force: Floats
 ) -> str:
-    on = " and ".join(NAMES[name].format(dof=dof) for name in depends_on)
+    on = enumerated(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
     formula = _sum(one.told(with_std=True) for one in terms)
     law = law_of(formula, depends_on) if terms else TABLE

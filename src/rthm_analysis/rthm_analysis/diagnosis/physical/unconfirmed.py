@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.criteria.missing import UNCONFIRMED_SHARE
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
@@ -36,7 +37,7 @@ def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
     interval = formula.interval(float(at.t[-1])) or when(judged)
     share = term.gain / max(one.excess for one in curves)
     text = formula.told(with_std=False)
-    on = " and ".join(NAMES[name].format(dof=term.dof) for name in variables)
+    on = enumerated(NAMES[name].format(dof=term.dof) for name in variables)
     since = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
     words = (
         f"Of a force at {term.dof} that depends on {on}, {law_of(text, variables)}, the last third shows "

@@ -23,6 +23,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     TRAINING_SLOW_POWER,
     WORSE_ERROR_RATIO,
 )
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import is_clear
@@ -360,7 +361,7 @@ class Judgement:
             return ()
         worst = max(one.rms / one.loudness for one in self.left["explained"])
         labels = [tried[0].label for tried in self.physical.selection.rounds]
-        names = " and ".join(kind.replace("_", " ") for _, kind, _ in labels)
+        names = enumerated(kind.replace("_", " ") for _, kind, _ in labels)
         gone = percent(max(self.gone, 0.0))
         words = (
             f"{names.capitalize()}: fitted to the first two thirds, it removed {gone} of the mismatch in the "

@@ -11,7 +11,7 @@ import numpy as np
 
 from rthm.recordings import Recorded, read
 from rthm.results import Array, Column, Result
-from rthm_analysis.component import ComponentFinding, channels_of, component_test, identify_component
+from rthm_analysis.component import ComponentFinding, identify_recordings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -118,7 +118,5 @@ def component(
     """
     bags = bag if isinstance(bag, Sequence) and not isinstance(bag, str) else [bag]
     recorded = [read(one, effects) for one in bags]
-    channels = [channels_of(one, motion, force, inputs) for one in recorded]
-    tests = [component_test(one, of) for one, of in zip(recorded, channels, strict=True)]
-    found, model = identify_component(tests, channels[0])
-    return Component.of(found, model=model, test=tests[-1])
+    found, model, test = identify_recordings(recorded, motion, force, inputs)
+    return Component.of(found, model=model, test=test)

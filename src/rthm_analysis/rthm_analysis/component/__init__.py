@@ -15,10 +15,11 @@
 ================  ==============================================================================
 """
 
-from rthm_analysis.component.identify import identify_component
+from rthm_analysis.component.identify import identify_component, identify_recordings
 from rthm_analysis.component.recorded import Channels, ComponentTest, channels_of, component_test
 from rthm_analysis.component.result import ComponentFinding
 
 __all__ = [
     "Channels", "ComponentFinding", "ComponentTest", "channels_of", "component_test", "identify_component",
+    "identify_recordings",
 ]  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 from rthm_analysis.component.criteria import AT_NOISE_RATIO, BETTER_RATIO, SETTLING_SHARE
 from rthm_analysis.component.fitting import Fitted, Part, fitted, sized
 from rthm_analysis.component.motion import smoothed
-from rthm_analysis.component.recorded import Channels, ComponentTest
+from rthm_analysis.component.recorded import Channels, ComponentTest, channels_of, component_test
 from rthm_analysis.component.result import ComponentFinding, Errors, Term
 from rthm_analysis.component.selecting import Progress, selected
 from rthm_analysis.component.shapes import OFFSET
@@ -23,10 +23,31 @@ from rthm_analysis.component.words import (
     verdict_words,
 )
 from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
-from rthm_analysis.diagnosis.replay.readings import typical_size
+from rthm_analysis.diagnosis.replay.readings import fast_noise
+from rthm_analysis.recording import Recording
 
 MOTION_OF = {"stiffness": ("x",), "damping": ("v",), OFFSET: ()}
 """What the parts without a law depend on."""
+
+
+def identify_recordings(
+    recordings: Sequence[Recording],
+    motion: str = "",
+    force: str = "",
+    inputs: Sequence[str] = (),
+    progress: Progress = lambda said: None,
+) -> tuple[ComponentFinding, Fitted, ComponentTest]:
+    """`identify_component` of recordings in which these signals are motion, force and inputs; with the test
+    that confirms it.
+
+    Raises
+    ------
+    InputError
+        If a signal is not there or nothing says which it is, or nothing moves.
+    """
+    channels = [channels_of(one, motion, force, inputs) for one in recordings]
+    tests = [component_test(one, of) for one, of in zip(recordings, channels, strict=True)]
+    return *identify_component(tests, channels[0], progress), tests[-1]
 
 
 def identify_component(
@@ -92,7 +113,7 @@ def _noise(test: ComponentTest) -> float:
     neighbouring samples differ by.
     """
     force = test.force[test.known]
-    differing = typical_size(np.diff(force, 3)) / np.sqrt(20.0)
+    differing = fast_noise(force)
     return float(max(min(differing, smoothed(force).noise), 1e-12 * float(np.std(force))))
 
 

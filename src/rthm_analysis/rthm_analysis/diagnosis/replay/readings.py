@@ -52,6 +52,11 @@ def typical_size(errors: Floats) -> float:
     return 1.4826 * float(np.median(np.abs(errors)))
 
 
+def fast_noise(values: Floats) -> float:
+    """Standard deviation of white noise on values (s,) that are smooth beside it, from third differences."""
+    return float(typical_size(np.diff(values, 3)) / np.sqrt(20.0))
+
+
 def _tails(errors: Floats) -> float:
     """Standard deviation over the typical size of errors that are far off now and then in every part of a
     recording; 1 where they are not: what happens in some parts alone, or together, is no noise.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.samples import REST_FEWEST_SAMPLES, REST_NOISE_RATIO
-from rthm_analysis.diagnosis.replay.readings import lattice, typical_size
+from rthm_analysis.diagnosis.replay.readings import fast_noise, lattice
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -25,5 +25,5 @@ def rests(values: Floats, begin: int) -> bool:
     known = values[begin:][np.isfinite(values[begin:])]
     if known.size < REST_FEWEST_SAMPLES:
         return False
-    noise = max(typical_size(np.diff(known, 3)) / np.sqrt(20.0), lattice(values) or 0.0)
+    noise = max(fast_noise(known), lattice(values) or 0.0)
     return bool(known.std() <= REST_NOISE_RATIO * noise)

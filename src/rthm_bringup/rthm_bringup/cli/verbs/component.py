@@ -42,21 +42,19 @@ def verb(
     json: Json = None,
 ) -> int:
     """Find what the force of a component follows from: its motion, and inputs as a voltage."""
-    from rthm_analysis.component import channels_of, component_test, identify_component
+    from rthm_analysis.component import identify_recordings
     from rthm_bringup.cli.options import check_picture
     from rthm_bringup.cli.output import put, status
 
     if plot:
         check_picture(plot)
     recordings = [recording_of(bag, effects) for bag in bags]
-    channels = [channels_of(one, motion, force, inputs or ()) for one in recordings]
-    tests = [component_test(one, of) for one, of in zip(recordings, channels, strict=True)]
     with status("reading") as say:
-        found, model = identify_component(tests, channels[0], say)
+        found, model, test = identify_recordings(recordings, motion, force, inputs or (), say)
     if plot:
         from rthm_analysis.report.component_picture import draw
 
-        draw(found, model, tests[-1], plot)
+        draw(found, model, test, plot)
     put(found.as_dict(), _lines(found), json)
     return 1 if found.verdict in ("improved", "unexplained") else 0
 

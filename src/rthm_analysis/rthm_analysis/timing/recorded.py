@@ -13,17 +13,17 @@ import numpy as np
 from rthm_analysis.recording import Recording
 from rthm_analysis.timing.links import clock_of, ticks_of
 from rthm_core.clock import NS, to_ns
-from rthm_core.compiled import Integers
+from rthm_core.compiled import Floats, Integers
 from rthm_core.errors import InputError
-from rthm_core.link import NEVER, Link
+from rthm_core.link import Link
 from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newest
-from rthm_core.topics import COMMAND, LINKS
+from rthm_core.topics import COMMAND, FORCE_REFERENCE, LINKS
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-EARLY = 20
-"""Part of a period by which a receiver may tell a use too early; what is earlier did not wait at all."""
+MOST_OFF = 50
+"""References by which the time of a use may be off."""
 
 CLOCKS = ("td1", "td2", "td3", "td4")
 
@@ -137,43 +137,26 @@ class RecordedSchedule(Schedule):
         sent = self._recording.tables[COMMAND].stamp_ns - self._recording.start_ns
         time = np.unique(np.concatenate([sent, self._told("tau4")[1]]))
         time = time[(time >= 0) & (time <= self.end)]
-        taken, number = self._references_taken(time)
-        latest = np.searchsorted(taken, time, side="right") - 1
-        reference = np.where(latest >= 0, number[np.maximum(latest, 0)], INITIAL) if number.size else latest
         state = self._held("tau1")[time // self.td3]
-        return Commands(time, state, reference, self._ranks(time))
+        return Commands(time, state, self._references_of(time, sent), self._ranks(time))
 
-    def _references_taken(self, commands: Integers) -> tuple[Integers, Integers]:
-        """Instants at which the controller took a reference over, ascending, and its number.
+    def _references_of(self, time: Integers, sent: Integers) -> Integers:
+        """Number of the reference in each of the commands at `time`.
 
-        Without a clock the controller takes it over when it is due or, late, when it arrives; unless this is
-        at a tick, or it is old by then, it then sends a command with that stamp. What is recorded of the use
-        is when the controller got to do it.
+        When the controller got to take a reference over is known as well as its host is punctual. A command
+        tells the force that it used, so it is the next reference of this force.
         """
         use, stamp = self._told("tau3")
-        number = _numbers(stamp, self.td2)
-        if self.td4:
-            tick = ticks_of(use, self.td4)
-            return tick[tick >= 0] * self.td4, number[tick >= 0]
-        due = self.links["tau3"].due_all(stamp)
-        punctual = np.isin(due, commands) & ((due % self.td3 != 0) | (use <= self._tick_done(due)))
-        punctual &= use > due - self.td3 // EARLY
-        extra = np.setdiff1d(commands[commands % self.td3 != 0], due[punctual])
-        at = np.where(punctual, due, use)
-        for late in np.flatnonzero(~punctual)[::-1]:
-            place = int(np.searchsorted(extra, use[late], side="right")) - 1
-            if place >= 0 and use[late] - extra[place] < self.td3:
-                at[late] = extra[place]
-                extra = extra[:place]
-        return np.maximum.accumulate(at), number
-
-    def _tick_done(self, at: Integers) -> Integers:
-        """When the controller got to do its tick at `at`; NEVER: not told."""
-        use = self._told("tau1")[0]
-        tick = ticks_of(use, self.td3)
-        done = np.full(int(tick.max(initial=0)) + 2, NEVER)
-        done[tick[tick >= 0]] = use[tick >= 0]
-        return np.asarray(done[np.clip(at // self.td3, 0, done.size - 1)])
+        latest = np.searchsorted(use, time, side="right") - 1
+        number = np.concatenate([[INITIAL], _numbers(stamp, self.td2)])[latest + 1]
+        table = self._recording.tables.get(FORCE_REFERENCE)
+        if table is None:
+            return number
+        begin = self._recording.start_ns + self._offset("tau3")
+        made = _by_number(_numbers(table.stamp_ns - begin, self.td2), table.effort)
+        told = self._recording.tables[COMMAND].columns("effort", table.names)
+        at, there = np.searchsorted(time, sent), np.isin(sent, time)
+        return _of_force(number, made, _by_number(at[there], told[there]))
 
     def _all_arrivals(self) -> tuple[Integers, Commands]:
         use, stamp = self._told("tau4")
@@ -187,6 +170,27 @@ class RecordedSchedule(Schedule):
 def _numbers(stamps: Integers, period: int) -> Integers:
     """Number of the tick nearest to each of `stamps`."""
     return np.asarray((stamps + period // 2) // period, dtype=np.int64)
+
+
+def _by_number(number: Integers, values: Floats) -> Floats:
+    """Rows of `values` in the order of their numbers; NaN: none has the number."""
+    kept = number >= 0
+    rows = np.full((int(number.max(initial=-1)) + 1, values.shape[1]), np.nan)
+    rows[number[kept]] = values[kept]
+    return rows
+
+
+def _of_force(number: Integers, made: Floats, told: Floats) -> Integers:
+    """The numbers, each moved to the nearest reference of the force that its command tells."""
+    found, searched = number.copy(), np.flatnonzero(np.isfinite(told).all(axis=1))
+    for shift in sorted(range(-MOST_OFF, MOST_OFF + 1), key=abs):
+        asked = number[searched] + shift
+        there = (asked >= 0) & (asked < len(made))
+        same = there.copy()
+        same[there] = (made[asked[there]] == told[searched[there]]).all(axis=1)
+        found[searched[same]] = asked[same]
+        searched = searched[~same]
+    return found
 
 
 def _check(spec: Spec, recording: Recording) -> None:

@@ -16,11 +16,13 @@ from rthm_core.events import Abort, write_abort
 from rthm_core.spec import LimitsSpec, shipped_spec
 
 LIMITED = shipped_spec("paper").model_copy(update={"limits": LimitsSpec(command=1.0, rate=5.0, force=4.0)})
+A4 = int((210 - 2 * 14) / 25.4 * 96)
+"""Width of what is printed, px."""
 DRAWN = (
     "document.querySelectorAll('#energy path.curve[d]').length == 8 && !!document.querySelector('#limits tr')"
 )
 LOST = """[...document.querySelectorAll('main *')]
-    .filter((one) => one.getBoundingClientRect().right > innerWidth + 1)
+    .filter((one) => one.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
     .filter((one) => !one.closest('.curves svg, svg.rig'))
     .map((one) => one.outerHTML.slice(0, 80))"""
 
@@ -64,13 +66,23 @@ def opened(tab: Tab, server: Server, width: int = 1200, *, dark: bool = False) -
 @pytest.mark.parametrize(("width", "dark"), [(1200, False), (390, False), (390, True)])
 def test_the_page_fits_complains_of_nothing_and_asks_nobody_else(tab, server, test, width, dark) -> None:
     opened(tab, server, width, dark=dark)
-    assert tab.value("document.documentElement.scrollWidth <= innerWidth")
+    assert tab.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
     assert tab.value(LOST) == []
     assert tab.complaints == tab.said == []
     hosts = {urlsplit(address).netloc for address in tab.requests} - {""}
     assert hosts == {f"127.0.0.1:{server.server_port}"}
     light = tab.value("getComputedStyle(document.body).backgroundColor.match(/\\d+/)[0] > 128")
     assert light is not dark
+
+
+def test_the_page_is_whole_on_paper(tab, server, test, tmp_path) -> None:
+    opened(tab, server, A4)
+    tab.call("Emulation.setEmulatedMedia", media="print")
+    assert tab.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
+    assert tab.value(LOST) == []
+    assert tab.value("document.getElementById('abort').checkVisibility()") is False
+    tab.call("Emulation.setEmulatedMedia", media="")
+    assert tab.printed().startswith(b"%PDF")
 
 
 def test_the_page_shows_what_the_test_has_come_to(tab, server, hub, test) -> None:

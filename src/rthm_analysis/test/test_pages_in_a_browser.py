@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,15 +19,19 @@ from rthm_analysis.report import write_report
 from rthm_analysis.report.colours import palette
 from rthm_analysis.report.comparison import write_comparison
 from rthm_analysis.report.diagnosis import write_diagnosis
+from rthm_analysis.report.runs import write_runs
 from rthm_analysis.reproduce import reproduce
+from rthm_analysis.runs import Run, runs_in
 from rthm_core.spec import shipped_spec
 
 from .conftest import mcap_file
 from .loop import recorded
 from .test_diagnosis_page import SAID
 
-NAMES = ("report", "diagnosis", "compare", "reproduce")
-WITH_PLOTS = NAMES[:3]
+WITH_PLOTS = ("report", "diagnosis", "compare")
+NAMES = (*WITH_PLOTS, "reproduce", "runs")
+A4 = int((210 - 2 * 14) / 25.4 * 96)
+"""Width of what is printed, px."""
 
 READY = "document.readyState == 'complete' && (!window.Bokeh || document.documentElement.dataset.ready)"
 FOCUSED = "document.activeElement.outerHTML.slice(0, 300)"
@@ -42,6 +47,42 @@ CUT = """[...document.querySelectorAll('.on-paper')].filter(one => {
 }).length"""
 
 
+OTHERS = ("zoom ", "move ", "drag: ", "show all", "cursors")
+FILES = (" as SVG", " as CSV")
+
+
+class Plot:
+    """One plot of a page, by its number from the top."""
+
+    def __init__(self, tab: Tab, number: int) -> None:
+        self.tab = tab
+        self.figure = f"document.querySelectorAll('figure.plot')[{number}]"
+        self.model = f"[...Bokeh.index.roots].find(one => {self.figure}.contains(one.el)).model"
+        self.buttons = f"[...{self.figure}.querySelectorAll('.bar button')]"
+
+    def value(self, expression: str) -> Any:
+        return self.tab.value(f"{self.model}.{expression}")
+
+    def labels(self) -> list[str]:
+        return self.tab.value(f"{self.buttons}.map(one => one.ariaLabel || one.textContent)")
+
+    def press(self, label: str) -> tuple[float, float]:
+        """Press a button; return what is seen then."""
+        self.tab.value(f"{self.buttons}[{self.labels().index(label)}].click()")
+        return self.seen()
+
+    def seen(self) -> tuple[float, float]:
+        return self.value("x_range.start"), self.value("x_range.end")
+
+    def active(self) -> list[bool]:
+        """Whether a drag zooms, and whether it moves."""
+        tool = "toolbar.tools.find(one => one.type === '{}').active"
+        return [self.value(tool.format(one)) for one in ("BoxZoomTool", "PanTool")]
+
+    def shown(self, curve: str) -> set[bool]:
+        return set(self.value(f"renderers.filter(one => one.name === {curve!r}).map(one => one.visible)"))
+
+
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder, spec = tmp_path_factory.mktemp("pages"), shipped_spec("paper")
@@ -52,7 +93,16 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     law = replace(SAID.curves[0], law=spread_over(v, -0.05 * np.sign(v)))
     write_diagnosis(replace(SAID, curves=(law,)), read_recording(bag), spec, made["diagnosis"])
     write_comparison(compare(motions_at([str(bag), "paper"]), only=["x1", "a1.force"]), made["compare"])
-    return made | {"reproduce": reproduce(folder / "paper", ["figure02"]).page}
+    write_runs(runs_of(folder / "out", bag), folder / "out", folder / "runs.html")
+    return made | {"reproduce": reproduce(folder / "paper", ["figure02"]).page, "runs": folder / "runs.html"}
+
+
+def runs_of(out: Path, bag: Path) -> list[Run]:
+    """A run with a report, and one that left nothing."""
+    for name in ("whole", "dead"):
+        (out / name / "bag").mkdir(parents=True)
+    write_report(bag, out / "whole" / "report.html")
+    return runs_in(out)
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +158,19 @@ def test_every_figure_is_whole_on_paper_however_wide_the_window_was(
     assert tab.value("document.querySelectorAll('.on-paper').length") == 0
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_is_wider_than_paper(tab: Tab, pages: dict[str, Path], name: str) -> None:
+    opened(tab, pages[name], A4)
+    tab.call("Emulation.setEmulatedMedia", media="print")
+    lost = tab.value(
+        f"""[...document.querySelectorAll('main *')].filter(one => !one.closest('.live'))
+        .filter(one => one.getBoundingClientRect().right > {A4 + 1})
+        .map(one => one.outerHTML.slice(0, 100))"""
+    )
+    tab.call("Emulation.setEmulatedMedia", media="")
+    assert lost == []
+
+
 def test_a_heading_stays_with_what_follows_it_on_paper(tab: Tab, pages: dict[str, Path]) -> None:
     opened(tab, pages["diagnosis"])
     tab.call("Emulation.setEmulatedMedia", media="print")
@@ -130,17 +193,37 @@ def test_the_keyboard_reaches_every_control(tab: Tab, pages: dict[str, Path], na
     assert set(wanted) <= set(tab.value("window.reached"))
 
 
-def test_a_control_does_what_it_says(tab: Tab, pages: dict[str, Path]) -> None:
+@pytest.mark.parametrize("name", WITH_PLOTS)
+def test_every_button_does_what_it_says(tab: Tab, pages: dict[str, Path], name: str) -> None:
+    opened(tab, pages[name])
+    for number in range(tab.value("document.querySelectorAll('figure.plot').length")):
+        plot = Plot(tab, number)
+        begin, end = plot.seen()
+        quarter, near = 0.25 * (end - begin), pytest.approx
+        assert plot.press("zoom in") == near((begin + quarter, end - quarter))
+        assert plot.press("move right") == near((begin + 1.5 * quarter, end - 0.5 * quarter))
+        assert plot.press("move left") == near((begin + quarter, end - quarter))
+        assert plot.press("zoom out") == near((begin, end))
+        plot.press("zoom in")
+        assert plot.press("show all") == near((begin, end))
+        for label, tools in (("move", [False, True]), ("zoom", [True, False]), ("zoom", [False, False])):
+            plot.press(f"drag: {label}")
+            assert plot.active() == tools
+        curves = [one for one in plot.labels() if not one.startswith(OTHERS) and not one.endswith(FILES)]
+        assert set(curves) == {one for one in plot.value("renderers.map(one => one.name)") if one}
+        for curve in curves:
+            for shown in (False, True):
+                plot.press(curve)
+                assert plot.shown(curve) == {shown}
+
+
+def test_a_view_that_is_moved_to_an_end_keeps_its_length(tab: Tab, pages: dict[str, Path]) -> None:
     opened(tab, pages["report"])
-    view = "[...Bokeh.index.roots].find(one => one.model.toolbar)"
-    whole = tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start")
-    press = "[...document.querySelectorAll('.bar button')].find(one => one.{}).click()"
-    tab.value(press.format("ariaLabel === 'zoom in'"))
-    assert tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start") < 0.6 * whole
-    tab.value(press.format("ariaLabel === 'show all'"))
-    assert tab.value(f"{view}.model.x_range.end - {view}.model.x_range.start") == whole
-    tab.value(press.format("textContent === 'x1 plant'"))
-    assert tab.value(f"{view}.model.renderers.find(one => one.name === 'x1 plant').visible") is False
+    plot = Plot(tab, 0)
+    begin, end = plot.press("zoom in")
+    for _ in range(5):
+        last = plot.press("move right")
+    assert last == pytest.approx((2 * begin, 2 * begin + end - begin))
 
 
 def test_a_figure_leaves_the_page_as_svg_and_csv(tab: Tab, pages: dict[str, Path], tmp_path: Path) -> None:

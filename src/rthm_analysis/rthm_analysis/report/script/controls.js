@@ -30,15 +30,20 @@ function drags(view) {
 
 function moves(view) {
   const range = view.model.x_range;
-  const move = (from, to) => () => {
-    const { start, end } = range, length = end - start;
-    range.setv({ start: start + from * length, end: end + to * length });
+  const [first, last] = range.bounds ? [range.start, range.end] : [-Infinity, Infinity];
+  const zoom = (share) => () => {
+    const { start, end } = range, less = share * (end - start);
+    range.setv({ start: start + less, end: end - less });
+  };
+  const move = (share) => () => { // at an end as much as is left, so that the length stays
+    const { start, end } = range, by = Math.min(Math.max(share * (end - start), first - start), last - end);
+    range.setv({ start: start + by, end: end + by });
   };
   return [
-    button("+", "zoom in", move(0.25, -0.25)),
-    button("\u2212", "zoom out", move(-0.5, 0.5)),
-    button("\u2190", "move left", move(-0.25, -0.25)),
-    button("\u2192", "move right", move(0.25, 0.25)),
+    button("+", "zoom in", zoom(0.25)),
+    button("\u2212", "zoom out", zoom(-0.5)),
+    button("\u2190", "move left", move(-0.25)),
+    button("\u2192", "move right", move(0.25)),
     button("all", "show all", () => view.reset()),
   ];
 }

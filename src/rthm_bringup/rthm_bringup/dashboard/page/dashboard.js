@@ -180,10 +180,10 @@ function report(told) {
 }
 
 $("abort").addEventListener("click", async () => {
-  text($("abort-words"), "Abort requested.");
+  text($("abort-words"), "Requesting the abort.");
   try {
     const answer = await fetch("abort", { method: "POST", headers: { "X-Token": token } });
-    if (!answer.ok) text($("abort-words"), await answer.text());
+    text($("abort-words"), answer.ok ? "Abort requested." : await answer.text());
   } catch {
     text($("abort-words"), "Not sent! Press the key a in the terminal of the run.");
   }

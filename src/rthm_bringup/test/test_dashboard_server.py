@@ -16,7 +16,7 @@ from rthm_bringup.dashboard.cost import Cost
 from rthm_bringup.dashboard.hub import Hub
 from rthm_bringup.dashboard.report import Report
 from rthm_bringup.dashboard.server import FILES, Server
-from rthm_bringup.dashboard.watching import variables
+from rthm_bringup.dashboard.watching import Dashboard, variables
 from rthm_bringup.run.domain import Leadership, led
 from rthm_bringup.run.environment import PROFILES, Network
 from rthm_core.errors import InputError
@@ -159,6 +159,33 @@ def test_the_run_on_this_host_is_found_in_its_namespace() -> None:
     assert led("/found_by_another") == []
     leadership.release()
     assert led("/found_by_a_test") == []
+
+
+def test_a_domain_that_is_given_is_listened_to_until_its_test_is_over(monkeypatch) -> None:
+    class Quiet:
+        """A watcher in whose domain nobody is."""
+
+        test, bag, unread, can_abort = None, "", "", False
+
+        def __init__(self, network: Network) -> None:
+            self.left = 3
+
+        @property
+        def over(self) -> bool:
+            return self.left == 0
+
+        def take(self) -> None:
+            self.left -= 1
+
+        def close(self) -> None:
+            assert self.over
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("rthm_bringup.dashboard.watcher_node.Watcher", Quiet)
+    monkeypatch.setattr("rthm_bringup.dashboard.watching.step_back", lambda: None)
+    dashboard = Dashboard(Network(domain=87), find=False, port=0)
+    dashboard.run()
+    assert dashboard.hub.shown["state"] == "waiting"
 
 
 def test_the_listener_shares_no_memory_with_the_loop() -> None:

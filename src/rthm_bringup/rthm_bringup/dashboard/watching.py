@@ -88,14 +88,14 @@ class Dashboard:
 
         began = time.time()
         with closing(Watcher(network)) as watcher:
-            while not watcher.over and not self._has_gone(network):
+            while not watcher.over and (not self._find or self._is_led(network)):
                 self._listen(watcher)
             self.hub.abort = None
             if watcher.test is None:
                 return
             watcher.test.end()
             self._report = Report(watcher.bag, began)
-        while not self._report.over or not self._has_gone(network):
+        while not self._report.over or (self._find and self._is_led(network)):
             self._look()
             time.sleep(SEARCH)
 
@@ -118,9 +118,9 @@ class Dashboard:
             beside["report"] = {"words": self._report.words, "ready": self._report.file is not None}
         self.hub.look(self._test, beside)
 
-    def _has_gone(self, network: Network) -> bool:
-        """Whether the run that was found is over; elsewhere only its nodes tell."""
-        return not self._find or network.domain not in led(network.namespace)
+    def _is_led(self, network: Network) -> bool:
+        """Whether a run of this host is on in that domain; of one elsewhere only its nodes tell."""
+        return network.domain in led(network.namespace)
 
 
 def variables(network: Network) -> dict[str, str]:

@@ -1,0 +1,63 @@
+"""The page about runs with a dashboard and without."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from typing import Any
+
+from benchmarks.realtime.measure import Figures
+
+TITLE = "# What a dashboard costs the test that it shows"
+NOISE = 5e-5
+"""Difference of two ages, s, that wakening a thread makes from run to run."""
+
+
+def page(table: dict[str, Any]) -> str:
+    """Text of the page; a link on which a dashboard cost something is marked in bold."""
+    watched, alone = ([one for one in table["runs"] if one["watched"] is which] for which in (True, False))
+    links = tuple(alone[0]["excess"])
+    cost = sorted(one["cost"] for one in watched)
+    verdict = ["yes" if _within(watched, alone, link) else "**no**" for link in links]
+    counts = [_count(watched, key) <= _count(alone, key) for key in ("missed", "lost")]
+    rows = [
+        ("", *links, "missed ticks", "lost samples"),
+        ("---",) * (len(links) + 3),
+        ("without", *(_span(alone, link) for link in links), *_counts(alone)),
+        ("with", *(_span(watched, link) for link in links), *_counts(watched)),
+        ("within the spread of those without", *verdict, *("yes" if good else "**no**" for good in counts)),
+    ]
+    made = (
+        f"Made {table['date']} by `python -m benchmarks.watched`: {len(alone)} runs of `{table['spec']}` for "
+        f"{table['duration']:g} s with a dashboard and its page's data taken, and {len(watched)} without, in "
+        f"turn, on {table['machine']}."
+    )
+    told = (
+        "Excess is the age of a sample at its use beyond that of the exact schedule, the 99th percentile of "
+        "each run, smallest to largest of the runs; the counts are the largest of a run. The last line asks "
+        f"whether the median with a dashboard is at most {1e6 * NOISE:.0f} us above the largest without."
+    )
+    took = (
+        f"The dashboard took {100 * cost[0]:.0f} to {100 * cost[-1]:.0f} % of a core while a test ran, at "
+        "the lowest priority."
+    )
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n\n".join([TITLE, made, told, "\n".join(lines), took]) + "\n"
+
+
+def _within(watched: Sequence[Figures], alone: Sequence[Figures], link: str) -> bool:
+    largest = max(one["excess"][link] for one in alone)
+    return statistics.median(one["excess"][link] for one in watched) <= largest + NOISE
+
+
+def _span(runs: Sequence[Figures], link: str) -> str:
+    found = sorted(1e6 * one["excess"][link] for one in runs)
+    return f"{found[0]:.0f} to {found[-1]:.0f} us"
+
+
+def _count(runs: Sequence[Figures], key: str) -> int:
+    return max(int(one[key]) for one in runs)
+
+
+def _counts(runs: Sequence[Figures]) -> tuple[str, str]:
+    return str(_count(runs, "missed")), str(_count(runs, "lost"))

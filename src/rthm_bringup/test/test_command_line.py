@@ -280,14 +280,22 @@ def test_every_example_of_a_help_is_a_command_that_is_understood() -> None:
             verb.make_context(name, words)
 
 
-def test_a_shell_completes_verbs_options_and_specs() -> None:
-    def offered(words: str, at: int) -> list[str]:
-        asked = os.environ | {"_RTHM_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(at)}
-        return rthm(env=asked).stdout.split()
+SHELLS = {
+    "bash": lambda words: {"COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)},
+    "zsh": lambda words: {"_TYPER_COMPLETE_ARGS": words},
+    "fish": lambda words: {"_TYPER_COMPLETE_ARGS": words, "_TYPER_COMPLETE_FISH_ACTION": "get-args"},
+}
 
-    assert offered("rthm sim", 1) == ["simulate"]
-    assert "--duration" in offered("rthm run --du", 2)
-    assert {"paper", "paper_noisy"} <= set(offered("rthm run pap", 2))
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_a_shell_completes_verbs_options_and_specs(shell: str) -> None:
+    def offered(words: str) -> set[str]:
+        asked = os.environ | {"_RTHM_COMPLETE": f"complete_{shell}"} | SHELLS[shell](words)
+        return set(re.findall(r"[\w-]+", rthm(env=asked).stdout))
+
+    assert "simulate" in offered("rthm sim") and "diagnose" not in offered("rthm sim")
+    assert "--duration" in offered("rthm run --du")
+    assert {"paper", "paper_noisy"} <= offered("rthm run pap")
 
 
 def test_the_reference_page_is_what_the_helps_say() -> None:

@@ -92,6 +92,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     v = np.linspace(-1.0, 1.0, 999)
     law = replace(SAID.curves[0], law=spread_over(v, -0.05 * np.sign(v)))
     write_diagnosis(replace(SAID, curves=(law,)), read_recording(bag), spec, made["diagnosis"])
+    made["match"] = folder / "match.html"
+    match = replace(SAID, curves=(law,), verdict="match")
+    write_diagnosis(match, read_recording(bag), spec, made["match"])
     write_comparison(compare(motions_at([str(bag), "paper"]), only=["x1", "a1.force"]), made["compare"])
     write_runs(runs_of(folder / "out", bag), folder / "out", folder / "runs.html")
     return made | {"reproduce": reproduce(folder / "paper", ["figure02"]).page, "runs": folder / "runs.html"}
@@ -215,6 +218,17 @@ def test_every_button_does_what_it_says(tab: Tab, pages: dict[str, Path], name: 
             for shown in (False, True):
                 plot.press(curve)
                 assert plot.shown(curve) == {shown}
+
+
+def test_what_a_match_leaves_is_folded_and_drawn_once_it_is_asked_for(
+    tab: Tab, pages: dict[str, Path]
+) -> None:
+    opened(tab, pages["match"])
+    figure = "document.querySelector('#the-missing-force figure.plot')"
+    assert tab.value(f"{figure}.checkVisibility()") is False
+    tab.value("document.querySelector('#the-missing-force summary').click()")
+    tab.wait_for(f"{figure}.querySelector('.live').getBoundingClientRect().width > 600")
+    assert tab.complaints == []
 
 
 def test_a_view_that_is_moved_to_an_end_keeps_its_length(tab: Tab, pages: dict[str, Path]) -> None:

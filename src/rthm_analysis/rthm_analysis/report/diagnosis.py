@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 LEVELS = {"match": GOOD, "retuned": GOOD, "explained": NOTED, "improved": NOTED, "unexplained": BAD}
 
+ARROW = "\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}"
+
 DELAY_TERMS = ("E_fx", "E_ff", "E_num")
 """Work of the delays of the loop (`energy_of`)."""
 
@@ -107,6 +109,7 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "Small dots: the effect that was found, at single samples.",
             [[figures.curve_plot(curve)] for curve in diagnosis.curves],
             "diagnosis#how-it-works",
+            "Show what is left: no more than the noise" if diagnosis.verdict == "match" else "",
         ),
         Section(
             "Recording by recording",
@@ -120,7 +123,7 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
             "zoom out for the rest.",
             [
                 tables.fits(diagnosis),
-                lists.free_runs(diagnosis),
+                tables.free_runs(diagnosis),
                 *([plot] for fit in diagnosis.fits for plot in figures.fit_plots(fit)),
             ],
             "diagnosis#how-to-read-the-answer",
@@ -154,7 +157,7 @@ def _sections(diagnosis: Diagnosis, recording: Recording, spec: Spec) -> list[Se
         Section(
             "Patched spec",
             "The spec with the effects and values that were found.",
-            [patched] if diagnosis.patched else [],
+            [patched] if diagnosis.patched and diagnosis.verdict != "match" else [],
             "diagnosis#how-to-read-the-answer",
         ),
     ]
@@ -202,13 +205,8 @@ def _facts(diagnosis: Diagnosis) -> list[Fact]:
             percent(fit.nrmse.get(name, math.nan), 3) for name in ("nominal", "explained", "noise_floor")
         )
         words = f"Error of {fit.signal} on held-out data; the noise alone gives {noise}."
-        facts.append(
-            Fact(
-                f"Held-out error of {fit.signal}",
-                f"{before}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{after}",
-                words,
-            )
-        )
+        told = before if diagnosis.verdict == "match" else f"{before}{ARROW}{after}"
+        facts.append(Fact(f"Held-out error of {fit.signal}", told, words))
     return facts
 
 

@@ -22,14 +22,13 @@ from rthm_analysis.diagnosis.missing.describe import VARIABLE_UNITS
 from rthm_analysis.diagnosis.numbers import percent
 from rthm_analysis.diagnosis.result import Curve, Described, Fit
 from rthm_analysis.report.colours import AXIS, COLOURS, INK, MUTED
+from rthm_analysis.report.diagnosis_tables import MODEL_WORDS
 from rthm_analysis.report.figures import FONT, Curves, plain_plot
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
 MODELS = {"nominal": COLOURS[4], "retuned": COLOURS[0], "explained": COLOURS[2]}
-MODEL_WORDS = {"nominal": "as specified", "retuned": "retuned", "explained": "explained"}
-
 VARIABLES = {
     "x": "the position",
     "v": "the velocity",
@@ -62,7 +61,7 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
     nominal: Any = fit.nominal
     for name, colour in MODELS.items():
         simulated = getattr(fit, name)
-        if simulated is None or (name == "retuned" and np.array_equal(simulated, nominal)):
+        if simulated is None or (name != "nominal" and np.array_equal(simulated, nominal)):
             continue
         words = f"{MODEL_WORDS[name]} ({percent(fit.nrmse.get(name, math.nan), 3)})"
         shown.add(words, fit.time, simulated, colour, line_width=2.4)

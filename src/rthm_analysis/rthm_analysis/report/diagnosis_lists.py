@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.result import Diagnosis
-from rthm_analysis.report.tables import table, with_symbols
+from rthm_analysis.report.tables import with_symbols
 
 
 def faults(diagnosis: Diagnosis) -> str:
@@ -28,16 +27,6 @@ def traces(diagnosis: Diagnosis) -> str:
 def refused(diagnosis: Diagnosis) -> str:
     """One line per hypothesis that was tried and not taken, folded."""
     return _folded("rejected hypotheses", [one.words for one in diagnosis.refused])
-
-
-def free_runs(diagnosis: Diagnosis) -> str:
-    """One row per dof: errors of one free run over the unseen part."""
-    head = ("free run of", "over", "as specified", "retuned", "explained")
-    rows = [
-        [dof, f"{bare(run.seconds)} s", *(percent(e, 3) for e in (run.nominal, run.retuned, run.explained))]
-        for dof, run in diagnosis.free_run.items()
-    ]
-    return table(head, rows) if rows else ""
 
 
 def next_test(diagnosis: Diagnosis) -> list[str]:

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from rthm_analysis.diagnosis.numbers import number, percent, with_unit
+from rthm_analysis.diagnosis.numbers import bare, number, percent, with_unit
 from rthm_analysis.diagnosis.result import Diagnosis, Physics
 from rthm_analysis.report.tables import table
+
+MODEL_WORDS = {
+    "nominal": "as specified",
+    "retuned": "retuned",
+    "explained": "explained",
+    "noise_floor": "noise",
+}
+"""Keys of `Fit.nrmse`, in words."""
 
 
 def mismatches(diagnosis: Diagnosis) -> str:
@@ -58,13 +66,14 @@ def _change(nominal: float, value: float) -> str:
 
 def fits(diagnosis: Diagnosis) -> str:
     """One row per located block: errors on unseen data."""
-    head = ("signal", "held-out part", "free runs of", "as specified", "retuned", "explained", "noise")
+    models = models_told([one.nrmse for one in diagnosis.fits])
+    head = ("signal", "held-out part", "free runs of", *(MODEL_WORDS[name] for name in models))
     rows = [
         [
             f"{one.signal} ({one.block})",
             f"{one.held_out[0]:.4g} to {one.held_out[1]:.4g} s",
             "all of it" if one.window is None else f"{one.window:.3g} s",
-            *(_percent(one.nrmse.get(name)) for name in ("nominal", "retuned", "explained", "noise_floor")),
+            *(_percent(one.nrmse.get(name)) for name in models),
         ]
         for one in diagnosis.fits
     ]
@@ -72,21 +81,44 @@ def fits(diagnosis: Diagnosis) -> str:
     return table(head, rows) + words if rows else ""
 
 
+def free_runs(diagnosis: Diagnosis) -> str:
+    """One row per dof: errors of one free run over the unseen part."""
+    errors = {
+        dof: {"nominal": run.nominal, "retuned": run.retuned, "explained": run.explained}
+        for dof, run in diagnosis.free_run.items()
+    }
+    models = [name for name in models_told(list(errors.values())) if name != "noise_floor"]
+    rows = [
+        [dof, f"{bare(diagnosis.free_run[dof].seconds)} s", *(percent(told[name], 3) for name in models)]
+        for dof, told in errors.items()
+    ]
+    return table(("free run of", "over", *(MODEL_WORDS[name] for name in models)), rows) if rows else ""
+
+
 def recordings(diagnosis: Diagnosis) -> str:
     """One row per signal of each recording, where several were diagnosed together."""
-    head = ("recording", "", "signal", "as specified", "retuned", "explained", "noise")
+    models = models_told([errors for one in diagnosis.recordings for errors in one.nrmse.values()])
+    head = ("recording", "", "signal", *(MODEL_WORDS[name] for name in models))
     rows = [
         [
             one.name,
             "held out" if one.held_out else "fitted",
             signal,
-            *(_percent(errors.get(name)) for name in ("nominal", "retuned", "explained", "noise_floor")),
+            *(_percent(errors.get(name)) for name in models),
         ]
         for one in diagnosis.recordings
         for signal, errors in one.nrmse.items()
     ]
     words = '<p class="unit">Errors over the signal\'s standard deviation in that recording.</p>'
     return table(head, rows) + words if rows else ""
+
+
+def models_told(errors: Sequence[Mapping[str, float]]) -> list[str]:
+    """Models whose errors are shown: those that are not all the same as the specified one's."""
+    told = ("nominal", "noise_floor")
+    return [
+        name for name in MODEL_WORDS if name in told or any(e.get(name) != e.get("nominal") for e in errors)
+    ]
 
 
 def _percent(part: float | None) -> str:

@@ -37,13 +37,15 @@ USE_LINKED = f"{USE} All time axes move together."
 class Section:
     """Part of a page: a heading, a line of explanation, and rows of plots or pieces of HTML.
 
-    `about` is the part of the documentation that explains it (`documentation.address`).
+    `about` is the part of the documentation that explains it (`documentation.address`). With words in
+    `folded` the parts are shown when somebody opens these words.
     """
 
     title: str
     words: str
     parts: Sequence[str | list[figure]]
     about: str = ""
+    folded: str = ""
 
 
 def write_report(bag: Recording | str | Path, html: str | Path, abort: Abort | None = None) -> Gathered:
@@ -170,9 +172,11 @@ def _closing(gathered: Gathered) -> str:
 
 def _section(section: Section, embedding: Embedding) -> str:
     words = f"<p>{escape(section.words)}</p>" if section.words else ""
-    parts = [part if isinstance(part, str) else embedding.row(part) for part in section.parts]
+    shown = "".join(part if isinstance(part, str) else embedding.row(part) for part in section.parts)
+    if section.folded:
+        shown = f"<details><summary>{escape(section.folded)}</summary>{shown}</details>"
     head = f"<h2>{escape(section.title)}</h2>{_explained(section)}{words}"
-    return f'<section id="{anchor(section.title)}">{head}{"".join(parts)}</section>'
+    return f'<section id="{anchor(section.title)}">{head}{shown}</section>'
 
 
 def _explained(section: Section) -> str:

@@ -60,7 +60,7 @@ def work_over_digits(ledger: LinearLedger) -> Floats:
     """
     d, terms = ledger.joint.shape[0], ledger.forms.shape[0] - 1
     forms = np.zeros((PLACES, BASE, terms, d, d))
-    unit = work_over(ledger, 1)
+    unit = work_over(ledger, np.ones(1, dtype=np.int64))[0]
     for place in range(PLACES):
         steps = exponentials(ledger.joint, np.left_shift(1, BITS * place + np.arange(BITS)))
         for bit, step in enumerate(steps):

@@ -24,6 +24,7 @@ from rthm_core.substructure import as_built
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 COLUMNS = 8
 """Work of six terms, the energy, and one that makes the row as long as two registers."""
 
@@ -124,8 +125,7 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
     """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
     products ``z_i z_j``, i <= j, of the state at its start.
     """
-    size = ledger.joint.shape[0]
-    forms = np.array([work_over(ledger, int(length)) for length in lengths_ns]).reshape(-1, 6, size, size)
+    forms = work_over(ledger, lengths_ns)
     if not with_energy:
         return packed(forms)
     ends = exponentials(ledger.joint, lengths_ns)
@@ -133,19 +133,20 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
     return packed(np.concatenate([forms, energy[:, None]], axis=1))
 
 
-def work_over(ledger: LinearLedger, length_ns: int) -> Floats:
-    """Work (6, d, d) over one length as forms of the state at its start."""
-    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max()) * length_ns * 1e-9
+def work_over(ledger: LinearLedger, lengths_ns: Integers) -> Floats:
+    """Work (K, 6, d, d) over each of the lengths (K,) as forms of the state at its start."""
+    lengths = lengths_ns * 1e-9
+    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max() * lengths.max(initial=0.0))
     parts = max(1, math.ceil(fastest))
-    nodes, weights = np.polynomial.legendre.leggauss(8)
-    at = ((np.arange(parts)[:, None] + 0.5 * (nodes + 1.0)) / parts).ravel()
-    weight = np.tile(0.5 * weights / parts, parts) * (length_ns * 1e-9)
-    steps = exponentials(ledger.joint, length_ns * at)
-    forms = np.zeros((len(TERMS), *ledger.joint.shape))
+    at = ((np.arange(parts)[:, None] + 0.5 * (NODES + 1.0)) / parts).ravel()
+    weight = np.tile(0.5 * WEIGHTS / parts, parts)
+    flat = exponentials(ledger.joint, (lengths_ns[:, None] * at).ravel())
+    steps = flat.reshape(lengths.size, at.size, *ledger.joint.shape)
+    forms = np.zeros((lengths.size, len(TERMS), *ledger.joint.shape))
     for term in range(len(TERMS)):
         if ledger.forms[term].any():
-            power = np.swapaxes(steps, 1, 2) @ (ledger.forms[term] @ steps)
-            forms[term] = np.tensordot(weight, power, axes=1)
+            power = np.swapaxes(steps, 2, 3) @ (ledger.forms[term] @ steps)
+            forms[:, term] = lengths[:, None, None] * np.tensordot(weight, power, axes=(0, 1))
     return forms
 
 

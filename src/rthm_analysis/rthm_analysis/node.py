@@ -35,7 +35,7 @@ from rthm_core.ros.qos import samples
 from rthm_core.spec import Spec
 from rthm_core.topics import JOINT_STATE, link_topic
 
-PERIOD = 0.1
+ENERGY_PERIOD = 0.1
 """Between two messages on ``energy``, s."""
 
 DEPTH = 1000
@@ -97,11 +97,11 @@ class AnalysisNode(ManagedNode):
 
     def turn(self) -> None:
         """Serve the executor, and count and report when it is time; called again and again."""
-        self.executor.spin_once(timeout_sec=PERIOD / 2)
+        self.executor.spin_once(timeout_sec=ENERGY_PERIOD / 2)
         self._take()
         now = time.monotonic()
         if now >= self._next_energy:
-            self._next_energy = now + PERIOD
+            self._next_energy = now + ENERGY_PERIOD
             self._count()
         if now >= self._next_report:
             self._next_report = now + 1.0

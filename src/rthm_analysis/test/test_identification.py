@@ -11,7 +11,7 @@ import pytest
 from rthm_analysis.identification import Identified, Motion, identify
 from rthm_analysis.identification.motor import response
 from rthm_core.clock import NS
-from rthm_core.excitation import QUIET, excitation
+from rthm_core.excitation import QUIET_START, excitation
 from rthm_core.physical import PhysicalSide
 from rthm_core.spec import Spec, apply, read_spec, shipped_spec
 
@@ -33,7 +33,7 @@ def moved(true: Spec, travel: float = 0.02, seconds: float = 4.0, dead_time: flo
     """What a rig does in `seconds` of motion, sampled; its driver tells uses where it has a dead time."""
     timing, side, motion = true.loop().timing, PhysicalSide(true), excitation(true, travel)
     rest = side.sample(0).motor_position.copy()
-    end = QUIET + seconds
+    end = QUIET_START + seconds
     sent = np.arange(0.0, end, timing.td3)
     commands = np.array([rest + motion.at(float(t)) for t in sent])
     used = sent + timing.tau4

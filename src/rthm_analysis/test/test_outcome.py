@@ -113,11 +113,11 @@ def test_a_loop_whose_stability_is_not_known_says_why() -> None:
     assert said.as_dict()["stable"] is None
 
 
-@pytest.mark.parametrize(("rows", "near"), [(ideal.ROWS, 1e-9), (1000, 5e-3)])
+@pytest.mark.parametrize(("rows", "near"), [(ideal.INSTANTS_COMPARED, 1e-9), (1000, 5e-3)])
 def test_the_error_of_the_paper_is_the_one_worked_out_by_hand(
     rows: int, near: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ideal, "ROWS", rows)
+    monkeypatch.setattr(ideal, "INSTANTS_COMPARED", rows)
     beside = IdealComparison(PAPER, 20.0)
     for block in simulate_blocks(PAPER, 20.0):
         beside.add(block)

@@ -58,9 +58,9 @@ TYPES = {
 DEPTH = 1000
 PRIORITY = 20  # below the loop, above all that only computes
 FLUSH = 0.2  # s
-PATIENCE = 15.0
+MOTORS_STOP_WITHIN = 15.0
 """How long the recorder goes on for motors that do not stop, s."""
-STILL = 0.3
+STOPPED_AFTER = 0.3
 """How long no command may come before the motors count as having stopped, s."""
 TAKE = 0.01
 """Time between two looks at what has arrived, s."""
@@ -179,7 +179,9 @@ class Recorder(PollingNode):
     def still(self, asked: float) -> bool:
         """Whether the motors have stopped, or do not stop long after the end was `asked` for, s."""
         now = time.monotonic()
-        return self._intake is None or now > self._commanded + STILL or now > asked + PATIENCE
+        return (
+            self._intake is None or now > self._commanded + STOPPED_AFTER or now > asked + MOTORS_STOP_WITHIN
+        )
 
     def take(self) -> None:
         """Write what has arrived, in the order in which it arrived."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from rthm_bringup.driver.travel import SHARE, check_travel, reaches, safe_travel
+from rthm_bringup.driver.travel import SHARE_OF_LIMITS, check_travel, reaches, safe_travel
 from rthm_core.errors import InputError
 from rthm_core.spec import apply, spec_at
 
@@ -16,7 +16,7 @@ RIG = spec_at(Path(__file__).parents[3] / "examples" / "rig.yaml")
 def test_a_safe_motion_uses_a_quarter_of_the_tightest_limit() -> None:
     travel = safe_travel(RIG, 3.0)
     shares = {one.limit: one.moved / (one.allowed - one.at_rest) for one in reaches(RIG, travel, 3.0)}
-    assert max(shares.values()) == pytest.approx(SHARE, rel=0.01)
+    assert max(shares.values()) == pytest.approx(SHARE_OF_LIMITS, rel=0.01)
     assert {"command", "rate", "force", "position", "measured_force"} <= set(shares)
     check_travel(RIG, travel, 3.0)
 

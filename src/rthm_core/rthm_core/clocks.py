@@ -21,7 +21,7 @@ from rthm_core.topics import COMMAND, NUMERICAL_STATE, PLANT_STATE
 LIMIT = "clock"
 """Name of the limit on the offset."""
 
-SHARE = 0.1
+OFFSET_SHARE = 0.1
 """Offset that is allowed by default, as a share of the shortest delay of the loop."""
 
 TICKS = {"td1": PLANT_STATE, "td2": NUMERICAL_STATE, "td3": COMMAND}
@@ -107,4 +107,4 @@ def limit_of(spec: Spec) -> float:
         return spec.limits.clock
     assert spec.timing is not None
     delays = [tau for name in ENDS if (tau := getattr(spec.timing, name)) > 0.0]
-    return SHARE * min(delays, default=math.inf)
+    return OFFSET_SHARE * min(delays, default=math.inf)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _NOT_COMPILED = ("ros", "spec")
 """Folders of this package that no compiled function comes from."""
 
-PATIENCE = 300.0
+COMPILED_WITHIN = 300.0
 """How long to wait for another process before compiling the same as well, s."""
 
 
@@ -129,4 +129,4 @@ class SharedCache(FunctionCache):  # type: ignore[misc]
         from filelock import FileLock
 
         self._impl.locator.ensure_cache_path()
-        return FileLock(Path(self.cache_path) / f"{self._impl.filename_base}.lock", timeout=PATIENCE)
+        return FileLock(Path(self.cache_path) / f"{self._impl.filename_base}.lock", timeout=COMPILED_WITHIN)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-QUIET = 1.0
+QUIET_START = 1.0
 """Time at the start in which nothing is commanded and the noise of the sensors shows, s."""
 SWELL = 0.5
 """Time over which the motion grows, s."""
@@ -49,9 +49,9 @@ class Excitation(NamedTuple):
 
     def at(self, t: float) -> Floats:
         """Distance of the motors (m,) from where they stood, m, so many seconds after the start."""
-        if t <= QUIET:
+        if t <= QUIET_START:
             return np.zeros(self.amplitude.shape[0])
-        share = self.travel * 0.5 * (1.0 - np.cos(np.pi * min((t - QUIET) / SWELL, 1.0)))
+        share = self.travel * 0.5 * (1.0 - np.cos(np.pi * min((t - QUIET_START) / SWELL, 1.0)))
         return np.asarray(share * np.clip(_sum(self, np.array([t]))[0], -1.0, 1.0))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 
-KEPT = 64
+INTERVALS_KEPT = 64
 """How many different intervals are kept as matrices."""
 
 
@@ -69,8 +69,8 @@ def linear_system(a: Floats, b: Floats, orders: int = 1) -> LinearSystem:
         np.ascontiguousarray(np.hstack([a, b]), dtype=float),
         orders,
         float(np.abs(np.linalg.eigvals(a)).max(initial=0.0)) if n else 0.0,
-        np.zeros(KEPT),
-        np.zeros((KEPT, n, n + orders * q)),
+        np.zeros(INTERVALS_KEPT),
+        np.zeros((INTERVALS_KEPT, n, n + orders * q)),
         np.zeros(1, dtype=np.int64),
         np.zeros((2, n)),
         np.zeros((orders, q)),
@@ -155,7 +155,7 @@ def step_linear(system, y, inputs, dt):  # type: ignore[no-untyped-def]
     slot, count = 0, system.count[0]
     while slot < count and system.kept_for[slot] != dt:
         slot += 1
-    if slot == KEPT:
+    if slot == INTERVALS_KEPT:
         _series_in_parts(system, y, inputs, dt)
         return
     if slot == count:

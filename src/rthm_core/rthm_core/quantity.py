@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from rthm_core.errors import RefusedError
 
-LARGEST = 1e12
+LARGEST_NUMBER = 1e12
 """Size of a number of a test, SI: more is a slip of the unit or the exponent."""
 
 
@@ -71,7 +71,7 @@ class Quantity:
 
         Where a rig moves by micrometres, a spring that hardens by a per cent has 1e13 N/m^3.
         """
-        return math.inf if "/m^" in self.unit else LARGEST
+        return math.inf if "/m^" in self.unit else LARGEST_NUMBER
 
     def convert(self, value: object) -> float:
         """Return `value` as a float; integers and text such as ``1e-3`` (a string to YAML 1.1) are numbers.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rthm_core.errors import InputError
-from rthm_core.excitation import QUIET, SWELL, excitation
+from rthm_core.excitation import QUIET_START, SWELL, excitation
 from rthm_core.spec import shipped_spec
 
 PAPER = shipped_spec()
@@ -16,8 +16,8 @@ def test_motors_stand_still_at_first_and_then_move_within_the_travel() -> None:
     motion = excitation(PAPER, 0.01)
     times = np.arange(0.0, 10.0, 0.004)
     u = np.array([motion.at(float(t)) for t in times])
-    assert np.all(u[times <= QUIET] == 0.0)
-    assert 0.008 < np.abs(u[times > QUIET + SWELL]).max() <= 0.01
+    assert np.all(u[times <= QUIET_START] == 0.0)
+    assert 0.008 < np.abs(u[times > QUIET_START + SWELL]).max() <= 0.01
     assert np.abs(np.diff(u, axis=0)).max() < 0.01
 
 

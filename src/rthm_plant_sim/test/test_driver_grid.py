@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.spec import LimitsSpec
-from rthm_plant_sim.driver.grid import MOST, Grid, longest_pause
+from rthm_plant_sim.driver.grid import MOST_AT_ONCE, Grid, longest_pause
 
 P = 1_200_000
 LONGEST = 200 * P
@@ -49,7 +49,7 @@ def test_over_a_long_pause_no_samples_are_made_up() -> None:
 
 def test_samples_are_made_over_as_long_a_pause_as_a_test_survives() -> None:
     assert longest_pause(LimitsSpec(stale=0.05), P) == 50_000_000
-    assert longest_pause(LimitsSpec(stale=60.0), P) == MOST * P
+    assert longest_pause(LimitsSpec(stale=60.0), P) == MOST_AT_ONCE * P
     grid = Grid(P, longest_pause(LimitsSpec(stale=0.3), P))
     grid.samples(0, 0, reading(0))
     made = 240 * P

@@ -32,7 +32,7 @@ FITTED = 20_000
 SCHEDULED = 100
 """Hyperperiods of a schedule from which mean ages are taken."""
 
-FEWEST = 100
+FEWEST_OF_A_MOTOR = 100
 """Samples that a fit of a motor takes at least."""
 
 
@@ -119,12 +119,16 @@ def _liveliest(actuated: Actuated) -> Actuated | None:
     from dataclasses import replace
 
     known = np.isfinite(actuated.motor)
-    if known.sum() < FEWEST or not actuated.command.size or not np.ptp(actuated.motor[known]) > 0.0:
+    if (
+        known.sum() < FEWEST_OF_A_MOTOR
+        or not actuated.command.size
+        or not np.ptp(actuated.motor[known]) > 0.0
+    ):
         return None
     rows = np.flatnonzero(known)
     parts = np.array_split(rows, -(-rows.size // FITTED))
     best = max(parts, key=lambda part: float(np.var(actuated.motor[part])))
-    first = max(int(np.searchsorted(actuated.command_time, actuated.time[best[0]])) - FEWEST, 0)
+    first = max(int(np.searchsorted(actuated.command_time, actuated.time[best[0]])) - FEWEST_OF_A_MOTOR, 0)
     last = int(np.searchsorted(actuated.command_time, actuated.time[best[-1]], side="right"))
     if last - first < 2:
         return None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 POWER = 2
 """Exponent l of the weights of the frequency evaluation index."""
 
-SMALLEST = 1e-3
+SMALLEST_AMPLITUDE = 1e-3
 """Amplitude over the largest one below which a frequency is left out: its weight is a millionth."""
 
 DEFINITIONS = {
@@ -136,7 +136,7 @@ def frequency_evaluation(step: float, wanted: Floats, got: Floats) -> Evaluation
     taper = np.hanning(wanted.size)
     y_i, y_o = (np.conj(np.fft.rfft(taper * (y - y.mean())))[1:] for y in (wanted, got))
     size = np.abs(y_i)
-    used = (size > SMALLEST * size.max(initial=0.0)) & (np.abs(y_o) > 0.0)
+    used = (size > SMALLEST_AMPLITUDE * size.max(initial=0.0)) & (np.abs(y_o) > 0.0)
     if not used.any():
         return Evaluation(np.nan, np.nan, np.nan)
     weight = size[used] ** POWER / np.sum(size[used] ** POWER)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-GAP = 10
+GAP_OF_SAMPLES = 10
 """Distance of two samples, over their usual one, from which nothing is known of what is between them."""
 
 
@@ -72,7 +72,7 @@ class Signal:
         if self.held:
             return np.where(known, hold(self.at_ns, self.values, instants_ns), np.nan)
         after = np.minimum(np.searchsorted(self.at_ns, instants_ns), self.at_ns.size - 1)
-        wide = self.at_ns[after] - self.at_ns[np.maximum(after - 1, 0)] > GAP * self.usual_ns
+        wide = self.at_ns[after] - self.at_ns[np.maximum(after - 1, 0)] > GAP_OF_SAMPLES * self.usual_ns
         known &= ~wide | (self.at_ns[after] == instants_ns)
         return np.where(known, np.interp(instants_ns, self.at_ns, self.values), np.nan)
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 UNSAID = 20.0
 """Length of a comparison of nothing but specs, s."""
 
-LONGEST = 3600.0
+LONGEST_SIMULATION = 3600.0
 """Longest simulation of a spec, s: all of it is in memory."""
 
 RECORDINGS, SPECS = (".mcap", ".db3", ".zstd"), (".yaml", ".yml")
@@ -70,10 +70,11 @@ def motions_at(
     found |= {place: _trajectory(place, columns[place], first) for place in columns}
     others = max((motion.duration for motion in found.values()), default=UNSAID)
     length = others if duration is None else duration
-    if specs and not 0.0 < length <= LONGEST:
+    if specs and not 0.0 < length <= LONGEST_SIMULATION:
         raise InputError(
-            f"{next(iter(specs))} would be simulated for {length:g} s, but can be for more than 0 and at most"
-            f" {LONGEST:g} s; give another --duration, or a trajectory of rthm simulate with --sample."
+            f"{next(iter(specs))} would be simulated for {length:g} s, but can be for more than 0 and at most "
+            f"{LONGEST_SIMULATION:g} s; give another --duration, or a trajectory of rthm simulate with "
+            "--sample."
         )
     found |= {place: motion_of_spec(place, spec, length) for place, spec in specs.items()}
     return [found[place] for place in places]

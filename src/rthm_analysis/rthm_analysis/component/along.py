@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
-from rthm_analysis.component.criteria import MOST_SUBSTEPS, SUBSTEP_ERROR
+from rthm_analysis.component.criteria import MOST_LAW_STEPS, SUBSTEP_ERROR
 from rthm_core.compiled import kept, keyed_by
 from rthm_core.effects.laws import MOST_PARAMETERS
 from rthm_core.physical.laws import PARTITIONS, POSITION, code_of, plant_force, plant_rate
@@ -90,7 +90,7 @@ def force_along(
 def substeps_for(law: type[PlantLaw], p: Sequence[float], x: Floats, v: Floats, t: Floats) -> int:
     """Steps between two samples with which the force of a law no longer changes."""
     substeps, found = 1, force_along(law, p, x, v, t)
-    while law.states and substeps < MOST_SUBSTEPS:
+    while law.states and substeps < MOST_LAW_STEPS:
         finer = force_along(law, p, x, v, t, 2 * substeps)
         if np.max(np.abs(finer - found)) <= SUBSTEP_ERROR * np.max(np.abs(finer)):
             break

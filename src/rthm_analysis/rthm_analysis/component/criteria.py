@@ -9,7 +9,7 @@ LONGEST_GAP_STEPS = 1.5
 FEWEST_SAMPLES = 200
 """Samples below which forces of a component cannot be told from each other."""
 
-MOST_SUBSTEPS = 16
+MOST_LAW_STEPS = 16
 """Steps between two samples in which the states of a law are advanced, at most."""
 
 SUBSTEP_ERROR = 1e-4
@@ -28,7 +28,7 @@ GUESSES_REFINED = 2
 MOST_LAWS = 3
 """Laws beside spring and damper that one component is given."""
 
-GAIN_OF_CHANCE = 10.0
+BIC_OF_CHANCE = 10.0
 """Gain of the criterion (BIC) that chance brings among the kinds, and the sizes, that are tried."""
 
 LEAST_GAIN_SHARE = 0.05
@@ -43,7 +43,7 @@ AT_NOISE_RATIO = 1.3
 BETTER_RATIO = 0.9
 """Error on unseen data over that of spring and damper alone, below which a model is better than these."""
 
-FIT_STEPS = 60
+EVALUATIONS_EACH = 60
 """Evaluations of a fit for each of its parameters, at most."""
 
 FIT_DIFFERENCE = 1e-4

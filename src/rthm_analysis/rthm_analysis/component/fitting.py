@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_analysis.component.criteria import FIT_DIFFERENCE, FIT_STEPS
+from rthm_analysis.component.criteria import EVALUATIONS_EACH, FIT_DIFFERENCE
 from rthm_analysis.component.recorded import ComponentTest
 from rthm_analysis.component.shapes import ALWAYS, Power, Shape, seen_in
 
@@ -199,7 +199,7 @@ def fitted(model: Model, parts: Sequence[Part]) -> Fitted:
         np.zeros(len(where)),
         diff_step=FIT_DIFFERENCE,  # type: ignore[arg-type]
         x_scale=0.3,
-        max_nfev=FIT_STEPS,
+        max_nfev=EVALUATIONS_EACH,
         bounds=(-6.0, 6.0),
     )
     return sized(moved(model, where, done.x, seen), parts)

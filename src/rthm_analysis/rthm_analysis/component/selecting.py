@@ -10,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.component.criteria import (
     AT_NOISE_RATIO,
-    GAIN_OF_CHANCE,
+    BIC_OF_CHANCE,
     GUESSES_REFINED,
     LAGS_TRIED,
     LEAST_GAIN_SHARE,
@@ -88,7 +88,7 @@ def _with_a_law(one: Fitted, powers: tuple[Power, ...], noise: float) -> Fitted 
     floor = one.left.size * noise**2
     tried = list(_refined(one, powers))
     best = max(tried, key=lambda found: found.gain(one), default=None)
-    if best is None or best.gain(one) < GAIN_OF_CHANCE:
+    if best is None or best.gain(one) < BIC_OF_CHANCE:
         return None
     if one.squares - best.squares < LEAST_GAIN_SHARE * (one.squares - floor):
         return None
@@ -138,7 +138,7 @@ def _needed(one: Fitted) -> Fitted:
     while True:
         tried = [sized(model, one.parts) for model in _simpler(one.model)]
         best = max(tried, key=lambda found: found.gain(one), default=None)
-        if best is None or best.gain(one) <= -GAIN_OF_CHANCE:
+        if best is None or best.gain(one) <= -BIC_OF_CHANCE:
             return fitted(one.model, one.parts)
         one = best
 
@@ -163,6 +163,6 @@ def _with_higher_powers(one: Fitted) -> Fitted:
             more: Shape = replace(shape, powers=(*one.model.shapes[i].powers, Power(name, MOST_POWER)))
             shapes = (*one.model.shapes[:i], more, *one.model.shapes[i + 1 :])
             found = fitted(replace(one.model, shapes=shapes), one.parts)
-            if found.gain(one) > GAIN_OF_CHANCE and _is_possible(found, i):
+            if found.gain(one) > BIC_OF_CHANCE and _is_possible(found, i):
                 one = found
     return one

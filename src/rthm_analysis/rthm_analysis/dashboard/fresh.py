@@ -19,7 +19,7 @@ TOPICS = LOOP | dict.fromkeys((DRY_COMMAND, ENERGY, CLOCKS), JOINT_STATE)
 END = NS // 10
 """How much of the samples before is kept: whoever holds signals may be so far behind, ns."""
 
-MOST = 20_000
+MESSAGES_WAITING = 20_000
 """Messages of a topic that wait at most; of more, the first ones are not shown."""
 
 
@@ -58,7 +58,7 @@ class Waiting:
     def take(self, topic: str, message: bytes) -> None:
         """Keep a message of one of `TOPICS`."""
         raw = self._raw.get(topic)
-        if raw is None or len(raw) >= MOST:
+        if raw is None or len(raw) >= MESSAGES_WAITING:
             raw = self._raw[topic] = RawTopic(topic, TOPICS[topic])
         raw.append(0, message)
 

@@ -24,13 +24,13 @@ STEP = NS // 50
 LAG = NS // 20
 """How far the rows stay behind the newest sample, ns: other topics have come as far by then."""
 
-GAP = 3
+UNHEARD_PERIODS = 3
 """Periods without a sample from which on none was heard."""
 
 SIDES = (PLANT_STATE, NUMERICAL_STATE)
 """Topics of which the newer one tells how far the test has come."""
 
-MOST = 2000
+MOST_ROWS = 2000
 """Rows at once: of a longer pause only the end is shown."""
 
 
@@ -105,7 +105,7 @@ class Motion:
             return 0, 0
         stop = int(max(last for _, last in heard) - LAG - begin_ns) // STEP + 1
         first = -(int(begin_ns - min(first for first, _ in heard)) // STEP)
-        first = max(self._next, first, stop - MOST)
+        first = max(self._next, first, stop - MOST_ROWS)
         return first, max(stop, first)
 
 
@@ -116,5 +116,5 @@ def _held(fresh: Fresh, column: Columns, at: Integers) -> Floats:
         return np.full((len(at), len(column.names)), np.nan)
     values = hold(stamps, fresh.columns(column.topic, column.field, column.names), at)
     age = at - hold(stamps, stamps, at)
-    unheard = (age < 0) | (age > max(GAP * column.period, STEP))
+    unheard = (age < 0) | (age > max(UNHEARD_PERIODS * column.period, STEP))
     return np.where(unheard[:, None], np.nan, values)

@@ -20,7 +20,7 @@ from rthm_core.topics import PLANT_STATE
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-WINDOW = 20.0
+CURVE_LENGTH = 20.0
 """Length of the curves, s."""
 
 ENERGIES = ("E_num", "E_ff", "E_fx", "E_err", "E_damping", "E_load", "E_effects", "E_total")
@@ -66,8 +66,8 @@ class RunningTest:
     def __init__(self, spec: Spec) -> None:
         self._spec, self._waiting = spec, Waiting()
         self.told = Told()
-        self.motion = Trace(int(WINDOW * NS / STEP))
-        self.energy = Trace(int(WINDOW * 10))
+        self.motion = Trace(int(CURVE_LENGTH * NS / STEP))
+        self.energy = Trace(int(CURVE_LENGTH * 10))
         self._over, self._facts = False, Facts()
         self._set(self._facts)
 
@@ -110,7 +110,7 @@ class RunningTest:
             "energies": ["t", *ENERGIES],
             "pulls": [{"motor": motor, "plant": x1, "numerical": x2} for motor, x1, x2 in pulls],
             "dofs": list(loop.plant.dofs),
-            "window": WINDOW,
+            "window": CURVE_LENGTH,
         }
 
     def _set(self, facts: Facts) -> None:

@@ -10,7 +10,7 @@ from rthm_core import events
 
 MISSED = re.compile(r"(Td\d) missed deadlines")
 COUNTED = re.compile(r"(tau\d) (late|lost)")
-MOST = 100
+EVENTS_KEPT = 100
 """Events that are kept."""
 
 
@@ -41,7 +41,7 @@ class Told:
             return
         self.abort = abort or self.abort
         self.rested = self.rested or event.get("event") == events.REST
-        if event and len(self.events) < MOST:
+        if event and len(self.events) < EVENTS_KEPT:
             at = event.get("at")
             self.events.append({"at": at if isinstance(at, int | float) else None, "words": _words(event)})
 

@@ -9,10 +9,10 @@ from rthm_core.compiled import Floats, Integers
 from rthm_core.spec import Spec
 from rthm_core.substructure import free_dynamics, substructure
 
-PHASE = 0.1
+WINDOW_PHASE = 0.1
 """Half width, in radians of the plant's fastest motion, of the window in which a velocity is estimated."""
 
-WIDEST = 10
+LARGEST_HALF_WIDTH = 10
 """Largest half width in samples."""
 
 
@@ -29,7 +29,7 @@ def window(spec: Spec, period: float) -> int:
     plant = substructure(spec.plant)
     dynamics, _ = free_dynamics(plant.mass, plant.damping, plant.stiffness)
     step = float(np.abs(np.linalg.eigvals(dynamics)).max()) * period
-    return int(np.clip(PHASE / step, 1, WIDEST)) if step > 0.0 else WIDEST
+    return int(np.clip(WINDOW_PHASE / step, 1, LARGEST_HALF_WIDTH)) if step > 0.0 else LARGEST_HALF_WIDTH
 
 
 def motion_at(stamps_ns: Integers, motion: Floats, at_ns: Integers) -> Floats:

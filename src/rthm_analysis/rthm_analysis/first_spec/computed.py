@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rthm_analysis.recording import Recording, Table
     from rthm_core.compiled import Floats, Integers
 
-EXACT = 1e-3
+LEFT_BY_ITS_LAW = 1e-3
 """Part of a signal that a law leaves which is not the one that was computed with."""
 
 
@@ -149,7 +149,7 @@ def controller_stiffness(
     for k, _ in enumerate(actuators):
         known = np.isfinite(moved[:, k]) & np.isfinite(force[:, k])
         solved, left = _solved(force[known, k : k + 1], moved[known, k])
-        found.append(float(1.0 / solved[0]) if left < EXACT and solved[0] > 0.0 else None)
+        found.append(float(1.0 / solved[0]) if left < LEFT_BY_ITS_LAW and solved[0] > 0.0 else None)
     return found
 
 
@@ -180,7 +180,7 @@ def numerical_matrices(ticks: Ticks, connected: Sequence[int]) -> Matrices | Non
     sizes = np.maximum(np.abs(columns[known]).max(axis=0), 1e-300)
     step = np.linalg.lstsq(columns[known] / sizes, state[known + 1], rcond=None)[0].T / sizes
     left = state[known + 1] - columns[known] @ step.T
-    if not np.sqrt(np.mean(np.square(left))) < EXACT * np.std(np.diff(state[known], axis=0)):
+    if not np.sqrt(np.mean(np.square(left))) < LEFT_BY_ITS_LAW * np.std(np.diff(state[known], axis=0)):
         return None
     whole = np.eye(columns.shape[1])
     whole[: 2 * n] = step

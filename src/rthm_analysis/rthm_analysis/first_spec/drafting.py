@@ -11,7 +11,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.first_spec.computed import (
-    EXACT,
+    LEFT_BY_ITS_LAW,
     connections,
     controller_stiffness,
     numerical_matrices,
@@ -38,7 +38,7 @@ LEAST, MOST = 1e-3, 100.0
 that the plant is linear."""
 DIGITS, COMPUTED_DIGITS = 6, 9
 """Digits of numbers that were estimated, and of those that were computed with."""
-SMALL = 1e-6
+ZERO_ENTRY = 1e-6
 """Entry of a matrix that was computed with, over its largest one, that is zero."""
 UNTOLD = "Placeholder: the recording does not show it. Put in the value of your rig."
 
@@ -163,7 +163,7 @@ def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
     numbers = [f"numerical.{name}" for name in MATRICES]
     ticks = ticks_of(recording, parts.dofs, parts.actuators)
     found = connections(ticks, parts.dofs, parts.numerical, parts.actuators) if ticks else []
-    if ticks is None or not all(one.left < EXACT for one in found):
+    if ticks is None or not all(one.left < LEFT_BY_ITS_LAW for one in found):
         draft.untold(
             "Which force references follow from which motion is not recorded, so interface and numerical are "
             "placeholders.",
@@ -209,7 +209,7 @@ def _exact(matrices: Matrices, name: str) -> list[float]:
     size = {key: float(np.abs(values).max()) for key, values in matrices.value.items()}
     largest = max(size[name], np.sqrt(size["mass"] * size["stiffness"]) if name == "damping" else 0.0)
     values = matrices.value[name].ravel()
-    return [_digits(one, COMPUTED_DIGITS) if abs(one) > SMALL * largest else 0.0 for one in values]
+    return [_digits(one, COMPUTED_DIGITS) if abs(one) > ZERO_ENTRY * largest else 0.0 for one in values]
 
 
 def _actuators(draft: Draft, recording: Recording) -> None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_core.compiled import Floats
 
-CERTAIN = 10.0
+SURELY_NOT_ZERO = 10.0
 """Standard deviations that a number has to be away from zero to be told by the recording."""
 
 ZERO = 3.0
@@ -32,7 +32,7 @@ BETTER = 0.8
 JUMPS = 0.1
 """Part of the power of a force's steps that those of an elastic wire may leave."""
 
-FEWEST = 8
+BEGINNING_SAMPLES = 8
 """Samples through which the beginning of a motion is drawn."""
 
 
@@ -72,7 +72,7 @@ def plant_of(
 def _is_told(found: Matrices, given: Sequence[float | None]) -> bool:
     """Whether the masses that were not given are certain, and of each dof also something beside its mass."""
     size, std = ({name: np.diag(one) for name, one in of.items()} for of in (found.value, found.std))
-    certain = {name: np.abs(size[name]) > CERTAIN * std[name] for name in size}
+    certain = {name: np.abs(size[name]) > SURELY_NOT_ZERO * std[name] for name in size}
     free = np.array([mass is None for mass in given])
     heavy = (size["mass"] > 0.0) & (certain["mass"] | ~free)
     moving = certain["damping"] | certain["stiffness"] | free
@@ -169,7 +169,7 @@ def beginning(
     """
     smooth = smoothed(evidence, dofs, actuators)
     step = float(np.median(np.diff(evidence.time)))
-    count = max(FEWEST, round(smooth.width / step) if smooth else 0)
+    count = max(BEGINNING_SAMPLES, round(smooth.width / step) if smooth else 0)
     positions, velocities = [], []
     for dof in dofs:
         position, slope = _start(evidence, "position", dof, count)
@@ -186,7 +186,7 @@ def _start(evidence: Evidence, family: str, dof: str, count: int) -> tuple[float
         return None, None
     time, values = evidence.time[:count] - evidence.time[0], evidence.measured[:count, column]
     known = np.isfinite(values)
-    if known.sum() < FEWEST:
+    if known.sum() < BEGINNING_SAMPLES:
         return None, None
     cubic, covariance = np.polyfit(time[known], values[known], 3, cov=True)
     std = np.sqrt(np.diag(covariance))

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 CLOCKS = 2e-4
 """Relative difference of two periods that clocks make."""
 
-SAME = 0.01
+SAME_PERIOD = 0.01
 """Relative difference of two periods that are the same all the same."""
 
 ALWAYS = 1e-5
 """Time by which every use in real time may be late, s."""
 
-DIGITS = 9
+PERIOD_DIGITS = 9
 
 
 def timing_of(recording: Recording, *, is_loop: bool) -> tuple[dict[str, float], list[str]]:
@@ -47,7 +47,7 @@ def timing_of(recording: Recording, *, is_loop: bool) -> tuple[dict[str, float],
     found |= {name: _kept(links.get(name), source) for name, source in (("tau1", td1), ("tau2", td1))}
     if "tau3" in links:
         own = period(links["tau3"].use_ns)
-        if abs(own - td2) > SAME * td2:
+        if abs(own - td2) > SAME_PERIOD * td2:
             found["td4"], found["tau3"] = own, _kept(links["tau3"], td2)
     found = {"tau3": _at_once(links.get("tau3"))} | found | {"tau4": _at_once(links.get("tau4"))}
     missing = [name for name in LINKS if name not in links]
@@ -79,14 +79,14 @@ def simplest(low: float, high: float, nearest: float) -> float:
     >>> simplest(0.0072, 0.0084, 0.0084), simplest(0.00123, 0.00123, 0.00123)
     (0.008, 0.00123)
     """
-    for digits in range(1, DIGITS):
+    for digits in range(1, PERIOD_DIGITS):
         rounded = float(f"{nearest:.{digits}g}")
         step = 10.0 ** (np.floor(np.log10(abs(nearest))) - digits + 1) if nearest else 0.0
         for one in (rounded, rounded - step, rounded + step):
             value = float(f"{one:.{digits}g}")
             if low - 1e-12 <= value <= high + 1e-12:
                 return value
-    return round(nearest, DIGITS)
+    return round(nearest, PERIOD_DIGITS)
 
 
 def _kept(link: LinkTable | None, source: float) -> float:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 BLOCKS = 40
 """Stretches of a recording whose errors are taken as independent of each other."""
-CERTAIN = 4.0
+BEYOND_ZERO = 4.0
 """Standard deviations beyond which a number is not zero."""
 
 
@@ -37,7 +37,7 @@ class Fit(NamedTuple):
 
     def is_certain(self, i: int) -> bool:
         """Whether a number is certainly not zero."""
-        return bool(abs(self.value[i]) > CERTAIN * self.std[i])
+        return bool(abs(self.value[i]) > BEYOND_ZERO * self.std[i])
 
 
 def covariance(instruments: Floats, regressors: Floats, left: Floats) -> Floats:

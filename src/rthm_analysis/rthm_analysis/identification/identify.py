@@ -13,7 +13,7 @@ from rthm_analysis.identification.noise import noise_at_rest
 from rthm_analysis.identification.result import Figure, Identified
 from rthm_analysis.identification.wire import signs, stiffness
 from rthm_core.clock import NS
-from rthm_core.excitation import QUIET
+from rthm_core.excitation import QUIET_START
 
 if TYPE_CHECKING:
     from rthm_analysis.recording import Recording
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 INSTANT = 1e-3
 """Time constant of a motor that has none, over Td1: h(s) needs two."""
-DIGITS = 6
+SPEC_DIGITS = 6
 """Digits of the numbers that go into a spec."""
 
 
@@ -141,7 +141,7 @@ def _wire(i: int, motion: Motion, spec: Spec) -> Figure:
 def _noise(motions: Sequence[Motion], spec: Spec) -> list[Figure]:
     found = {}
     for motion in motions:
-        still = motion.time < QUIET
+        still = motion.time < QUIET_START
         for kind, unit, where in (
             ("position", "m", motion.dof),
             ("velocity", "m/s", motion.dof),
@@ -195,4 +195,4 @@ def _of_noise(noise: Sequence[Figure]) -> dict[str, Any]:
 
 
 def _rounded(value: float) -> float:
-    return float(f"{value:.{DIGITS}g}")
+    return float(f"{value:.{SPEC_DIGITS}g}")

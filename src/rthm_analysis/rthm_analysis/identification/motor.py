@@ -23,7 +23,7 @@ SHORTEST = 1e-7
 """Time constant that is none, s."""
 SEEN = 2.0
 """Standard deviations that a time constant has to be away from zero, or from another one, to be told."""
-QUICK = 0.1
+UNSEEN_LAG = 0.1
 """Time constant that cannot be seen, over the period of the samples."""
 DELAY, SLOW, FAST, GAIN, OFFSET = range(5)
 
@@ -107,7 +107,7 @@ def fitted_motor(motion: Motion, period: float, believed: tuple[float, float]) -
 
 
 def _is_shown(fit: Fit, which: int, period: float) -> bool:
-    return bool(fit.value[which] > max(SEEN * fit.std[which], QUICK * period))
+    return bool(fit.value[which] > max(SEEN * fit.std[which], UNSEEN_LAG * period))
 
 
 def _moved(motion: Motion, p: Floats) -> Floats:

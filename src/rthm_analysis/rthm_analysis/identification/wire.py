@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.identification.estimate import CERTAIN, Fit, through
+from rthm_analysis.identification.estimate import BEYOND_ZERO, Fit, through
 
 if TYPE_CHECKING:
     from rthm_analysis.identification.evidence import Motion
@@ -64,7 +64,7 @@ def _of_the_wire(motion: Motion) -> list[str]:
     if by_dof < 0.0:
         return [f"T{told[1:]}: the position of {dof} has the wrong sign; {FURTHER}"]
     spread = float(np.sqrt(fit.covariance[0, 0] + fit.covariance[1, 1] - 2.0 * fit.covariance[0, 1]))
-    if abs(by_motor - by_dof) > max(CERTAIN * spread, UNLIKE * max(by_motor, by_dof)):
+    if abs(by_motor - by_dof) > max(BEYOND_ZERO * spread, UNLIKE * max(by_motor, by_dof)):
         return [
             f"T{told[1:]}, which no spring between the two does: the unit of one of the positions is wrong,"
             f" or something else pulls at the load cell; {FURTHER}"

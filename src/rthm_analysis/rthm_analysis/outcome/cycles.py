@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats
 
-FEWEST = 3.0
+FEWEST_CYCLES = 3.0
 """Cycles from which an average over them says something."""
 
 
@@ -37,4 +37,4 @@ def energy_per_cycle(t: Floats, work: Floats, motion: Floats) -> float | None:
     left, middle, right = strength[peak - 1 : peak + 2]
     beside = 0.5 * (left - right) / (left - 2.0 * middle + right) if peak > 1 else 0.0
     cycles = (peak + beside) * (t.size - 1) / t.size
-    return float((work[-1] - work[0]) / cycles) if cycles >= FEWEST else None
+    return float((work[-1] - work[0]) / cycles) if cycles >= FEWEST_CYCLES else None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
-ROWS = 100_000
+INSTANTS_COMPARED = 100_000
 """Instants at which a motion is compared, about."""
 
 
@@ -61,7 +61,7 @@ class IdealComparison:
 
     def __init__(self, spec: Spec, duration: float, sample: float | None = None) -> None:
         step = checked_step(spec, duration, sample)
-        self._every = max(1, math.ceil(to_ns(duration) // step / ROWS))
+        self._every = max(1, math.ceil(to_ns(duration) // step / INSTANTS_COMPARED))
         self._dofs = spec.plant.dofs if spec.plant else ()
         ideal = simulate(spec, duration, step * self._every / NS, "ideal", energies=False)
         self.motion = ideal

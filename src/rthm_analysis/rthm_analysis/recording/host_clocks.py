@@ -16,7 +16,7 @@ from rthm_core.clock import NS
 from rthm_core.clocks import ENDS
 from rthm_core.compiled import Floats, Integers
 
-QUICK = 2.0
+QUICK_WAY = 2.0
 """Uncertainty up to which an offset is used, as a multiple of the least: slow ways say little."""
 
 GRAIN = 1e-7
@@ -128,7 +128,7 @@ def host_clocks(table: Table | None) -> HostClocks:
     for column, name in enumerate(table.names):
         known = np.isfinite(table.position[:, column]) & np.isfinite(table.effort[:, column])
         if known.any():
-            known &= table.effort[:, column] <= QUICK * table.effort[known, column].min()
+            known &= table.effort[:, column] <= QUICK_WAY * table.effort[known, column].min()
             rows = (table.position[known, column], table.effort[known, column])
             found[name] = HostClock(table.stamp_ns[known], *rows)
     return HostClocks(found)

@@ -40,7 +40,7 @@ VARIABLES = {
 }
 """Abscissae of a curve, in words."""
 
-SMALL = -6
+POWERS_FROM = -6
 """Power of ten from which an axis is labelled with powers."""
 
 SHOWN_SWINGS = 12
@@ -68,7 +68,7 @@ def fit_plots(fit: Fit) -> Iterator[figure]:
         left.add(words, fit.time, fit.recorded - simulated, colour)
     shown.add("recorded", fit.time, fit.recorded, INK, line_width=1.0)
     for plot in (shown.plot, left.plot):
-        plot.yaxis.formatter = BasicTickFormatter(power_limit_low=SMALL)
+        plot.yaxis.formatter = BasicTickFormatter(power_limit_low=POWERS_FROM)
     yield shown.finish()
     yield left.finish()
 
@@ -110,7 +110,7 @@ def curve_plot(curve: Curve, law: str = "named physics", unit: str = "N") -> fig
     plot.add_tools(HoverTool(renderers=[dots], tooltips=tips))
     plot.x_range, plot.y_range = _around(curve.at[INNER]), _around(_drawn(curve))
     for axis in (plot.xaxis, plot.yaxis):
-        axis.formatter = BasicTickFormatter(power_limit_low=SMALL)
+        axis.formatter = BasicTickFormatter(power_limit_low=POWERS_FROM)
     plot.legend.label_text_font, plot.legend.border_line_alpha = FONT, 0.0
     plot.legend.orientation, plot.legend.background_fill_alpha = "horizontal", 0.0
     plot.legend.label_text_color, plot.legend.label_text_font_size, plot.legend.location = (

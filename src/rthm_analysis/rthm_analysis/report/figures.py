@@ -24,7 +24,7 @@ ROUNDING = 1e-9
 """Size of a curve over that of the motion or energy which it is a difference of, where it is only "
 "rounding."""
 
-EXACT = 1e-9
+NO_EXCESS = 1e-9
 """Excess of an age that is none, s: stamps are whole nanoseconds."""
 
 TERM_COLOURS = {
@@ -256,7 +256,7 @@ def excesses(gathered: Gathered) -> list[figure]:
     return [
         _histogram(f"Excess, {name}", "excess", link.excess, COLOURS[1])
         for name, link in links
-        if (np.abs(link.excess[np.isfinite(link.excess)]) > EXACT).any()
+        if (np.abs(link.excess[np.isfinite(link.excess)]) > NO_EXCESS).any()
     ]
 
 

@@ -18,7 +18,7 @@ UNIT = re.compile(r"^(?P<name>.*?) \[(?P<unit>[^\]]+)\](?P<rest>.*)$")
 QUANTITIES = {"m": "position (m)", "J": "energy (J)", "1": "signal (1)", "s": "age (s)", "deg": "phase (deg)"}
 QUANTITIES |= {"m/N": "magnitude (m/N)", "dB": "magnitude (dB)"}
 
-FEWEST = 20
+FEWEST_ROWS = 20
 """Rows from which a table is a curve."""
 
 
@@ -36,7 +36,7 @@ def _of_table(table: Mapping[str, Floats]) -> list[figure]:
 
     over, *names = table
     x = np.asarray(table[over])
-    if x.size < FEWEST:
+    if x.size < FEWEST_ROWS:
         return []
     span = Range1d(float(x.min()), float(x.max()), bounds="auto")
     quantities: dict[str, Curves] = {}

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 BEGIN_NS, LENGTH_NS, STEP_NS = 24_000_000, 30_000_000, 10_000
 """What is shown begins at a tick of all clocks that has samples behind it."""
 
-PERIOD = 0.040
+SIGNAL_PERIOD = 0.040
 """Of the sample signal, s."""
 
 
 def _signal(t: np.ndarray) -> np.ndarray:
-    return np.asarray(np.sin(2.0 * np.pi * (t - BEGIN_NS * 1e-9) / PERIOD))
+    return np.asarray(np.sin(2.0 * np.pi * (t - BEGIN_NS * 1e-9) / SIGNAL_PERIOD))
 
 
 def compute() -> Numbers:

@@ -12,7 +12,7 @@ from rthm_analysis.reproduce.frequency import MARKED, grid, responses
 from rthm_analysis.response import WAYS
 from rthm_core.spec import shipped_spec
 
-SETTLED = 240.0
+STEADY_AFTER = 240.0
 """Length of a simulation whose steady state is measured, s."""
 
 
@@ -84,7 +84,7 @@ def table3() -> Table:
             sets = [_at(omega, one, way)[0] for one in ALL]
             size, phase = _at(omega, CHOSEN, way)
             rows.append((f"{omega:g} rad/s, {way}", size, phase, min(sets), max(sets)))
-        simulated = [amplitude(excited(one, omega, "hybrid", SETTLED), omega, 60.0) for one in ALL]
+        simulated = [amplitude(excited(one, omega, "hybrid", STEADY_AFTER), omega, 60.0) for one in ALL]
         sizes = [size for size, _ in simulated]
         rows.append((f"{omega:g} rad/s, simulated", *simulated[0], min(sizes), max(sizes)))
     return Table(

@@ -23,7 +23,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 EDGE, MARGIN = "#222222", "#d55e00"
 
-FEWEST = 3
+FEWEST_FREQUENCIES = 3
 """Frequencies from which there is a curve."""
 
 
@@ -46,10 +46,10 @@ def draw(result: Response, margin: str, path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    if result.omega.size < FEWEST:
+    if result.omega.size < FEWEST_FREQUENCIES:
         raise InputError(
-            f"--plot has {result.omega.size} frequencies to draw, but a curve takes {FEWEST}; give a range, "
-            "as --omega 0.5:20:200."
+            f"--plot has {result.omega.size} frequencies to draw, but a curve takes "
+            f"{FEWEST_FREQUENCIES}; give a range, as --omega 0.5:20:200."
         )
     count = len(result.dofs) + len(result.margins)
     figure = Figure(figsize=(max(6.4, 4.4 * count), 6.0), layout="constrained")

@@ -22,16 +22,16 @@ from rthm_core.compiled import Floats
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-FEWEST = 25
+FIRST_POINTS = 25
 """First points of a search; where an edge could hide between them it looks closer."""
 
-AHEAD = 8
+POINTS_TOGETHER = 8
 """Points that are looked at together."""
 
 
 def scale_edge(spec: Spec, loop: LinearLoop, cycle: Cycle) -> float | None:
     """Factor on all periods and delays at which stability is first lost; 0: there is none; None: nowhere."""
-    points = scale_points(spec, loop, LARGEST_FACTOR, FEWEST)
+    points = scale_points(spec, loop, LARGEST_FACTOR, FIRST_POINTS)
     found = first_lost(of_scale_at_each(loop, cycle), points, FINEST_FACTOR)
     return 0.0 if found == points[0] else found
 
@@ -40,7 +40,7 @@ def delay_edge(spec: Spec, loop: LinearLoop, name: str, upto: float) -> float | 
     """Value of one delay alone, s, at which stability is first lost, up to `upto` times its own; 0: there is
     none without it; None: nowhere.
     """
-    points = delay_points(spec, loop, name, upto, FEWEST)
+    points = delay_points(spec, loop, name, upto, FIRST_POINTS)
     return first_lost(of_delay(spec, loop, name), points, FINEST_DELAY)
 
 
@@ -51,11 +51,11 @@ def first_lost(rates: Rates, points: Floats, resolution: float) -> float | None:
     """
     finest = max(resolution, FINEST * np.diff(points).max())
     x, g = points[:0], rates(points[:0])
-    for begin in range(0, points.size, AHEAD):
-        ahead = points[begin : begin + AHEAD]
+    for begin in range(0, points.size, POINTS_TOGETHER):
+        ahead = points[begin : begin + POINTS_TOGETHER]
         x, g = refined(rates, np.append(x, ahead), np.vstack([g, rates(ahead)]), finest)
         lost = np.flatnonzero(g[:, 0] > 0.0)
-        is_end = begin + AHEAD >= points.size
+        is_end = begin + POINTS_TOGETHER >= points.size
         if lost.size and (lost[0] < x.size - 1 or is_end):  # what follows an interval can split it
             at = int(lost[0])
             return (

@@ -31,7 +31,7 @@ LARGEST_FACTOR = 100.0
 K_TOT_FACTOR = 1e4
 """k_tot is searched from its value divided by this to its value times this."""
 
-PHASE = 0.4
+SCAN_PHASE = 0.4
 """Step of a scan: radians by which the fastest oscillation of the two sides shifts in it."""
 
 FEWEST, MOST = 100, 4000
@@ -97,7 +97,7 @@ class Limit:
 
 def _points(loop: LinearLoop, begin: float, end: float, seconds: float, fewest: int) -> Floats:
     """First points of a scan over a parameter that changes the time round the loop by `seconds` in all."""
-    count = int(loop.fastest_oscillation * seconds / PHASE) + 1
+    count = int(loop.fastest_oscillation * seconds / SCAN_PHASE) + 1
     return np.linspace(begin, end, min(max(count, fewest), MOST))
 
 

@@ -22,7 +22,7 @@ from rthm_core.spec import apply
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-LARGEST = 6
+RATES_SEARCHED = 6
 """How many of the growth rates a search looks at."""
 
 EVENTS_IN_A_SEARCH = 2000
@@ -34,24 +34,24 @@ SLOWEST = -1e6
 
 
 def growth_rates(loop: LinearLoop, cycle: Cycle, nominal_unit: float = 0.0) -> Floats:
-    """The largest growth rates (LARGEST,), 1/s, descending (`nominal_unit` as in `Lifted`)."""
+    """The largest growth rates (RATES_SEARCHED,), 1/s, descending (`nominal_unit` as in `Lifted`)."""
     size = np.abs(np.linalg.eigvals(Lifted(loop, cycle, nominal_unit).monodromy()))
     return np.asarray(_largest(size[None], np.array([cycle.hyperperiod]))[0])
 
 
 def _largest(moduli: Floats, hyperperiods: Floats) -> Floats:
-    """Largest growth rates (N, LARGEST) of moduli (N, rows)."""
+    """Largest growth rates (N, RATES_SEARCHED) of moduli (N, rows)."""
     if not np.isfinite(moduli).all():
         moduli = np.where(np.isfinite(moduli), moduli, np.inf)  # beyond all numbers: it grows
-    rates = np.full((moduli.shape[0], LARGEST), SLOWEST)
-    largest = np.sort(moduli, axis=1)[:, ::-1][:, :LARGEST]
+    rates = np.full((moduli.shape[0], RATES_SEARCHED), SLOWEST)
+    largest = np.sort(moduli, axis=1)[:, ::-1][:, :RATES_SEARCHED]
     with np.errstate(divide="ignore"):
         rates[:, : largest.shape[1]] = np.log(largest) / hyperperiods[:, None]
     return np.asarray(np.clip(rates, SLOWEST, -SLOWEST))
 
 
 def _at_each(one: Callable[[float], Floats]) -> Rates:
-    return lambda values: np.array([one(float(value)) for value in values]).reshape(-1, LARGEST)
+    return lambda values: np.array([one(float(value)) for value in values]).reshape(-1, RATES_SEARCHED)
 
 
 def of_scale_at_each(loop: LinearLoop, cycle: Cycle) -> Rates:

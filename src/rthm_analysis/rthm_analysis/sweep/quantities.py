@@ -26,7 +26,7 @@ system, m."""
 
 QUANTITIES = (*STABILITY, *ENERGIES, *MOTION)
 
-ROWS = 2000
+FEWEST_INSTANTS = 2000
 """Rows of a simulation, at least; the energies do not depend on them."""
 
 LONGEST_STEP = 0.01
@@ -43,7 +43,7 @@ def measure(spec: Spec, duration: float) -> tuple[dict[str, float], str]:
     except InputError as error:
         refused = str(error)
     if duration > 0.0:
-        sample = min(duration / ROWS, LONGEST_STEP)
+        sample = min(duration / FEWEST_INSTANTS, LONGEST_STEP)
         hybrid = simulate(spec, duration, sample)
         found |= _energies(hybrid)
         found |= _motion(spec, hybrid, simulate(spec, duration, sample, "ideal", energies=False))

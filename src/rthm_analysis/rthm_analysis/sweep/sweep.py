@@ -25,9 +25,9 @@ BATCH_S = 0.5
 GROWTH = 4
 """A batch is at most this many times larger than the last: a first loop says little about the others."""
 
-LARGEST = 5000
+LARGEST_BATCH = 5000
 
-AHEAD = 2
+BATCHES_AHEAD = 2
 """Batches under way for every worker, so that none waits."""
 
 LOOK_S = 2.0
@@ -106,7 +106,7 @@ class _Run:
         """Run the loops `todo`."""
         self.progress(self.done)
         while todo.size or self.under_way:
-            while todo.size and len(self.under_way) < AHEAD * self.workers.count:
+            while todo.size and len(self.under_way) < BATCHES_AHEAD * self.workers.count:
                 now, todo = np.split(todo, [self._fair(todo.size)])
                 self.under_way.add(self._submit(now))
             self._collect()
@@ -137,4 +137,4 @@ class _Run:
         """Choose the next batches' size by what this one took."""
         self.seconds_per_loop = max(batch.seconds / batch.index.size, 1e-6)
         wanted = round(BATCH_S / self.seconds_per_loop)
-        self.size = int(min(max(1, wanted), GROWTH * batch.index.size, LARGEST))
+        self.size = int(min(max(1, wanted), GROWTH * batch.index.size, LARGEST_BATCH))

@@ -10,7 +10,7 @@ from typer.main import get_command
 
 from rthm_bringup.cli.main import application
 
-WIDTH = 100
+HELP_COLUMNS = 100
 """Columns of a help on the page."""
 
 BEFORE = """# The command line
@@ -28,7 +28,11 @@ def reference() -> str:
     """The page, in Markdown."""
     verbs = get_command(application())
     whole = Context(
-        verbs, info_name="rthm", terminal_width=WIDTH, max_content_width=WIDTH, **verbs.context_settings
+        verbs,
+        info_name="rthm",
+        terminal_width=HELP_COLUMNS,
+        max_content_width=HELP_COLUMNS,
+        **verbs.context_settings,
     )
     parts = [BEFORE, f"## rthm\n\n```text\n{verbs.get_help(whole)}\n```\n"]
     for name, verb in sorted(verbs.commands.items()):  # type: ignore[attr-defined]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from rthm_analysis.dashboard import RunningTest
 
 WAITING = {"state": "waiting", "words": "No test is running; the page will show the next one."}
-QUIET = 5.0
+TOLD_AGAIN_AFTER = 5.0
 """After how long a page is told the same again, so that one that has gone is noticed, s."""
 
 
@@ -59,7 +59,7 @@ class Hub:
         while not self._closed:
             with self.changing:
                 if self._number == number:
-                    self.changing.wait(QUIET)
+                    self.changing.wait(TOLD_AGAIN_AFTER)
                 number, new, shown = self._number, self._test is not test, self.shown
                 test, counts = self._test, [0, 0] if new else counts
                 layout = test.layout() if test and new else None

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-PATIENCE = 120.0
+REPORT_WITHIN = 120.0
 """How long the analysis of a recording may take, s."""
-SETTLED = 0.5
+WRITTEN_AFTER = 0.5
 """How long a file must not have changed before it counts as written, s."""
 
 
@@ -24,7 +24,7 @@ class Report:
 
     def __init__(self, bag: str, since: float) -> None:
         self._file = Path(bag).with_name("report.html") if bag else None
-        self._since, self._patient_until = since, time.monotonic() + PATIENCE
+        self._since, self._patient_until = since, time.monotonic() + REPORT_WITHIN
 
     @property
     def file(self) -> Path | None:
@@ -33,7 +33,7 @@ class Report:
             changed = self._file.stat().st_mtime if self._file else 0.0
         except OSError:
             return None
-        return self._file if self._since <= changed < time.time() - SETTLED else None
+        return self._file if self._since <= changed < time.time() - WRITTEN_AFTER else None
 
     @property
     def over(self) -> bool:

@@ -39,7 +39,7 @@ ASKED = {
     "actuator": ["hardware", "dry_run"],
 }
 """Parameters that are asked for, by node."""
-AGAIN = 1.0
+BETWEEN_QUESTIONS = 1.0
 """Time between two questions, and between two looks at the graph, s."""
 SILENT = 5.0
 """After how long without samples a test without a leader is over, s."""
@@ -133,7 +133,7 @@ class Watcher:
                 self.test.told.note_event(deserialize_message(message, String).data)
         for message, _ in self._status.take():
             self._note(deserialize_message(message, DiagnosticArray))
-        if time.monotonic() > self._looked + AGAIN:
+        if time.monotonic() > self._looked + BETWEEN_QUESTIONS:
             self._looked = time.monotonic()
             self._look_around()
 

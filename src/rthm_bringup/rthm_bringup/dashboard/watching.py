@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rthm_analysis.dashboard import RunningTest
     from rthm_bringup.dashboard.watcher_node import Watcher
 
-PERIOD = 0.1
+SNAPSHOT_PERIOD = 0.1
 """Between two snapshots, s."""
 SEARCH = 0.5
 """Between two looks for a run on this host, s."""
@@ -101,7 +101,7 @@ class Dashboard:
 
     def _listen(self, watcher: Watcher) -> None:
         """Take what has come by the next multiple of the period, and show it."""
-        time.sleep(PERIOD - time.monotonic() % PERIOD)
+        time.sleep(SNAPSHOT_PERIOD - time.monotonic() % SNAPSHOT_PERIOD)
         with self.hub.changing:
             watcher.take()
             self._unread = watcher.unread

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import Loop
 
-LONGEST = 0.5
+LONGEST_ANSWER = 0.5
 """Longest delay of an answer that is looked for, s."""
 
-STEP = 2.5e-4
+DELAY_STEP = 2.5e-4
 """Distance of the delays that are tried, s."""
 
 ERROR = 0.1
@@ -70,7 +70,7 @@ def answer_check(heard: Heard, commanded: Commanded, loop: Loop) -> Check:
 
 def fitted_delay(at: Floats, moved: Floats, sent: Floats, command: Floats) -> tuple[float, float]:
     """Delay (s) at which a motion fits the held command best, and the rms error over the command's range."""
-    delays = np.arange(0.0, LONGEST, STEP)
+    delays = np.arange(0.0, LONGEST_ANSWER, DELAY_STEP)
     errors = [
         float(np.sqrt(np.mean((moved - np.interp(at - delay, sent, command)) ** 2))) for delay in delays
     ]

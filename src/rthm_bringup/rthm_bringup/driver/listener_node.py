@@ -28,7 +28,7 @@ from rthm_core.topics import COMMAND, JOINT_STATE, PLANT_STATE
 SETTLE = 0.5
 """How long discovery may take to tell all publishers once there is one, s."""
 
-KEPT = 5000
+SAMPLES_WAITING = 5000
 """Samples that wait while this host is busy, so that what is lost was lost by the driver or on the way."""
 
 NUMBERED = 2**63  # a middleware that does not number messages gives the largest integer
@@ -98,7 +98,9 @@ class _Ear:
         def take(message: bytes, info: dict[str, Any]) -> None:
             self._heard.append((message, info))
 
-        self._node.create_subscription(JointState, PLANT_STATE, take, samples(KEPT, reliable), raw=True)
+        self._node.create_subscription(
+            JointState, PLANT_STATE, take, samples(SAMPLES_WAITING, reliable), raw=True
+        )
 
     def _spin(self, seconds: float, until: Callable[[], object] = lambda: False) -> None:
         deadline = time.monotonic() + seconds

@@ -10,7 +10,7 @@ from rthm_bringup.driver.travel import check_travel, safe_travel
 from rthm_bringup.run.perform import perform
 from rthm_bringup.run.plan import Plan, new_folder
 from rthm_core.errors import InputError
-from rthm_core.excitation import QUIET
+from rthm_core.excitation import QUIET_START
 from rthm_core.limits import require_limits
 from rthm_core.spec import Spec, apply
 
@@ -97,7 +97,7 @@ def measure(
     else:
         check_travel(spec, travel, seconds)
     assert spec.limits is not None
-    duration = QUIET + seconds + (spec.limits.ramp or 0.0)
+    duration = QUIET_START + seconds + (spec.limits.ramp or 0.0)
     quiet = apply(spec, {"load.numerical.kind": "none"})
     plan = Plan(
         quiet,

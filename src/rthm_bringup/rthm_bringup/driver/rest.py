@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 PARTS = 10
 """Stretches of a rest whose means are compared."""
-STILL = 0.1
+AT_REST_WITHIN = 0.1
 """How far these may lie apart, over `limits.start`."""
 
 
@@ -57,14 +57,14 @@ def readings(channels: Sequence[Channel], values: Floats, start: tuple[float, fl
     """
     parts = np.array_split(values, PARTS)
     means = np.array([part.mean(axis=0) for part in parts])
-    allowed = {FORCE: STILL * start[1], VELOCITY: math.inf}
+    allowed = {FORCE: AT_REST_WITHIN * start[1], VELOCITY: math.inf}
     return [
         Reading(
             channel,
             float(values[:, i].mean()),
             float(means[:, i].std(ddof=1) / math.sqrt(PARTS)),
             float(np.ptp(means[:, i])),
-            allowed.get(channel.kind, STILL * start[0]),
+            allowed.get(channel.kind, AT_REST_WITHIN * start[0]),
         )
         for i, channel in enumerate(channels)
     ]

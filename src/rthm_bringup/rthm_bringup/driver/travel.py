@@ -8,14 +8,14 @@ import numpy as np
 
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
-from rthm_core.excitation import QUIET, excitation
+from rthm_core.excitation import QUIET_START, excitation
 from rthm_core.limits import limit_units
 from rthm_core.physical import PhysicalSide
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-SHARE = 0.25
+SHARE_OF_LIMITS = 0.25
 """Part of what each limit leaves that is used: the spec may be wrong, which is why the rig is measured."""
 UNITS = limit_units("command", "rate", "force", "position", "velocity", "measured_force", "following")
 """Limits that a motion is compared with, and their units."""
@@ -63,7 +63,7 @@ def safe_travel(spec: Spec, seconds: float) -> float:
         left = one.allowed - one.at_rest
         if left <= 0.0:
             raise _refused(one)
-        shares[one.limit] = SHARE * left / max(one.moved, 1e-300)
+        shares[one.limit] = SHARE_OF_LIMITS * left / max(one.moved, 1e-300)
     return float(f"{trial * min(shares.values()):.3g}")
 
 
@@ -92,7 +92,7 @@ def _predicted(spec: Spec, travel: float, seconds: float) -> tuple[dict[str, flo
     """Largest values at the start, and during the motion."""
     timing, side, motion = spec.loop().timing, PhysicalSide(_silent(spec)), excitation(spec, travel)
     first = side.sample(0)
-    times = range(0, round((QUIET + seconds) * NS), timing.ns("td3"))
+    times = range(0, round((QUIET_START + seconds) * NS), timing.ns("td3"))
     command = np.array([first.motor_position + motion.at(at / NS) for at in times])
     late = -(-timing.ns("tau4") // timing.ns("td3"))
     rows = []

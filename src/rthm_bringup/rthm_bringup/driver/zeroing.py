@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rthm_bringup.run.environment import Network
     from rthm_core.spec import Spec
 
-FEWEST = 100
+FEWEST_TO_ZERO = 100
 """Samples without which nothing is said."""
 
 
@@ -51,7 +51,7 @@ def rest_of(conductor: Conductor, spec: Spec, seconds: float, patience: float) -
     """
     loop, sensors = spec.loop(), Sensors(spec)
     wanted, period = [*loop.plant.dofs, *loop.actuator.names], loop.timing.td1
-    span = max(seconds, FEWEST * period)
+    span = max(seconds, FEWEST_TO_ZERO * period)
     with conductor.samples(PLANT_STATE) as found:
         _wait(conductor, lambda: bool(found), patience, "Nobody publishes plant/state; start the driver.")
         if list(found[-1].name) != wanted:
@@ -117,7 +117,7 @@ def _span(found: list[JointState]) -> float:
     """Time from the first to the last sample, s."""
     stamps = [one.header.stamp for one in (*found[:1], *found[-1:])]
     times = [stamp.sec + stamp.nanosec / NS for stamp in stamps]
-    return times[-1] - times[0] if len(found) >= FEWEST else 0.0
+    return times[-1] - times[0] if len(found) >= FEWEST_TO_ZERO else 0.0
 
 
 def _wait(conductor: Conductor, condition: Any, seconds: float, why: str) -> None:

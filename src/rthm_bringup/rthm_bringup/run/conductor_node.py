@@ -22,7 +22,7 @@ from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 
 from rthm_bringup.run.limits import ClockWatch
-from rthm_bringup.run.question import AGAIN, CHANGES, Question, Transition
+from rthm_bringup.run.question import ANSWER_LOOKED_FOR, CHANGES, Question, Transition
 from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.clocks import Offset
@@ -31,7 +31,7 @@ from rthm_core.ros import alive, leader, reach
 from rthm_core.ros.comparing import Asker
 from rthm_core.topics import CLOCKS, DIAGNOSTICS, EVENTS, NAMESPACE
 
-PATIENCE = 20.0
+NODE_ANSWERS_WITHIN = 20.0
 """How long a node on a busy host may take to answer, s."""
 
 SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters": SetParameters}
@@ -218,7 +218,7 @@ class Conductor:
             arrived, seconds, lambda: f"{' and '.join(absent)} did not appear within {seconds:g} s."
         )
 
-    def step(self, step: str, names: Iterable[str], seconds: float = PATIENCE) -> None:
+    def step(self, step: str, names: Iterable[str], seconds: float = NODE_ANSWERS_WITHIN) -> None:
         """Bring all of these nodes through a transition: configure, activate, deactivate, cleanup.
 
         From before it is activated until it is deactivated, a node answers to this leader alone.
@@ -244,7 +244,7 @@ class Conductor:
 
     def states(self, names: Iterable[str]) -> dict[str, int]:
         """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
-        answers = self._ask(dict.fromkeys(names, GetState.Request()), "get_state", PATIENCE)
+        answers = self._ask(dict.fromkeys(names, GetState.Request()), "get_state", NODE_ANSWERS_WITHIN)
         return {name: answer.current_state.id for name, answer in answers.items()}
 
     def publishers(self, topic: str) -> list[str]:
@@ -252,7 +252,7 @@ class Conductor:
         ends = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
         return [end.node_name for end in ends if end.node_namespace == self._namespace]
 
-    def set(self, parameters: Mapping[str, Mapping[str, Any]], seconds: float = PATIENCE) -> None:
+    def set(self, parameters: Mapping[str, Mapping[str, Any]], seconds: float = NODE_ANSWERS_WITHIN) -> None:
         """Set parameters, per node; a tuple is a list of numbers.
 
         Raises
@@ -285,7 +285,7 @@ class Conductor:
         waiting = dict.fromkeys(names, "")
         deadline = time.monotonic() + seconds
         while waiting:
-            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", PATIENCE)
+            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", NODE_ANSWERS_WITHIN)
             waiting = {name: answer.message for name, answer in answers.items() if not answer.success}
             if waiting and time.monotonic() > deadline:
                 raise UnconnectedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
@@ -356,7 +356,7 @@ class Conductor:
         """Ask one node; `step` is the transition that is asked for, if it is one."""
         ask, now = partial(self._client(name, service).call_async, request), time.monotonic()
         if not step:
-            return Question(ask, now, float("inf") if service == LONG else AGAIN)
+            return Question(ask, now, float("inf") if service == LONG else ANSWER_LOOKED_FOR)
         state = partial(self._client(name, "get_state").call_async, GetState.Request())
         return Transition(ask, now, state, CHANGES[step])
 

@@ -29,7 +29,7 @@ from rthm_core.topics import NAMESPACE
 
 TIME = "virtual/time"
 """Topic with the simulated time, in s."""
-AGAIN = 1.0
+GRANT_AGAIN = 1.0
 """Wall-clock time after which a grant that is not answered is repeated, s."""
 
 
@@ -81,7 +81,7 @@ class Coordinator(LifecycleNode):  # type: ignore[misc]
         self._told = now
         finished = self._step.finished
         self._time.publish(Float64(data=self._value("duration") if finished else self._step.reached / NS))
-        if now > self._moved + AGAIN and not finished:
+        if now > self._moved + GRANT_AGAIN and not finished:
             self._moved = now
             self._repeat()
 

@@ -18,7 +18,7 @@ from rthm_core.topics import LOOP
 
 COMPARING = 2.0
 """How long the clocks of hosts are compared before a test, s."""
-PRIORITY = 5
+LEADER_PRIORITY = 5
 """Real-time priority of a leader that watches a machine, or compares clocks: below the loop, and drivers."""
 
 
@@ -54,7 +54,7 @@ class Guards:
             When a limit is broken already.
         """
         if self._urgent:  # a busy host must not keep it from what it watches
-            system.prepare(PRIORITY, lock_memory=False)
+            system.prepare(LEADER_PRIORITY, lock_memory=False)
         if self._elsewhere:
             view.phase("comparing clocks")
         deadline = time.monotonic() + COMPARING * bool(self._elsewhere)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-LONGEST = 0.05
+LONGEST_LOOK = 0.05
 """Longest time between two looks that counts as silence of others, s; the rest was the listener's own."""
 DEAF = 1.0
 """Time between two looks that a busy host explains, s; where `limit` is longer, that."""
@@ -49,7 +49,7 @@ class Heartbeats:
     def look(self, now: float) -> Silence | None:
         """Return a node that has been silent for too long at `now`, s; None if none has."""
         between = 0.0 if self._looked is None else now - self._looked
-        self._looked, passed = now, min(between, LONGEST)
+        self._looked, passed = now, min(between, LONGEST_LOOK)
         self.deaf = between if between > max(self.limit, DEAF) else 0.0
         beaten, self._beaten = self._beaten, set()
         self._silent |= dict.fromkeys(beaten, 0.0)

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from rthm_core.errors import InputError
 from rthm_core.ros.sockets import addresses
 
-PATIENCE = 10.0
+NETWORK_UP_WITHIN = 10.0
 """How long a network may take to come up, s: the host or its cable may be a second old."""
 
 
 def wait_for_one(
     say: Callable[[str], None],
-    seconds: float = PATIENCE,
+    seconds: float = NETWORK_UP_WITHIN,
     found: Callable[[], list[str]] = addresses,
 ) -> None:
     """Wait until an interface to other hosts runs.

@@ -28,7 +28,7 @@ from rthm_core.spec import Spec
 
 HELD = 400
 """Messages of one topic that an observer may be behind: less than half of what the topic keeps for it."""
-WINDOW = 25
+LONGEST_WINDOW = 25
 """Ticks of the fastest clock in the longest window, so that nobody is flooded."""
 START = Position(0, 0)
 GREETING = Grant(0, START, NOTHING)
@@ -134,7 +134,7 @@ class LockStep:
     def __init__(self, spec: Spec, until: int, observers: Sequence[str] = ()) -> None:
         self.stopping = False
         timing = spec.loop().timing
-        self._longest = WINDOW * min(timing.ns(name) for name in ("td1", "td2", "td3"))
+        self._longest = LONGEST_WINDOW * min(timing.ns(name) for name in ("td1", "td2", "td3"))
         self._end = Position(until + 1, 0)
         self._parts = _loop(spec)
         self._observers = [Part(name) for name in observers]

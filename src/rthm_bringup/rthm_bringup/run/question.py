@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 from lifecycle_msgs import msg as lifecycle
 from lifecycle_msgs.srv import ChangeState
 
-AGAIN = 3.0
+ANSWER_LOOKED_FOR = 3.0
 """How long the answer to what is done in an instant may stay out before it is looked for, s."""
 
 
@@ -64,7 +64,7 @@ class Question:
         What the node answered; None: nothing yet.
     """
 
-    def __init__(self, ask: Callable[[], Future], now: float, again: float = AGAIN) -> None:
+    def __init__(self, ask: Callable[[], Future], now: float, again: float = ANSWER_LOOKED_FOR) -> None:
         self.answer: Any = None
         self._ask, self._asked, self._again = ask, now, again
         self._futures = [ask()]

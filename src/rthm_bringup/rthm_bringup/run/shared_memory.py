@@ -15,7 +15,7 @@ from pathlib import Path
 
 FOLDER = Path("/dev/shm")
 PREFIXES = ("fastrtps_", "fast_datasharing_", "sem.fastrtps_", "lttng-ust-wait")
-PATIENCE = 15.0
+PROCESSES_END_WITHIN = 15.0
 """How long the processes of a killed launcher may take to end, s."""
 
 
@@ -64,7 +64,7 @@ def _take_care(leash: int, before: set[str]) -> None:
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     orderly = bool(os.read(leash, 16))
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + PROCESSES_END_WITHIN
     clean_up(before)
     while not orderly and files() - before and time.monotonic() < deadline:
         time.sleep(0.2)

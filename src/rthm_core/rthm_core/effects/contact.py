@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import SURE, Seen, Values, between
 from rthm_core.effects.registry import register
@@ -73,7 +73,7 @@ class EndStop(PlantLaw):
                 depth = rms(np.maximum(side * signals.x - position, 0.0))
                 if depth <= 0.0:
                     continue
-                k = SMALL * signals.size / depth
+                k = TRIAL_FORCE * signals.size / depth
                 values = {"position": side * position, "stiffness": k, "damping": 1e-3 * k}
                 yield Guess(values, ("stiffness", "damping"), apart=True)
 
@@ -121,7 +121,7 @@ class Clearance(PlantLaw):
             gap = float(np.quantile(np.abs(signals.x), 1.0 - share))
             depth = rms(np.maximum(np.abs(signals.x) - gap, 0.0))
             if depth > 0.0:
-                yield Guess({"gap": gap, "stiffness": SMALL * signals.size / depth}, ("stiffness",))
+                yield Guess({"gap": gap, "stiffness": TRIAL_FORCE * signals.size / depth}, ("stiffness",))
 
     @staticmethod
     def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]

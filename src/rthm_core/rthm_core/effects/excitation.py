@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import SURE, Plainer, in_band
 from rthm_core.effects.registry import register
@@ -68,7 +68,7 @@ class ConstantLoad(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Linear in its force."""
-        yield Guess({"force": SMALL * signals.size}, ("force",), signed=True)
+        yield Guess({"force": TRIAL_FORCE * signals.size}, ("force",), signed=True)
 
     @staticmethod
     def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]

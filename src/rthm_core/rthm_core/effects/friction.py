@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, Seen, Values
 from rthm_core.effects.registry import register
@@ -69,7 +69,7 @@ class CoulombFriction(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Seen at once in its amplitude."""
-        yield Guess({"force": SMALL * signals.size}, ("force",))
+        yield Guess({"force": TRIAL_FORCE * signals.size}, ("force",))
 
     @staticmethod
     def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
@@ -118,7 +118,7 @@ class StribeckFriction(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Two widths of the fall from static to sliding friction."""
-        force = SMALL * signals.size
+        force = TRIAL_FORCE * signals.size
         for width in (0.05, 0.2):
             values = {
                 "coulomb_force": force,

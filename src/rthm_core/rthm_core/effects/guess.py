@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-SMALL = 0.02
+TRIAL_FORCE = 0.02
 """Force of an effect in its trial replay, as a part of the force that drives the dof."""
 
 

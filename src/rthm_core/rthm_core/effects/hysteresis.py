@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rthm_core.effects.declaration import EffectParameter
 from rthm_core.effects.friction import CoulombFriction
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, Possible, Seen, Values, between
 from rthm_core.effects.registry import register
@@ -66,7 +66,7 @@ def loops(signals: Signals, reach: float) -> Iterator[Guess]:
         (2.0, 1.0, 0.5, -0.7),
     ):
         z = share * reach
-        alpha, total = SMALL * signals.size / min(z, reach), z**-n
+        alpha, total = TRIAL_FORCE * signals.size / min(z, reach), z**-n
         values = {"alpha": alpha, "A": 1.0, "beta": beta * total, "gamma": gamma * total, "n": n}
         yield Guess(values, ("alpha",), fixed=("A",))
 

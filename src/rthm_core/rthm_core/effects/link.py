@@ -8,7 +8,7 @@ from typing import ClassVar
 from rthm_core.effects.declaration import Effect, EffectParameter
 from rthm_core.effects.registry import register
 
-LONGEST = 60.0
+LONGEST_DELAY = 60.0
 """Longest time beside a delay, s; a delay shorter than the spec's cannot be shorter by more than itself."""
 
 
@@ -53,7 +53,10 @@ class LinkExtraDelay(ExtraDelay, LinkEffect):
     blocks = ("link",)
     parameters = {
         "delay": EffectParameter(
-            "s", "delay beside the link's tau, no less than -tau", minimum=-LONGEST, maximum=LONGEST
+            "s",
+            "delay beside the link's tau, no less than -tau",
+            minimum=-LONGEST_DELAY,
+            maximum=LONGEST_DELAY,
         )
     }
     equation = "due = stamp + tau + delay"
@@ -76,7 +79,7 @@ class Jitter(LinkEffect):
     blocks = ("link",)
     parameters = {
         "std": EffectParameter(
-            "s", "standard deviation of the normal number behind it", minimum=0.0, maximum=LONGEST
+            "s", "standard deviation of the normal number behind it", minimum=0.0, maximum=LONGEST_DELAY
         )
     }
     equation = "due = stamp + tau + |N(0, std)|"
@@ -128,8 +131,8 @@ class ClockOffset(LinkEffect):
         "offset": EffectParameter(
             "s",
             "sender's clock minus receiver's clock; + keeps samples longer",
-            minimum=-LONGEST,
-            maximum=LONGEST,
+            minimum=-LONGEST_DELAY,
+            maximum=LONGEST_DELAY,
         )
     }
     equation = "due = max(stamp, stamp + tau + offset)"

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Plainer, between, in_band, less_than_the_dof, relaxing
 from rthm_core.effects.registry import register
 
-WIDEST = 2.0
+LARGEST_DAMPING_RATIO = 2.0
 """Largest damping ratio of a memory: beyond, it has no peak and relaxes."""
 
 
@@ -24,7 +24,7 @@ MAXWELL_EXPERIMENT = "Hold {place} after a step, and watch the force relax."
 def relaxations(signals: Signals, reach: float) -> Iterator[Guess]:
     """Branches that relax slower than, as fast as and faster than a motion of this size."""
     for ratio in (0.3, 1.0, 3.0):
-        k = SMALL * signals.size / reach
+        k = TRIAL_FORCE * signals.size / reach
         values = {"stiffness": k, "damping": k / (ratio * signals.frequency)}
         yield Guess(values, ("stiffness", "damping"))
 
@@ -141,7 +141,7 @@ class FluidMemory(PlantLaw):
     )
     noun = "radiation of a fluid"
     experiment = "Sweep a sine slowly, and record a decay in air."
-    possible = {"frequency": in_band, "damping_ratio": between(0.0, WIDEST)}
+    possible = {"frequency": in_band, "damping_ratio": between(0.0, LARGEST_DAMPING_RATIO)}
     secondary = ("damping_ratio",)
     plainer = (
         Plainer(
@@ -159,7 +159,7 @@ class FluidMemory(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Memory that peaks below, at and above the main frequency."""
-        gain = SMALL * signals.size / rms(signals.v) * signals.frequency
+        gain = TRIAL_FORCE * signals.size / rms(signals.v) * signals.frequency
         for ratio in (0.5, 0.8, 1.2, 1.8, 2.7):
             values = {"gain": gain, "frequency": ratio * signals.frequency, "damping_ratio": 0.3}
             yield Guess(values, ("gain",))

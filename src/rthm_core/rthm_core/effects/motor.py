@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_core.effects.declaration import Effect, EffectParameter
 from rthm_core.effects.guess import Guess, MotorSignals
-from rthm_core.effects.link import LONGEST, ExtraDelay
+from rthm_core.effects.link import LONGEST_DELAY, ExtraDelay
 from rthm_core.effects.possible import Values
 from rthm_core.effects.registry import register
 
@@ -69,7 +69,10 @@ class MotorExtraDelay(ExtraDelay, MotorEffect):
     blocks = ("motor",)
     parameters = {
         "delay": EffectParameter(
-            "s", "delay that is added to tau4, no less than -tau4", minimum=-LONGEST, maximum=LONGEST
+            "s",
+            "delay that is added to tau4, no less than -tau4",
+            minimum=-LONGEST_DELAY,
+            maximum=LONGEST_DELAY,
         )
     }
     equation = "u(t) = u_d(t - tau4 - delay)"

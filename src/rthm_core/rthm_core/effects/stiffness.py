@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.registry import register
 
@@ -36,7 +36,7 @@ class CubicStiffness(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Linear in its coefficient, of either sign."""
-        coefficient = SMALL * signals.size / rms(signals.x**3)
+        coefficient = TRIAL_FORCE * signals.size / rms(signals.x**3)
         yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
@@ -67,7 +67,7 @@ class QuadraticStiffness(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Linear in its coefficient, of either sign."""
-        coefficient = SMALL * signals.size / rms(signals.x**2)
+        coefficient = TRIAL_FORCE * signals.size / rms(signals.x**2)
         yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod
@@ -94,7 +94,7 @@ class QuadraticDrag(PlantLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Linear in its coefficient."""
-        yield Guess({"coefficient": SMALL * signals.size / rms(signals.v**2)}, ("coefficient",))
+        yield Guess({"coefficient": TRIAL_FORCE * signals.size / rms(signals.v**2)}, ("coefficient",))
 
     @staticmethod
     def force(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import SMALL, Guess, Signals, rms
+from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.hysteresis import (
     BOUC_WEN_ALONG,
     BOUC_WEN_EXPERIMENT,
@@ -45,7 +45,7 @@ class Backlash(WireLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Nearly linear in a small gap; a larger one moves the plant otherwise."""
-        for part in (SMALL, 0.1, 0.4):
+        for part in (TRIAL_FORCE, 0.1, 0.4):
             yield Guess({"gap": part * rms(signals.elongation)}, ("gap",))
 
     @staticmethod
@@ -130,7 +130,7 @@ class PulleyFriction(WireLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Nearly linear in a small force."""
-        yield Guess({"force": 2.0 * SMALL * signals.size}, ("force",))
+        yield Guess({"force": 2.0 * TRIAL_FORCE * signals.size}, ("force",))
 
     @staticmethod
     def force(u, x, v, k, f, z, p):  # type: ignore[no-untyped-def]
@@ -168,7 +168,7 @@ class Hardening(WireLaw):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """Linear in its coefficient, of either sign."""
-        coefficient = SMALL * signals.size / rms(signals.elongation**3)
+        coefficient = TRIAL_FORCE * signals.size / rms(signals.elongation**3)
         yield Guess({"coefficient": coefficient}, ("coefficient",), signed=True)
 
     @staticmethod

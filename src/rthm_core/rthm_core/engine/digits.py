@@ -11,7 +11,7 @@ from rthm_core.exponential import exponentials
 
 BITS, PLACES = 8, 4
 BASE = 1 << BITS
-LONGEST = 1 << BITS * PLACES
+LONGEST_LENGTH = 1 << BITS * PLACES
 """Lengths must be below this, in ns."""
 
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
-MOST = 64
+RESULTS_KEPT = 64
 """How many results each function keeps."""
 
 
@@ -27,7 +27,7 @@ def kept(function: Callable[..., Value]) -> Callable[..., Value]:
         found = results.get(key)
         if found is None:
             found = results[key] = (spec, function(spec, *arguments))
-            if len(results) > MOST:
+            if len(results) > RESULTS_KEPT:
                 results.popitem(last=False)
         return found[1]
 

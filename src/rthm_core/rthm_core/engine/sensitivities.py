@@ -13,7 +13,7 @@ from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import Rows, joined
-from rthm_core.engine.linear.kernel import ROWS
+from rthm_core.engine.linear.kernel import ROW_COUNT
 from rthm_core.engine.linear.preparation import filled
 from rthm_core.engine.nonlinear.kernel import Looks
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
@@ -231,7 +231,7 @@ def _block(
     shape = (portion.rows + 1, sum(array.shape[1] for array in out[:3]), parameters)
     beside = np.empty(math.prod(shape) + WIDTH)
     groups = (0,) * one.changes.start.shape[1]
-    state.memory.count[ROWS] = 0
+    state.memory.count[ROW_COUNT] = 0
     run_tangents(
         loop.nonlinear,
         portion.steps,

@@ -20,7 +20,7 @@ from rthm_core.ros import reach
 from rthm_core.ros.agenda import Position
 
 N = TypeVar("N", bound=Node)
-SAME = 1.0
+ONE_REQUEST = 1.0
 """Time within which several signals are one request to end, s."""
 
 
@@ -120,5 +120,5 @@ def serving(*nodes: Node) -> Iterator[Executor]:
 def _ask(asked: list[float]) -> None:
     """Note when it was asked for; the system tells the death of a parent once for each of its threads."""
     asked.append(time.monotonic())
-    if asked[-1] > asked[0] + SAME:
+    if asked[-1] > asked[0] + ONE_REQUEST:
         raise KeyboardInterrupt

@@ -13,7 +13,7 @@ from rthm_core.ros.granted import Grants
 from rthm_core.ros.grants import SOURCES, Counts
 from rthm_core.ros.ports import Ports
 
-AGAIN = 0.0001
+BETWEEN_LOOKS = 0.0001
 """Time after which a part looks again for samples that its grant speaks of, s."""
 
 
@@ -48,7 +48,7 @@ class Virtual:
         bool
             Whether it was, and now is a good moment for work that can wait.
         """
-        self._executor.spin_once(timeout_sec=AGAIN if self._grants.newest else 0.2)
+        self._executor.spin_once(timeout_sec=BETWEEN_LOOKS if self._grants.newest else 0.2)
         grant = self._grants.newest
         if grant is None or not self._holds(grant.messages):
             return False

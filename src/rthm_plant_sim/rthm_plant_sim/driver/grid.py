@@ -16,7 +16,7 @@ from rthm_core.spec import LimitsSpec
 
 ON_TIME = 0.1
 """How late a reading may be to belong to its tick, share of the period."""
-MOST = 500
+MOST_AT_ONCE = 500
 """Most samples that are made at once: more would not be kept for a slow receiver."""
 
 
@@ -32,7 +32,7 @@ def longest_pause(limits: LimitsSpec, period: int) -> int:
     period
         Distance of the ticks, ns.
     """
-    return min(to_ns(limits.stale or 0.0), MOST * period)
+    return min(to_ns(limits.stale or 0.0), MOST_AT_ONCE * period)
 
 
 class Grid:

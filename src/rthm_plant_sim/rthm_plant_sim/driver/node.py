@@ -32,7 +32,7 @@ from rthm_plant_sim.driver.grid import Grid, longest_pause
 from rthm_plant_sim.driver.telling import Teller
 from rthm_plant_sim.driver.zero import SECTION, WORDS, Zero
 
-PRIORITY = 49
+DRIVER_PRIORITY = 49
 """Real-time priority that is asked for: that of the simulated plant."""
 MARGIN = 100_000
 """Time before a tick in which the clock is watched without sleep, ns."""
@@ -126,7 +126,7 @@ class DriverNode(Node):  # type: ignore[misc]
         reading = self._read() if self._polled else None
         if reading is not None:
             self._layout.values(reading)
-        system.prepare(PRIORITY, lock_memory=True)
+        system.prepare(DRIVER_PRIORITY, lock_memory=True)
         system.hold_garbage()
         self.ports.start = (wall_ns() // self._period + 2) * self._period
         self.ports.listening = self.ports.speaking = True

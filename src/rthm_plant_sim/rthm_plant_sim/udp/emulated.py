@@ -25,7 +25,7 @@ from rthm_core.spec import Spec, spec_at
 from rthm_plant_sim.udp.device import DeviceLimits, DeviceLogic, Values
 from rthm_plant_sim.udp.host import LARGEST_PACKET, PORT
 
-PRIORITY = 60
+DEVICE_PRIORITY = 60
 """Real-time priority that is asked for: a microcontroller waits for nobody."""
 LOOK = 0.01
 """Longest time between two looks at the watchdog, s."""
@@ -79,7 +79,7 @@ def serve(spec: Spec, port: int) -> None:
         ear.bind(("127.0.0.1", port))
         ear.settimeout(LOOK)
         with suppress(PermissionError):
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(DEVICE_PRIORITY))
         device = Emulated(spec)
         device.receive(b"")
         print(f"emulated device at 127.0.0.1:{ear.getsockname()[1]}", flush=True)

@@ -15,7 +15,7 @@ COMMANDS = 1
 """Flag of a request: it has a command."""
 ARMED, OLD, FAR, BAD = 1, 2, 4, 8
 """Flags of a state: motors are under command; the command that it answers was too old, too far, or bad."""
-LARGEST = 16
+MOST_DOFS = 16
 """Most dofs, and most actuators."""
 MODULUS = 2**32
 
@@ -124,7 +124,7 @@ def _head(data: bytes, kind: int, doubles: Callable[[int, int], int]) -> tuple[i
     _, version, kind_, n, m, *whose = _HEAD.unpack_from(data)
     if version != VERSION:
         raise ValueError(f"has version {version} of the protocol, and this program has {VERSION}")
-    if kind_ != kind or not (1 <= n <= LARGEST and 1 <= m <= LARGEST):
+    if kind_ != kind or not (1 <= n <= MOST_DOFS and 1 <= m <= MOST_DOFS):
         raise ValueError(f"is of kind {kind_} with {n} dofs and {m} actuators")
     if len(data) != HEAD + 8 * doubles(n, m):
         raise ValueError(f"has {len(data)} bytes for {n} dofs and {m} actuators")

@@ -65,7 +65,7 @@ RESIDUAL_PARABOLA_SAMPLES = 9
 MOST_RESPONSE_BYTES = 1_000_000_000
 """Memory for responses to free curves that are kept until formulas were looked for."""
 
-MOST_TERMS = 3
+TERMS_OF_A_FORMULA = 3
 """Terms of a formula."""
 
 TERM_GAIN_SHARE = 0.03

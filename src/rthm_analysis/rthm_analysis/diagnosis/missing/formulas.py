@@ -14,12 +14,12 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
-    MOST_TERMS,
     PRODUCT_GAIN_RATIO,
     PRODUCTS_REFINED,
     REFINING_STEPS,
     SHAPES_REFINED,
     TERM_GAIN_SHARE,
+    TERMS_OF_A_FORMULA,
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
@@ -33,7 +33,10 @@ if TYPE_CHECKING:
 
 
 def composed(
-    regression: Regression, curves: list[CurveFit], most: int = MOST_TERMS, tried: int = SHAPES_REFINED
+    regression: Regression,
+    curves: list[CurveFit],
+    most: int = TERMS_OF_A_FORMULA,
+    tried: int = SHAPES_REFINED,
 ) -> tuple[Term, ...]:
     """Terms, `most` of them at most, that explain the missing force together, the one that explains most
     first; none where the free curves show no shape.

@@ -18,7 +18,7 @@ from rthm_core.physical.integrate import POINT, SCRATCH, TRIAL, rate
 
 __all__ = ["Replay", "replay_mechanics", "working"]
 
-MOST_SWITCHES = 20
+SWITCHES_OF_AN_INTERVAL = 20
 """Switches within one interval that are followed; further ones wait for the next."""
 
 
@@ -67,11 +67,11 @@ def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Float
             follow(model.laws, model.n, y, working.modes, True)
             r += 1
         done, length, switches = 0.0, whole / substeps, 0
-        for _ in range(substeps + MOST_SWITCHES + 1):
+        for _ in range(substeps + SWITCHES_OF_AN_INTERVAL + 1):
             if not done < whole * (1.0 - 1e-9):
                 break
             t, h = time[g] + done, min(length, whole - done)
-            following = switches < MOST_SWITCHES
+            following = switches < SWITCHES_OF_AN_INTERVAL
             h, law = step_to_switch(model, replay, working, g, done, whole, t, h, following)
             until = np.inf if last else time[g + 1] if done + h >= whole * (1.0 - 1e-9) else t + h
             if s < sample.size and sample[s] < until:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats
-from rthm_core.engine.linear.kernel import ROWS, Counting, run
+from rthm_core.engine.linear.kernel import ROW_COUNT, Counting, run
 from rthm_core.engine.linear.ledger import COLUMNS
 from rthm_core.engine.linear.loop import LinearLoop
 from rthm_core.engine.linear.preparation import Prepared, Start, widths
@@ -59,7 +59,7 @@ def run_program(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[A
 
 def run_block(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Rows, Start]:
     """Run a program and leave its last row, which is beyond the block: a full block would end the run."""
-    start.memory.count[ROWS] = 0
+    start.memory.count[ROW_COUNT] = 0
     state = run_program(one, start, passes, rows)
     return Rows(*(array[:-1] for array in rows)), start._replace(state=state)
 

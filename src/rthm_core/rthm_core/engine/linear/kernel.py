@@ -19,16 +19,16 @@ from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.simd import numbers, put_numbers
 
-SMALL = 6
+LONGEST_IN_REGISTERS = 6
 """Longest state that is kept in registers."""
 
 Vector = tuple[float, ...] | Floats
-"""Numbers of a state or an input: a tuple up to the length `SMALL`, else an array."""
+"""Numbers of a state or an input: a tuple up to the length `LONGEST_IN_REGISTERS`, else an array."""
 
 
 def vector(values: Floats) -> Vector:
     """State or input in the form in which the kernel is fastest."""
-    return tuple(values.tolist()) if values.size <= SMALL else values.copy()
+    return tuple(values.tolist()) if values.size <= LONGEST_IN_REGISTERS else values.copy()
 
 
 class Tables(NamedTuple):
@@ -87,7 +87,7 @@ class Memory(NamedTuple):
     count: Integers  # type: ignore[assignment]
 
 
-ROWS = 2
+ROW_COUNT = 2
 """Place of the number of rows in ``Memory.count``."""
 
 

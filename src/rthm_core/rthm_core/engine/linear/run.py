@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.engine.digits import LONGEST, in_digits
+from rthm_core.engine.digits import LONGEST_LENGTH, in_digits
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, empty_rows, rows_within, run_block, run_program
 from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
@@ -101,7 +101,7 @@ def linear_blocks(
     if repeating is not None:
         return _repeated(model, *repeating, end, step, span)
     large = model.ledger is not None and model.ledger.joint.shape[0] > LARGEST_JOINT
-    if large or step >= LONGEST:
+    if large or step >= LONGEST_LENGTH:
         return None
     return _irregular(spec, model, end, step)
 

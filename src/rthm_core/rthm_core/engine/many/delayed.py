@@ -16,7 +16,7 @@ from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.engine.linear.kernel import moved, put, seen
 from rthm_core.engine.many.period import (
     COMMAND,
-    MOST,
+    EVENTS_NOTED,
     SAMPLE,
     TICK,
     Between,
@@ -35,7 +35,7 @@ from rthm_core.engine.nonlinear.steps import Steps, fill
 from rthm_core.link import NEVER
 from rthm_core.schedule import INITIAL
 
-KEPT = 64
+LENGTHS_KEPT = 64
 """Lengths of which the matrices are kept; further ones are made each time."""
 
 
@@ -165,7 +165,7 @@ def _run(clocks, between, one, two, passing, notes, plant, command, numerical, h
             passes = 0
             if noted == NEVER:
                 noting, noted, notes.size[0] = True, boundary, 0
-            elif noting and not (_known(one) and _known(two) and notes.size[0] <= MOST):
+            elif noting and not (_known(one) and _known(two) and notes.size[0] <= EVENTS_NOTED):
                 noting, boundary = False, NEVER
                 continue
             else:
@@ -232,15 +232,19 @@ def moving(states: int, inputs: int) -> Moving:
     """A side without a loop yet."""
     rows = states + inputs
     steps = Steps(
-        np.empty((KEPT, 1, rows, states)),
-        np.zeros(KEPT, dtype=np.int64),
+        np.empty((LENGTHS_KEPT, 1, rows, states)),
+        np.zeros(LENGTHS_KEPT, dtype=np.int64),
         np.empty(0),
         np.empty((0, 0, 0)),
         np.empty((2, rows, states)),
         np.empty((rows + 1, states)),
     )
     return Moving(
-        np.empty((states, rows)), np.zeros(1), steps, np.empty(KEPT, dtype=np.int64), np.empty((1, states))
+        np.empty((states, rows)),
+        np.zeros(1),
+        steps,
+        np.empty(LENGTHS_KEPT, dtype=np.int64),
+        np.empty((1, states)),
     )
 
 

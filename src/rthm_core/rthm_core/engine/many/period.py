@@ -16,7 +16,7 @@ from rthm_core.engine.linear.kernel import moved, put, seen
 COMMAND, SAMPLE, TICK = range(3)
 """A command reaches the motors, the plant is sampled, the numerical side ticks."""
 
-MOST = 1024
+EVENTS_NOTED = 1024
 """Events of a period up to which they are noted."""
 
 LONGEST = 10**12
@@ -43,8 +43,8 @@ class Passing(NamedTuple):
 
 
 class Notes(NamedTuple):
-    """What happens in a period, (MOST, 4): event, number of its matrix, and of what it uses or makes; and how
-    much of that there is, (1,).
+    """What happens in a period, (EVENTS_NOTED, 4): event, number of its matrix, and of what it uses or
+    makes; and how much of that there is, (1,).
     """
 
     events: Integers
@@ -53,14 +53,14 @@ class Notes(NamedTuple):
 
 def notes() -> Notes:
     """Nothing noted yet."""
-    return Notes(np.empty((MOST, 4), dtype=np.int64), np.zeros(1, dtype=np.int64))
+    return Notes(np.empty((EVENTS_NOTED, 4), dtype=np.int64), np.zeros(1, dtype=np.int64))
 
 
 @inlined
 def note(notes, event, k, first, second):  # type: ignore[no-untyped-def]
     """Note an event, or only count it where there are too many."""
     e = notes.size[0]
-    if e < MOST:
+    if e < EVENTS_NOTED:
         notes.events[e, 0], notes.events[e, 1] = event, k
         notes.events[e, 2], notes.events[e, 3] = first, second
     notes.size[0] = e + 1

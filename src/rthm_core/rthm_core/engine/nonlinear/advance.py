@@ -31,13 +31,13 @@ from rthm_core.simd import WIDTH, simd_copy
 TOLERANCE = 1e-8
 """What the neglected degree of a force may be, relative to the largest force that a law has had."""
 
-SETTLED = 1e-13
+FORCES_SETTLED = 1e-13
 """Change of the forces, relative likewise, at which the iteration ends."""
 
 MOST_SWITCHES = 200
 """Switches within one step that are followed."""
 
-SMALLEST = 1e-10
+SHORTEST_STEP = 1e-10
 """Shortest step, in s, that is halved no further."""
 
 
@@ -216,7 +216,7 @@ def _collocate(nonlinear, work, matrices, z, t, length):  # type: ignore[no-unty
             for j in range(g.shape[1]):
                 change = max(change, abs(end[first + j] - g[stage + 1, j]) * nonlinear.weight[j])
                 g[stage + 1, j] = end[first + j]
-        settled = change <= SETTLED * work.scale[0]
+        settled = change <= FORCES_SETTLED * work.scale[0]
         if settled:
             break
     for i in range(work.y.size):
@@ -280,7 +280,7 @@ def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
         if length != whole or not steps.filled[slot]:
             fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
             steps.filled[slot] = 1
-        if not _try(nonlinear, work, steps.matrices[slot], z, t + done, length) and length > SMALLEST:
+        if not _try(nonlinear, work, steps.matrices[slot], z, t + done, length) and length > SHORTEST_STEP:
             length *= 0.5
             continue
         law, share, terms = -1, 1.0, 0

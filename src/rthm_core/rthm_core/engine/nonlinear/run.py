@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.digits import LONGEST as LONGEST_LENGTH
-from rthm_core.engine.digits import digit_lengths, in_digits, work_over_digits
+from rthm_core.engine.digits import LONGEST_LENGTH, digit_lengths, in_digits, work_over_digits
 from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
-from rthm_core.engine.linear.kernel import ROWS, Memory
+from rthm_core.engine.linear.kernel import ROW_COUNT, Memory
 from rthm_core.engine.linear.ledger import LinearLedger, work_tables
 from rthm_core.engine.linear.preparation import filled
 from rthm_core.engine.nonlinear.advance import Work, work
 from rthm_core.engine.nonlinear.kernel import Looks, Operations, Outputs, run_nonlinear
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
-from rthm_core.engine.nonlinear.steps import LONGEST, ORDERS, Steps
+from rthm_core.engine.nonlinear.steps import LONGEST_SERIES, ORDERS, Steps
 from rthm_core.engine.program import (
     STEP,
     Program,
@@ -144,7 +143,7 @@ def _operations(
 
 def _longest(loop: NonlinearLoop) -> int:
     """Longest step in ns."""
-    smooth = SMOOTH if loop.forms.size else LONGEST
+    smooth = SMOOTH if loop.forms.size else LONGEST_SERIES
     fastest = max(loop.nonlinear.fastest, 1e-3)
     return max(int(smooth / fastest * 1e9), 1000)
 
@@ -280,7 +279,7 @@ def outputs(loop: NonlinearLoop, rows: int) -> Outputs:
 def _block(loop: NonlinearLoop, portion: Portion, state: State) -> Rows:
     """Run a portion and leave its last row, which is beyond the block: a full block would end the run."""
     out = outputs(loop, portion.rows + 1)
-    state.memory.count[ROWS] = 0
+    state.memory.count[ROW_COUNT] = 0
     run_nonlinear(
         loop.nonlinear,
         portion.steps,

@@ -16,7 +16,7 @@ ORDERS = 4
 
 MOST_TERMS = 64
 """Terms of the longest series, and the ``fastest * length`` that it can take."""
-LONGEST = 4.0
+LONGEST_SERIES = 4.0
 
 
 class Steps(NamedTuple):

@@ -72,8 +72,8 @@ def motions_at(
     length = others if duration is None else duration
     if specs and not 0.0 < length <= LONGEST_SIMULATION:
         raise InputError(
-            f"{next(iter(specs))} would be simulated for {length:g} s, but can be for more than 0 and at most "
-            f"{LONGEST_SIMULATION:g} s; give another --duration, or a trajectory of rthm simulate with "
+            f"{next(iter(specs))} would be simulated for {length:g} s, but can be for more than 0 and at "
+            f"most {LONGEST_SIMULATION:g} s; give another --duration, or a trajectory of rthm simulate with "
             "--sample."
         )
     found |= {place: motion_of_spec(place, spec, length) for place, spec in specs.items()}

@@ -30,7 +30,7 @@ UNHEARD_PERIODS = 3
 SIDES = (PLANT_STATE, NUMERICAL_STATE)
 """Topics of which the newer one tells how far the test has come."""
 
-MOST_ROWS = 2000
+ROWS_AT_ONCE = 2000
 """Rows at once: of a longer pause only the end is shown."""
 
 
@@ -105,7 +105,7 @@ class Motion:
             return 0, 0
         stop = int(max(last for _, last in heard) - LAG - begin_ns) // STEP + 1
         first = -(int(begin_ns - min(first for first, _ in heard)) // STEP)
-        first = max(self._next, first, stop - MOST_ROWS)
+        first = max(self._next, first, stop - ROWS_AT_ONCE)
         return first, max(stop, first)
 
 

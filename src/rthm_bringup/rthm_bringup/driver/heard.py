@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
 
-UNNUMBERED = -1
+NO_NUMBER = -1
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Sample:
     stamp_ns, received_ns : int
         Its stamp, and the instant at which this host had it, ns of the wall clock.
     number : int
-        How many its publisher had sent before; `UNNUMBERED` where the middleware does not say.
+        How many its publisher had sent before; `NO_NUMBER` where the middleware does not say.
     names : tuple of str
     position, velocity, effort : sequences of float
     """
@@ -88,4 +88,4 @@ class Heard:
     def number(self) -> Integers:
         """Numbers that the publisher gave to them (s,); where it gave none, their order of arrival."""
         given = np.array([one.number for one in self.samples], dtype=np.int64)
-        return np.arange(given.size) if np.any(given == UNNUMBERED) else given - given[0]
+        return np.arange(given.size) if np.any(given == NO_NUMBER) else given - given[0]

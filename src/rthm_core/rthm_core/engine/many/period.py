@@ -19,7 +19,7 @@ COMMAND, SAMPLE, TICK = range(3)
 EVENTS_NOTED = 1024
 """Events of a period up to which they are noted."""
 
-LONGEST = 10**12
+LONGEST_PERIOD_NS = 10**12
 """Longest period, in ns, that is worth a note."""
 
 
@@ -72,7 +72,7 @@ def _common(one, other):  # type: ignore[no-untyped-def]
     a, b = one, other
     while b > 0:
         a, b = b, a % b
-    return 0 if one == 0 or one // a > LONGEST // other else one // a * other
+    return 0 if one == 0 or one // a > LONGEST_PERIOD_NS // other else one // a * other
 
 
 @inlined

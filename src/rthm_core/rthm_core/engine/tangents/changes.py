@@ -23,7 +23,7 @@ from rthm_core.spec import apply, number_at
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
-DIFFERENCE_STEP = 1e-5
+TANGENT_STEP = 1e-5
 """Step of the differences, relative to the parameter; absolute where that is zero."""
 
 Unsigned = NDArray[np.uint64]
@@ -77,7 +77,7 @@ def stencil(spec: Spec, name: str) -> Stencil:
     value = number_at(spec, name)
     if value is None:
         raise InputError(f"{name} is not a number of this spec; name one that it has, as plant.mass.")
-    step = DIFFERENCE_STEP * (abs(value) or 1.0)
+    step = TANGENT_STEP * (abs(value) or 1.0)
     try:
         below = apply(spec, {name: value - step})
     except InputError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,38 +45,14 @@ def texts(module: ast.Module) -> set[str]:
     return {node.value for node in constants if isinstance(node.value, str)}
 
 
-def constants(module: ast.Module) -> Iterator[tuple[str, str]]:
-    """Names and values of the numbers that a module names."""
-    for node in module.body:
-        target = (
-            node.target
-            if isinstance(node, ast.AnnAssign)
-            else node.targets[0]
-            if isinstance(node, ast.Assign)
-            else None
-        )
-        number = (
-            isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None and _number(node.value)
-        )
-        if isinstance(target, ast.Name) and target.id.isupper() and number:
-            yield target.id, number
-
-
-def _number(value: ast.expr) -> str:
-    plain = all(
-        isinstance(one, ast.Constant | ast.UnaryOp | ast.unaryop | ast.BinOp | ast.operator)
-        for one in ast.walk(value)
-    )
-    numbers = [
-        one for one in ast.walk(value) if isinstance(one, ast.Constant) and isinstance(one.value, float | int)
-    ]
-    return ast.unparse(value) if plain and numbers else ""
+ASSIGNED = re.compile(r"^([A-Z][A-Z_0-9]+)(?:: [^=]+)? = ([-+*/<() \d._e]*\d[-+*/<() \d._e]*)$", re.MULTILINE)
+"""A name, and the number that it is given."""
 
 
 def test_no_two_numbers_have_one_name() -> None:
     values: dict[str, set[str]] = {}
     for _, module in sources():
-        for name, value in constants(module):
+        for name, value in ASSIGNED.findall(ast.unparse(module)):
             values.setdefault(name, set()).add(value)
     assert len(values) > 300
     assert {name: told for name, told in values.items() if len(told) > 1} == {}

@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 from rthm_bringup.driver.answer import check_swing, swing
-from rthm_bringup.driver.heard import UNNUMBERED, Commanded, Heard, Publisher, Sample
+from rthm_bringup.driver.heard import NO_NUMBER, Commanded, Heard, Publisher, Sample
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
@@ -139,7 +139,7 @@ def _sample(data: bytes, info: dict[str, Any]) -> Sample:
     return Sample(
         stamp,
         int(info["received_timestamp"]),
-        UNNUMBERED if number is None or number >= NUMBERED else int(number),
+        NO_NUMBER if number is None or number >= NUMBERED else int(number),
         tuple(message.name),
         message.position.tolist(),
         message.velocity.tolist(),

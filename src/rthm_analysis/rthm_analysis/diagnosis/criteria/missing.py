@@ -131,7 +131,9 @@ TERM_SHARE_ABOVE_NOISE = 0.1
 
 INSTANT_SAMPLES = 3.0
 INSTANT_TRIALS = 14
-"""Samples around the instant at which a term begins or ends among which it is looked for, and trials."""
+INSTANT_MOVES = 5
+"""Samples around the instant at which a term begins or ends among which it is looked for, trials, and how
+often it is looked for again around what was found."""
 
 LIKELY_CURVES = 5
 LIKELY_SAMPLES = 8000

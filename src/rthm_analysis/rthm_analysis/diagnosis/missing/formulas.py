@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
-from rthm_analysis.diagnosis.missing.shapes import Shape, shapes_over
+from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
 from rthm_analysis.diagnosis.missing.swinging import swinging
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_core.effects.formula import evaluated
@@ -52,6 +52,29 @@ def composed(
     whole = max(one.excess for one in curves)
     left, other = (whole - sum(one.gain for one in some) for some in (terms, beside_gain))
     return tuple(beside_gain if other < BESIDE_GAIN_LEFT_SHARE * left - CURVE_GAIN else terms)
+
+
+def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms, those of a time that ends as terms that only begin: where the motion has faded by then, an
+    end stands for nothing but what is not quite right of the rest.
+    """
+    found = list(terms)
+    for index, term in enumerate(terms):
+        if any(over == "t" and shape.text == WITHIN for over, shape in term.shapes):
+            others = [_response(regression, one) for one in found if one is not term]
+            beside_others = regression.beside(np.vstack(others)) if others else regression
+            found[index] = _refined(beside_others, _without_end(term))
+    return tuple(found)
+
+
+def _without_end(term: Term) -> Term:
+    shapes = tuple(
+        (over, Shape(BEYOND, shape.numbers[:1], shape.steps[:1]) if shape.text == WITHIN else shape)
+        if over == "t"
+        else (over, shape)
+        for over, shape in term.shapes
+    )
+    return replace(term, shapes=shapes)
 
 
 def _gain_of_load(regression: Regression, dof: str) -> Term:

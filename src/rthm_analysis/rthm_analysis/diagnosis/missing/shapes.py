@@ -36,6 +36,7 @@ class Shape(NamedTuple):
     steps: tuple[float, ...] = ()
 
 
+BEYOND, WITHIN = "(p < w)", "(p < w) * (w < q)"
 EVEN = ("w**2", "abs(w)")
 ODD = ("w", "w**3", "w * abs(w)", "w**5")
 
@@ -79,11 +80,11 @@ def _thresholds(at: Floats) -> Iterator[Shape]:
     places = _inner(at)
     step = 0.5 * float(np.median(np.diff(places)))
     for one in places:
-        yield Shape("(p < w)", (one,), (step,))
+        yield Shape(BEYOND, (one,), (step,))
         yield Shape("max(w - p, 0)", (one,), (step,))
         yield Shape("max(p - w, 0)", (one,), (step,))
     for low, high in combinations(places, 2):
-        yield Shape("(p < w) * (w < q)", (low, high), (step, step))
+        yield Shape(WITHIN, (low, high), (step, step))
 
 
 def _bumps(at: Floats) -> Iterator[Shape]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_GAIN_SHARE, TERM_SHARE_ABOVE_NOISE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
-from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
@@ -26,16 +26,29 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     missing, base = judged.told_missing, judged.told_fit
     judged.physical.fitting.progress("looking for a formula of the missing force")
     terms = composed(missing.regression, missing.curves)
-    found = _with(judged, base, terms)
-    if found is not None and not found.at_noise:
-        whole = max(one.excess for one in missing.curves)
-        large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
-        found = _with(judged, base, large) if len(large) < len(terms) else found
-    if found is not None and _is_earned(judged, found, curve):
-        return found
+    whole = max((one.excess for one in missing.curves), default=0.0)
+    ways = dict.fromkeys([terms, open_ended(missing.regression, terms)])
+    found = [one for one in (_large(judged, base, some, whole) for some in ways) if one is not None]
+    for one in sorted(found, key=_left_out):
+        if _is_earned(judged, one, curve):
+            return one
     bends = polygon(curve)
-    found = _with_all(judged, base, [bends]) if bends is not None else None
-    return found if found is not None and _is_earned(judged, found, curve) else None
+    last = _with_all(judged, base, [bends]) if bends is not None else None
+    return last if last is not None and _is_earned(judged, last, curve) else None
+
+
+def _left_out(judged: Judgement) -> float:
+    """What a model leaves of the data that were left out of its fit, in units of the noise."""
+    return float(judged.physical.selection.best.left_out.sum())
+
+
+def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float) -> Judgement | None:
+    """The model with some terms, judged, with the large ones alone where it leaves more than the noise."""
+    found = _with(judged, base, terms)
+    if found is None or found.at_noise:
+        return found
+    large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
+    return _with(judged, base, large) if len(large) < len(terms) else found
 
 
 def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:

@@ -10,6 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FIT_BUDGET,
     FORMULA_FIT_STEPS,
+    INSTANT_MOVES,
     INSTANT_SAMPLES,
     INSTANT_TRIALS,
 )
@@ -50,8 +51,10 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
         fitting.rebase(model)  # a force that was missing changes how initial states show
         fitted = fitting.fit(model, most=FORMULA_FIT_STEPS, affordable=True)
         for key in _instants(fitted.model):
-            moved = _moved(fitting, fitted.model, key)
-            if moved is not fitted.model:
+            for _ in range(INSTANT_MOVES):
+                moved = _moved(fitting, fitted.model, key)
+                if moved is fitted.model:
+                    break
                 fitted = fitting.fit(moved, most=FORMULA_FIT_STEPS, affordable=True)
     except np.linalg.LinAlgError:
         return None

@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-import numpy as np
-
 from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
-    NEGLIGIBLE_SHARE,
     RETUNED_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.composing import compose
 from rthm_analysis.diagnosis.physical.confirming import (
-    are_told_apart,
     because,
     confirmed,
-    plain_only,
-    rivalled,
-    without_needless,
-    without_rivalled,
-    without_slight,
-    without_vague,
 )
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
+from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
-from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, simulate_all
+from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
+from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
@@ -42,12 +32,10 @@ from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve, wires_described
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import (
     Alternative,
     Described,
-    Mismatch,
     Part,
     Physics,
     Refused,
@@ -57,7 +45,6 @@ from rthm_analysis.diagnosis.result import (
 )
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
-from rthm_core.compiled import Floats
 from rthm_core.spec import apply
 
 ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
@@ -81,7 +68,7 @@ ONLY_UNSEEN = "It shows only in the last third, which chose nothing: unconfirmed
 def physical_part(physical: Physical) -> Part:
     """Everything that the physical side contributes to the diagnosis."""
     physical, refused = confirmed(physical)
-    physical, judged, fewer = _with_fewer(physical, _judged(physical))
+    physical, judged, fewer = with_fewer(physical, judged_of(physical))
     refused = (*refused, *fewer)
     judged, force = _with_force(judged)
     if judged.is_driven_wrong or motors_read_wrong(judged.physical):
@@ -100,7 +87,7 @@ def physical_part(physical: Physical) -> Part:
         located |= judged.wrong_sensors or ({"wire"} if wires_are_off(physical) else {"plant"})
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
     return Part(
-        blocks=_mismatches(physical, runs, located),
+        blocks=mismatches(physical, runs, located),
         physics=tuple(physics),
         retuned=retuned if keeps else {},
         alternatives=_alternatives(physical) if judged.earned else (),
@@ -124,54 +111,6 @@ def physical_part(physical: Physical) -> Part:
         free_run=free_runs(physical, runs),
         recordings=recording_fits(physical, runs),
     )
-
-
-def _with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
-    """The same, or with fewer effects that are earned where all together are not; why the others went."""
-    refused: tuple[Refused, ...] = ()
-    if judged.names and not physical.selection.formulas:
-        physical, judged, refused = _without_doubtful(physical, judged)
-    if judged.names and not judged.at_noise and not physical.selection.imitates:
-        physical, needless = without_needless(physical)
-        refused = (*refused, *needless)
-        judged = _judged(physical) if needless else judged
-    if judged.names and not judged.earned:
-        certain, vague = without_vague(physical)
-        again = _judged(certain) if vague else judged
-        if again.earned:
-            return certain, again, (*refused, *vague)
-        physical, imitating = plain_only(physical)
-        refused = (*refused, *imitating)
-        judged = _judged(physical) if imitating else judged
-    return physical, judged, refused
-
-
-def _without_doubtful(
-    physical: Physical, judged: Judgement
-) -> tuple[Physical, Judgement, tuple[Refused, ...]]:
-    """The same without small effects that are not well known, or whose kind is not sure, and why they went.
-
-    One whose kind is not sure stays where the others do not reach the noise without it, and the recording
-    tells it from its rivals.
-    """
-    physical, refused = without_slight(physical, judged.shares)
-    judged = _judged(physical) if refused else judged
-    if not (judged.earned and judged.at_noise and len(physical.selection.rounds) > 1):
-        return physical, judged, refused
-    unsure = rivalled(physical, judged.shares, _negligible(judged))
-    fewer, why = without_rivalled(physical, unsure)
-    again = _judged(fewer) if why else judged
-    if again.at_noise or not are_told_apart(physical, unsure):
-        return fewer, again, (*refused, *why)
-    return physical, judged, refused
-
-
-def _judged(physical: Physical) -> Judgement:
-    """The models simulated over the whole recording, ready to be judged."""
-    selection = physical.selection
-    fitted = {"nominal": physical.nominal, "retuned": selection.base, "explained": selection.best}
-    simulated = physical.fitting.cores.each_in_parts(partial(simulate_all, physical), fitted.values())
-    return Judgement(physical, dict(zip(fitted, simulated, strict=True)))
 
 
 def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:
@@ -246,18 +185,13 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         values = less_sure(values_of(selection.best, i), judged.misfit)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(selection.rounds) == 1 or not 0.0 <= share < _negligible(judged):
+        if len(selection.rounds) == 1 or not 0.0 <= share < negligible(judged):
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
         elif judged.at_noise:
             traces.append(Trace(one.block, one.kind, share, words))
         else:
             vague.append(because((one.block, one.kind, one.place), ABOVE_NOISE))
     return found, traces, vague
-
-
-def _negligible(judged: Judgement) -> float:
-    """Share of the squared error on unseen data below which an effect does not matter."""
-    return NEGLIGIBLE_SHARE * max(judged.gone * judged.mismatch, 1e-300)
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:
@@ -287,53 +221,6 @@ def _drive_physics(physical: Physical) -> list[Physics]:
         words = physics_words(one.block, one.kind, one.place, values, float("nan"), energy)
         found.append(Physics(one.block, one.kind, one.place, values, words, energy, max(share, 0.0)))
     return found
-
-
-def _mismatches(physical: Physical, runs: dict[str, Simulated], located: set[str]) -> tuple[Mismatch, ...]:
-    """One-block prediction errors over their noise."""
-    measured, settled = physical.evidence.measured, runs["nominal"].predicted
-    residual = measured - settled
-    found = []
-    channels: tuple[Channel, ...] = physical.evidence.channels
-    for block in ("plant", "wire", "sensor.position", "sensor.velocity", "sensor.force"):
-        k = channel_of(physical, block)
-        if k is None:
-            continue
-        if block == "wire":
-            error = _wire_error(physical, residual, k)
-        elif block == "plant":
-            error = residual[:, k] / physical.sigma[k]
-        else:
-            error = ((measured - runs["explained"].predicted)[:, k]) / physical.sigma[k]
-            if block in located:
-                error = residual[:, k] / physical.sigma[k]
-        found.append(Mismatch(block, _rms(error), block in located))
-    if physical.drives:
-        first = physical.drives[0]
-        count = max(first[0].fitted.residual.size, 1)
-        found.append(Mismatch("motor", float(np.sqrt(first[-1].fitted.squares / count)), True))
-    elif physical.evidence.driven_by == "command":
-        left = physical.motor_left
-        found.append(Mismatch("motor", _rms(left) if left.size else 1.0, "motor" in located))
-    assert channels
-    return tuple(found)
-
-
-def _wire_error(physical: Physical, residual: Floats, k: int) -> Floats:
-    """Error of the force alone: what the error of the position it pulls at explains is taken out."""
-    spec, channels = physical.settled, physical.evidence.channels
-    assert spec.actuator is not None and spec.interface is not None
-    actuator = spec.actuator.names.index(channels[k].place)
-    stiffness, dof = spec.k_tot[actuator], spec.interface.plant_dof[actuator]
-    for i, channel in enumerate(channels):
-        if channel.family == "position" and channel.place == dof:
-            noise = np.hypot(physical.sigma[k], stiffness * physical.sigma[i])
-            return np.asarray((residual[:, k] + stiffness * residual[:, i]) / noise)
-    return np.asarray(residual[:, k] / physical.sigma[k])
-
-
-def _rms(error: Floats) -> float:
-    return float(np.sqrt(np.nanmean(np.square(error))))
 
 
 def _alternatives(physical: Physical) -> tuple[Alternative, ...]:

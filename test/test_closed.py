@@ -112,7 +112,7 @@ def start(environment: dict[str, str], *options: str | Path) -> subprocess.Popen
 def test_a_second_run_is_refused_in_one_sentence_and_the_first_ends_undisturbed(
     environment: dict[str, str], tmp_path: Path, network: Network
 ) -> None:
-    with start(environment, "--duration", "60", "--out", tmp_path / "first") as first:
+    with start(environment, "--duration", "30", "--out", tmp_path / "first") as first:
         while first.poll() is None and not (tmp_path / "first" / "bag").exists():
             time.sleep(0.1)
         with start(environment, "--duration", "1", "--out", tmp_path / "second") as second:

@@ -111,7 +111,7 @@ def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: P
         pytest.param(
             "emps_identification", "improved", {"coulomb_friction", "constant_load"}, marks=pytest.mark.long
         ),
-        ("hysteresis_multisine", "explained", {"bouc_wen"}),
+        pytest.param("hysteresis_multisine", "explained", {"bouc_wen"}, marks=pytest.mark.long),
     ],
 )
 def test_measured_recordings_show_the_physics_that_is_known_to_be_in_them(

@@ -71,6 +71,7 @@ def test_runs_that_ended_early_are_told() -> None:
     assert "2 of 3 runs ended early, with all their ticks missed" in apart.value
 
 
+@pytest.mark.long
 @pytest.mark.graph
 @pytest.mark.usefixtures("nothing_left")
 def test_a_bare_loop_counts_the_ticks_that_it_missed(environment: dict[str, str]) -> None:

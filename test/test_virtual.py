@@ -45,6 +45,7 @@ CHANGES = {
     "jitter, loss and friction": LATE_AND_LOST | FRICTION,
     "faster than the spec": FASTER,
 }
+TAKE_LONG = ("extra commands at once", "faster than the spec")
 
 
 def spec(changes: dict[str, Any], folder: Path) -> Path:
@@ -62,7 +63,9 @@ def run(environment: dict[str, str], file: Path, out: Path) -> Path:
     return Path(json.loads(done.stdout)["bag"])
 
 
-@pytest.mark.parametrize("name", CHANGES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in TAKE_LONG else ()) for name in CHANGES]
+)
 def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path: Path, name: str) -> None:
     file = spec(CHANGES[name], tmp_path)
     recording = read_recording(run(environment, file, tmp_path / "out"))

@@ -24,7 +24,7 @@ ELSEWHERE = {
     "links/ages.py": {"GOLDEN"},  # the golden ratio
     "links/fitting.py": {"INFINITE_GRAINS"},  # an infinity of integers
     # compiled, and compiled anew only where its own folder changes
-    "replay/kernel.py": {"MOST_SWITCHES"},
+    "replay/kernel.py": {"SWITCHES_OF_AN_INTERVAL"},
     "replay/steps.py": {"MOST_TRIALS"},
 }
 """Numbers that bound nothing of a recording, by module."""

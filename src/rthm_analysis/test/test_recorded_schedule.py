@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.timing import RecordedSchedule
+from rthm_core.clock import to_ns
 from rthm_core.engine import simulate, simulate_blocks
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply
@@ -112,6 +113,22 @@ def test_ticks_that_the_controller_left_out_sent_no_command():
     schedule = RecordedSchedule(paper(), stalled)
     assert not schedule.commands(2_000_000_000, 2_050_000_000).time.size
     assert schedule.commands(2_050_000_000, 2_060_000_000).time.size
+
+
+def test_a_tick_that_was_left_out_used_nothing_newer_than_the_next_one():
+    """A stall of the controller, after which it takes a sample that was older than the delay."""
+    one = recording(paper(), SECONDS)
+    uses, left_out = one.links["tau1"], [200, 201]
+    late = uses.sample_ns.copy()
+    late[202] = late[199]
+    kept = np.delete(np.arange(late.size), left_out)
+    told = replace(uses, use_ns=uses.use_ns[kept], sample_ns=late[kept])
+    stalled = replace(one, links=one.links | {"tau1": told})
+    sent = RecordedSchedule(paper(), stalled).commands(0, to_ns(SECONDS))
+    at = sent.state[np.searchsorted(sent.time, (uses.use_ns[199:204] - one.start_ns))]
+    td1 = to_ns(paper().loop().timing.td1)
+    assert at[3] == at[0] == (late[202] - one.start_ns) // td1
+    assert at[1] == at[2] == at[0] < at[4]
 
 
 def test_what_cannot_be_repeated_is_refused():

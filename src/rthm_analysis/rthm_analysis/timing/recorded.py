@@ -15,7 +15,7 @@ from rthm_analysis.timing.links import clock_of, ticks_of
 from rthm_core.clock import NS, to_ns
 from rthm_core.compiled import Floats, Integers
 from rthm_core.errors import InputError
-from rthm_core.link import Link
+from rthm_core.link import NEVER, Link
 from rthm_core.schedule import INITIAL, Commands, Depth, Events, Schedule, newest
 from rthm_core.topics import COMMAND, FORCE_REFERENCE, LINKS
 
@@ -32,8 +32,9 @@ class RecordedSchedule(Schedule):
     """Schedule of a loop as it was in a recording.
 
     Commands are those of the recording, with the samples that the links tell: a tick that the controller
-    left out sent none. A tick whose use is not recorded uses what the spec's schedule has there, or what was
-    in use before if that is newer. Stamps that are off their clock count as its nearest tick. What a safety
+    left out sent none. A tick whose use is not recorded uses what the spec's schedule has there, but nothing
+    older than what was used before and nothing newer than what is used next. Stamps that are off their clock
+    count as its nearest tick. What a safety
     monitor did is not in it.
 
     Parameters
@@ -128,9 +129,11 @@ class RecordedSchedule(Schedule):
         tick, number = ticks_of(use, period), _numbers(stamp, source)
         ticks = np.arange(self.end // period + 1, dtype=np.int64)
         known = (tick >= 0) & (tick < ticks.size)
-        held = newest(self.links[name], source, ticks * period)
-        held[: tick[known].min(initial=ticks.size)] = INITIAL
-        held[tick[known]] = number[known]
+        tick, number = tick[known], number[known]
+        following = np.append(number, NEVER)[np.searchsorted(tick, ticks)]
+        held = np.minimum(newest(self.links[name], source, ticks * period), following)
+        held[: tick.min(initial=ticks.size)] = INITIAL
+        held[tick] = number
         return np.maximum.accumulate(held)
 
     def _all_commands(self) -> Commands:

@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 "rounding."""
 
 NO_EXCESS = 1e-9
-"""Excess of an age that is none, s: stamps are whole nanoseconds."""
+"""Excess of an age, and spread of periods, that is none, s: stamps are whole nanoseconds."""
 
 TERM_COLOURS = {
     "E_total": COLOURS[6],
@@ -261,13 +261,18 @@ def excesses(gathered: Gathered) -> list[figure]:
 
 
 def periods(gathered: Gathered) -> list[figure]:
-    """Times from tick to tick, clock by clock."""
+    """Times from tick to tick, for clocks whose ticks were not all on time."""
     clocks = gathered.timing.clocks.items()
     return [
         _histogram(f"Period of {name.capitalize()}", "period", clock.period, COLOURS[2])
         for name, clock in clocks
-        if clock.period.size
+        if _varies(clock.period)
     ]
+
+
+def _varies(period: Floats) -> bool:
+    known = period[np.isfinite(period)]
+    return known.size > 0 and bool(np.ptp(known) > NO_EXCESS)
 
 
 def _histogram(title: str, quantity: str, seconds: Floats, colour: str, bins: int = 40) -> figure:

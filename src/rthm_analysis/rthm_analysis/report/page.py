@@ -144,7 +144,12 @@ def _sections(gathered: Gathered) -> list[Section]:
             [tables.links(timing), *delays] if timing.links else [],
             "how-to/read-a-report#delays",
         ),
-        Section("Clocks", "Measured time between ticks.", clocks, "how-to/read-a-report#clocks"),
+        Section(
+            "Clocks",
+            "Measured time between ticks; drawn for clocks with ticks that were not on time.",
+            clocks,
+            "how-to/read-a-report#clocks",
+        ),
         Section(
             "Notes", "", [note_list(gathered.notes)] if gathered.notes else [], "how-to/read-a-report#notes"
         ),

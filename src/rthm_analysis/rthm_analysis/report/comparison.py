@@ -86,12 +86,6 @@ def _sections(comparison: Comparison) -> list[Section]:
             for one in comparison.against
         ),
         Section(
-            "Signals",
-            "Each signal in all tests, and the differences.",
-            overlays(comparison),
-            "how-to/compare-tests#signals",
-        ),
-        Section(
             "Tracking",
             "How well the actuators tracked their commands, in each test.",
             [_table(rows.tracking_rows(comparison))],
@@ -108,6 +102,19 @@ def _sections(comparison: Comparison) -> list[Section]:
             "Work on the moving masses until the end.",
             [_table(rows.energy_rows(comparison))],
             "how-to/compare-tests#measures",
+        ),
+        Section(
+            "Signals",
+            "Each signal in all tests, and the differences.",
+            overlays(comparison, energies=False),
+            "how-to/compare-tests#signals",
+        ),
+        Section(
+            "Energy over time",
+            "Each term of the energy balance in all tests, and the differences.",
+            overlays(comparison, energies=True),
+            "how-to/compare-tests#signals",
+            "Show the curves",
         ),
         Section("What is measured", "", [_definitions()], "how-to/compare-tests#measures"),
         Section("Notes", "", [note_list(list(notes))] if notes else []),

@@ -34,8 +34,7 @@ class RecordedSchedule(Schedule):
     Commands are those of the recording, with the samples that the links tell: a tick that the controller
     left out sent none. A tick whose use is not recorded uses what the spec's schedule has there, but nothing
     older than what was used before and nothing newer than what is used next. Stamps that are off their clock
-    count as its nearest tick. What a safety
-    monitor did is not in it.
+    count as its nearest tick. What a safety monitor did is not in it.
 
     Parameters
     ----------
@@ -146,8 +145,8 @@ class RecordedSchedule(Schedule):
     def _references_of(self, time: Integers, sent: Integers) -> Integers:
         """Number of the reference in each of the commands at `time`.
 
-        When the controller got to take a reference over is known as well as its host is punctual. A command
-        tells the force that it used, so it is the next reference of this force.
+        When the controller took a reference over is known as well as its host is punctual. A command tells
+        the force that it used, so its reference is the nearest one with this force.
         """
         use, stamp = self._told("tau3")
         latest = np.searchsorted(use, time, side="right") - 1

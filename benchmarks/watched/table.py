@@ -25,7 +25,7 @@ def page(table: dict[str, Any]) -> str:
         ("---",) * (len(links) + 3),
         ("without", *(_span(alone, link) for link in links), *_counts(alone)),
         ("with", *(_span(watched, link) for link in links), *_counts(watched)),
-        ("within the spread of those without", *verdict, *("yes" if good else "**no**" for good in counts)),
+        ("median within those without", *verdict, *("yes" if good else "**no**" for good in counts)),
     ]
     made = (
         f"Made {table['date']} by `python -m benchmarks.watched`: {len(alone)} runs of `{table['spec']}` for "

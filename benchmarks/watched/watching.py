@@ -14,6 +14,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import cast
 
+ANSWERS_WITHIN = 60.0
+"""How long a dashboard may take to begin, s."""
+
 
 @contextmanager
 def dashboard(domain: int) -> Iterator[Callable[[], float]]:
@@ -31,8 +34,9 @@ def dashboard(domain: int) -> Iterator[Callable[[], float]]:
         costs: list[float] = []
         begun, place = threading.Event(), address.replace("/?", "/events?")
         threading.Thread(target=_read, args=(place, begun, costs), daemon=True).start()
-        begun.wait()
         try:
+            if not begun.wait(ANSWERS_WITHIN):
+                raise RuntimeError("the dashboard does not answer; see what rthm dashboard says by itself.")
             yield lambda: _median(costs)
         finally:
             process.send_signal(signal.SIGINT)

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+LENGTHS_TOGETHER = 64
+"""Lengths over which the work is integrated at once, so that what is in memory meanwhile is bounded."""
 COLUMNS = 8
 """Work of six terms, the energy, and one that makes the row as long as two registers."""
 
@@ -125,7 +127,8 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
     """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
     products ``z_i z_j``, i <= j, of the state at its start.
     """
-    forms = work_over(ledger, lengths_ns)
+    pieces = np.array_split(lengths_ns, max(1, math.ceil(lengths_ns.size / LENGTHS_TOGETHER)))
+    forms = np.concatenate([work_over(ledger, piece) for piece in pieces])
     if not with_energy:
         return packed(forms)
     ends = exponentials(ledger.joint, lengths_ns)

@@ -31,6 +31,17 @@ def test_a_dashboard_that_costs_something_is_told(ages: list[float], missed: lis
     assert f"{1e6 * max(ages):.0f} us" in page(table)
 
 
+def test_the_ranks_tell_what_largest_values_do_not() -> None:
+    alone, later = [1e-4 + 1e-6 * k for k in range(8)], [1e-4 + 1e-6 * (k + 8) for k in range(8)]
+    header = {"date": "2026-11-27", "machine": "a host", "spec": "paper", "duration": 10.0}
+    same, worse = (
+        page(header | {"runs": [*runs(False, alone, [0] * 8), *runs(True, ages, [0] * 8)]})
+        for ages in (alone, later)
+    )
+    assert "| 0.52 | 1.00 | 1.00 |" in same
+    assert "| 0.00 | 1.00 | 1.00 |" in worse
+
+
 @pytest.mark.long
 @pytest.mark.graph
 @pytest.mark.usefixtures("nothing_left")

@@ -19,15 +19,20 @@ def side(
     force: np.ndarray, motor: np.ndarray, retuned: np.ndarray | None = None, *, wanders: bool = False
 ) -> Any:
     """A physical side whose wire's force and motor have these errors over their noise."""
-    left = {"nominal": force, "retuned": force if retuned is None else retuned}
-    alone = SimpleNamespace(forces=[1], residual=lambda model: left[model])
+    spec = SimpleNamespace(actuator=SimpleNamespace(names=["a1"]))
+    nominal, tuned = (
+        SimpleNamespace(spec=spec, left=one) for one in (force, force if retuned is None else retuned)
+    )
     evidence = SimpleNamespace(channels=(Channel("position", "x1"), Channel("force", "a1")))
+    alone = SimpleNamespace(
+        forces=[1], residual=lambda model: model.left, experiment=SimpleNamespace(evidence=evidence)
+    )
     return SimpleNamespace(
         drives=[],
-        spec=SimpleNamespace(actuator=SimpleNamespace(names=["a1"])),
-        nominal=SimpleNamespace(model="nominal"),
-        selection=SimpleNamespace(base=SimpleNamespace(model="retuned")),
-        fitting=SimpleNamespace(wires_alone=alone, experiment=SimpleNamespace(evidence=evidence)),
+        spec=spec,
+        nominal=SimpleNamespace(model=nominal),
+        selection=SimpleNamespace(base=SimpleNamespace(model=tuned)),
+        fitting=SimpleNamespace(wires_alone=alone),
         motor_left=motor[:, None] if motor.size else np.empty((COUNT, 0)),
         motor_wanders=wanders,
     )

@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.polygon import is_polygon, polygon
-from rthm_core.effects.formula import law_of
+from rthm_core.effects.written import Formula
 
 from .plain import plant, recorded
 
@@ -74,7 +74,7 @@ def test_every_shape_of_the_grammar_is_a_law(variable: str) -> None:
         shape = next(one for one in shapes_over(variable, at) if one.text == text)
         for carrier in ("1", "x", "sign(v)"):
             term = Term("x1", carrier, ((variable, shape),), size=2.0)
-            law = law_of(term.formula)
+            law = Formula.of(term.formula)
             assert set(term.depends_on) == set(law.depends_on)
             assert list(term.numbers) == [name for name in law.parameters if name != "force"]
 

@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rthm_core.effects import effect
-from rthm_core.effects.formula import FUNCTIONS, evaluated, law_of, parsed
+from rthm_core.effects.formula import FUNCTIONS, evaluated, parsed
+from rthm_core.effects.written import Formula
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply, read_spec, shipped_spec, write_spec
@@ -21,6 +22,12 @@ def with_force(**section: Any) -> Spec:
     return apply(
         shipped_spec("paper"), {"effects": ["one"], "one": {"block": "plant", "dof": "x1"} | section}
     )
+
+
+def acting(**section: Any) -> Any:
+    """Motion (s, n) of the paper's loop with one effect."""
+    spec = apply(shipped_spec("paper"), {"effects": ["one"], "one": section})
+    return simulate(spec, 8.0, 0.01).plant_position
 
 
 def rig(**section: Any) -> Trajectory:
@@ -51,6 +58,49 @@ def test_a_law_of_the_library_that_is_written_down_is_the_same(
     assert apart < 1e-6 * np.abs(known.plant_position).max()
     linear = rig(kind="formula", force="0 * x")
     assert np.abs(known.plant_position - linear.plant_position).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("block", "library", "written"),
+    [
+        (
+            "wire",
+            {"kind": "hardening", "coefficient": 2000.0},
+            {"force": "a * elongation**3", "a": 2000.0},
+        ),
+        ("motor", {"kind": "saturation", "limit": 0.05}, {"shift": "min(max(u, -a), a) - u", "a": 0.05}),
+    ],
+)
+def test_a_wire_and_a_motor_may_have_formulas(
+    block: str, library: dict[str, Any], written: dict[str, Any]
+) -> None:
+    laws = (library, {"kind": "formula"} | written)
+    known, formula = (acting(block=block, actuator="a1", **law) for law in laws)
+    linear = simulate(shipped_spec("paper"), 8.0, 0.01).plant_position
+    apart = np.abs(known - formula).max()
+    assert apart < 1e-7 * np.abs(known).max()
+    assert np.abs(known - linear).max() > 1e-3
+
+
+def test_what_a_motor_adds_may_depend_on_the_time_at_which_it_takes_a_command() -> None:
+    from_two_on = acting(
+        block="motor", actuator="a1", kind="formula", shift="a * (t - b) * (b < t)", a=0.1, b=2.0
+    )
+    linear = simulate(shipped_spec("paper"), 8.0, 0.01).plant_position
+    before = np.arange(linear.shape[0]) * 0.01 <= 2.0
+    assert np.abs(from_two_on - linear)[before].max() < 1e-9
+    assert np.abs(from_two_on - linear)[~before].max() > 0.01
+
+
+@pytest.mark.parametrize(
+    ("block", "entry", "text", "unknown"),
+    [("wire", "force", "a * x", "x"), ("motor", "shift", "a * elongation", "elongation")],
+)
+def test_a_formula_of_what_its_block_does_not_know_is_refused(
+    block: str, entry: str, text: str, unknown: str
+) -> None:
+    with pytest.raises(InputError, match=f"one.{entry} is .* {unknown} is unknown"):
+        acting(block=block, actuator="a1", kind="formula", a=1.0, **{entry: text})
 
 
 def test_a_force_begins_and_ends_where_the_formula_says() -> None:
@@ -121,20 +171,20 @@ def test_numbers_that_a_formula_lacks_or_does_not_use_are_told(section: dict[str
 
 
 def test_powers_of_whole_numbers_take_no_time() -> None:
-    law: Any = law_of("9**9**9 * x")
+    law: Any = Formula.of("9**9**9 * x")
     with pytest.raises(OverflowError):
         law.force(1.0, 0.0, [], 0.0, (), 1)
 
 
 def test_a_law_declares_what_its_formula_uses() -> None:
-    law = law_of("-a * sign(v) * (b < x) * (x < c) * (t < d)")
+    law = Formula.of("-a * sign(v) * (b < x) * (x < c) * (t < d)")
     assert law.depends_on == ("x", "v", "t")
     assert list(law.parameters) == ["force", "a", "b", "c", "d"]
     assert law.partition == "velocity"
     assert law.kinked
-    assert law_of("a * sin(t)").additive
-    assert not law_of("a * x").additive
-    assert effect("formula", "plant").given({"force": "-a * x"}) is law_of("-a * x")
+    assert Formula.of("a * sin(t)").additive
+    assert not Formula.of("a * x").additive
+    assert effect("formula", "plant").given({"force": "-a * x"}) is Formula.of("-a * x")
 
 
 def test_a_number_of_a_formula_has_any_size() -> None:
@@ -164,8 +214,8 @@ def texts(draw: st.DrawFn, depth: int = 3) -> str:
 def test_a_law_and_its_formula_along_arrays_are_one(
     text: str, x: float, v: float, t: float, a: float, b: float
 ) -> None:
-    law, numbers = law_of(text), {"a": a, "b": b}
-    p = tuple(numbers[name] for name in parsed(text).numbers)
+    law, numbers = Formula.of(text), {"a": a, "b": b}
+    p = tuple(numbers[name] for name in parsed(text, Formula.variables()).numbers)
     mode = (v > 0.0) - (v < 0.0)
     once = law.force(x, v, [], t, p, mode)
     many = evaluated(text, numbers, x=np.full(2, x), v=np.full(2, v), t=np.full(2, t))

@@ -95,7 +95,7 @@ def one_effect(draw: st.DrawFn, name: str, blocks: list[str], places: dict[str, 
     if block in PLACES:
         entries[PLACES[block]] = draw(st.sampled_from(places[PLACES[block]]))
     for parameter, entry in effect(kind, block).parameters.items():
-        text = "-x * abs(x)" if isinstance(entry, FormulaText) else "interface.stiffness[0]"
+        text = f"-2 * {entry.variables[0]}" if isinstance(entry, FormulaText) else "interface.stiffness[0]"
         entries[parameter] = text if isinstance(entry, Text) else number_of(draw, entry)
     if kind == "extra_delay":  # how early a delay may be depends on the others, see test_early_delays
         entries["delay"] = abs(entries["delay"])

@@ -33,13 +33,13 @@ EffectText = Text
 """An entry of an effect that is text."""
 
 Change = Literal[
-    "", "delay", "spread", "lost", "stamps", "element", "step", "limit", "rate", "gain", "offset", "growth",
-    "smoothing", "entry", "pretension",
+    "", "delay", "spread", "lost", "stamps", "element", "command", "step", "limit", "rate", "gain", "offset",
+    "growth", "smoothing", "entry", "pretension",
 ]  # fmt: skip
 """What of its block an effect changes: of a link the delay, its spread, the part that is lost, and the
-stamps; of a motor the delay, an element of its chain, and step, limit and rate of its command; of a sensor
-gain, offset, growth of the offset, smoothing and step of its reading; of a block that computes an entry of
-the spec; of a wire the pretension.
+stamps; of a motor the delay, an element of its chain, its command, and step, limit and rate of that; of a
+sensor gain, offset, growth of the offset, smoothing and step of its reading; of a block that computes an
+entry of the spec; of a wire the pretension.
 """
 
 

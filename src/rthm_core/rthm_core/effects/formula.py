@@ -1,4 +1,4 @@
-"""A law that a spec writes down: a force as a formula of motion, time and the known load.
+"""Formulas that a spec may have: what they may say, and what they compute.
 
 A formula is arithmetic and nothing else, so a spec from anywhere may have one: it can compute a number, and
 do nothing besides.
@@ -8,24 +8,22 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.effects.declaration import Effect
-from rthm_core.effects.laws import LOAD, PlantLaw
-from rthm_core.effects.registry import register
 from rthm_core.errors import RefusedError
 from rthm_core.quantity import Quantity, Text
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-VARIABLES = {"x": "m", "v": "m/s", "t": "s", "load": "N"}
-"""What a formula may depend on, and the units."""
+Names = Mapping[str, str]
+"""What of a formula has another name in Python."""
 
 NUMBERS = ("a", "b", "c", "d", "e", "f", "g")
 """Names of the numbers of a formula, in the order in which compiled code gets them."""
@@ -45,10 +43,14 @@ _ARITHMETIC = (
     ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant, ast.Add,
     ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd, ast.Lt, ast.Gt,
 )  # fmt: skip
-_ALLOWED = (
-    f"a formula of {', '.join(VARIABLES)}, numbers {NUMBERS[0]} to {NUMBERS[-1]}, pi, + - * / **, "
-    f"comparisons with < and > (1 where true, else 0) and {', '.join(FUNCTIONS)}"
-)
+
+
+def allowed(variables: Iterable[str]) -> str:
+    """What a formula of some variables may be, in words."""
+    return (
+        f"a formula of {', '.join(variables)}, numbers {NUMBERS[0]} to {NUMBERS[-1]}, pi, + - * / **, "
+        f"comparisons with < and > (1 where true, else 0) and {', '.join(FUNCTIONS)}"
+    )
 
 
 class Parsed(NamedTuple):
@@ -59,7 +61,7 @@ class Parsed(NamedTuple):
     tree
         Its syntax.
     variables, numbers
-        Names in it, in the order of `VARIABLES` and `NUMBERS`.
+        Names in it, in the order of what it may depend on, and of `NUMBERS`.
     """
 
     tree: ast.Expression
@@ -68,33 +70,39 @@ class Parsed(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def parsed(text: str) -> Parsed:
+def parsed(text: str, may: tuple[str, ...]) -> Parsed:
     """Take a formula apart.
+
+    Parameters
+    ----------
+    text
+    may
+        Variables on which it may depend.
 
     Raises
     ------
     RefusedError
-        If it is anything but arithmetic of motion, time, load and numbers.
+        If it is anything but arithmetic of these and of numbers.
 
     Examples
     --------
-    >>> parsed("-a * sin(2 * pi * x / b)").numbers
+    >>> parsed("-a * sin(2 * pi * x / b)", ("x", "v")).numbers
     ('a', 'b')
     """
     try:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise RefusedError(text, _ALLOWED) from None
+        raise RefusedError(text, allowed(may)) from None
     functions = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     names = set()
     for node in ast.walk(tree):
         if not isinstance(node, _ARITHMETIC) or not _is_plain(node):
-            raise RefusedError(text, _ALLOWED)
+            raise RefusedError(text, allowed(may))
         if isinstance(node, ast.Name):
-            if node.id not in (FUNCTIONS if id(node) in functions else {*VARIABLES, *NUMBERS, "pi"}):
-                raise RefusedError(text, _ALLOWED, f"{node.id} is unknown")
+            if node.id not in (FUNCTIONS if id(node) in functions else {*may, *NUMBERS, "pi"}):
+                raise RefusedError(text, allowed(may), f"{node.id} is unknown")
             names.add(node.id)
-    variables = tuple(name for name in VARIABLES if name in names)
+    variables = tuple(name for name in may if name in names)
     return Parsed(tree, variables, tuple(name for name in NUMBERS if name in names))
 
 
@@ -109,14 +117,20 @@ def _is_plain(node: ast.AST) -> bool:
 
 @dataclass(frozen=True)
 class FormulaText(Text):
-    """An entry that is a formula."""
+    """An entry that is a formula of some variables."""
 
-    allowed = _ALLOWED
+    longest: int = 400
+    variables: tuple[str, ...] = ()
+
+    @property
+    def allowed(self) -> str:  # type: ignore[override]
+        """What it may be, in words."""
+        return allowed(self.variables)
 
     def convert(self, value: object) -> str:
         """Return `value` if it is a formula; else raise RefusedError."""
         text = super().convert(value)
-        parsed(text)
+        parsed(text, self.variables)
         return text
 
 
@@ -140,16 +154,16 @@ class _Along(ast.NodeTransformer):
 
 
 class _Python(_Along):
-    """Makes Python of a formula: numbers become elements of `p`, the sign of the velocity the mode."""
+    """Makes Python of a formula: numbers become elements of `p`, what is known by another name that."""
 
-    def __init__(self, numbers: tuple[str, ...]) -> None:
+    def __init__(self, numbers: tuple[str, ...], names: Names) -> None:
         self._names = {name: f"p[{i}]" for i, name in enumerate(numbers)} | FUNCTIONS
-        self._names |= {"pi": "math.pi", "load": f"p[{LOAD}]"}
+        self._names |= {"pi": "math.pi"} | dict(names)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         """Replace a function."""
-        if ast.unparse(node) == "sign(v)":
-            return _expression("mode")
+        if (known := self._names.get(ast.unparse(node))) is not None:
+            return _expression(known)
         self.generic_visit(node)
         if ast.unparse(node.func) == "sign":
             return _expression(f"math.copysign(1.0, {ast.unparse(node.args[0])})")
@@ -177,17 +191,21 @@ def _expression(text: str) -> ast.AST:
     return ast.parse(text, mode="eval").body
 
 
-def python_of(text: str) -> str:
-    """The formula as an expression of x, v, t, p and mode.
+def python_of(found: Parsed, names: Names) -> str:
+    """A formula as an expression of its variables and the array p of its numbers.
+
+    Parameters
+    ----------
+    found
+    names
+        What has another name in Python: variables, and the sign of the velocity.
 
     Examples
     --------
-    >>> python_of("-a * sign(v) * (b < x)")
+    >>> python_of(parsed("-a * sign(v) * (b < x)", ("x", "v")), {"sign(v)": "mode"})
     '-p[0] * mode * (1.0 * (p[1] < x))'
     """
-    found = parsed(text)
-    tree = _Python(found.numbers).visit(ast.parse(text.strip(), mode="eval"))
-    return ast.unparse(tree)
+    return ast.unparse(_Python(found.numbers, names).visit(deepcopy(found.tree)))
 
 
 _SCOPE: dict[str, Any] = {name: getattr(np, function) for name, function in ALONG.items()}
@@ -221,65 +239,3 @@ def evaluated(text: str, numbers: Mapping[str, float], **variables: Floats) -> F
 def _code(text: str) -> Any:
     tree = _Along().visit(ast.parse(text.strip(), mode="eval"))
     return compile(ast.fix_missing_locations(tree), "<formula>", "eval")
-
-
-@register
-class Formula(PlantLaw):
-    """A force that is written in the spec as a formula."""
-
-    kind = "formula"
-    blocks = ("plant",)
-    parameters = {
-        "force": FormulaText(
-            "force along +x, N, of x (m), v (m/s), t (s) and load (N, the known load on the dof), with "
-            "numbers a to g that stand beside it, as -a * x * abs(x)"
-        )
-    }
-    equation = "F = what the spec says"
-    words = "the force {force} acts on {dof}"
-    noun = "a force given by a formula"
-    experiment = (
-        "Repeat the test at another amplitude: outside the range that was seen, a formula is a guess."
-    )
-    written = True
-
-    @classmethod
-    def given(cls, values: Mapping[str, Any]) -> type[Effect]:
-        """The law of a formula, with its numbers as parameters; this class where there is none.
-
-        Raises
-        ------
-        RefusedError
-            If the text is no formula.
-        """
-        text = values.get("force")
-        try:
-            return law_of(text) if isinstance(text, str) else cls
-        except RefusedError as refused:
-            raise RefusedError(text, refused.allowed, refused.way_out, "force") from None
-
-
-@lru_cache(maxsize=256)
-def law_of(text: str) -> type[Formula]:
-    """Law that computes a formula.
-
-    Raises
-    ------
-    RefusedError
-        If it is none.
-    """
-    found = parsed(text)
-    scope: dict[str, object] = {"math": math}
-    source = python_of(text)
-    exec(f"def force(x, v, z, t, p, mode):\n    return float({source})", scope)
-    declared = {name: FormulaNumber("1", "number of the formula, in SI units") for name in found.numbers}
-    body = {
-        "force": staticmethod(cast("Callable[..., float]", scope["force"])),
-        "parameters": Formula.parameters | declared,
-        "depends_on": found.variables,
-        "additive": not {"x", "v"} & {*found.variables},
-        "partition": "velocity" if "mode" in source else "none",
-        "kinked": any(isinstance(node, ast.Compare) for node in ast.walk(found.tree)),
-        "given": classmethod(lambda cls, values: cls),
-    }
-    return type("WrittenFormula", (Formula,), body)

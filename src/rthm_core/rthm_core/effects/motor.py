@@ -57,6 +57,13 @@ class MotorEffect(Effect):
         """Element of the chain with these parameters, by name; None: it is none."""
         return None
 
+    @staticmethod
+    def shift(u: float, t: float, p: list[float]) -> float:
+        """Position that is added to a command `u` that is taken at time `t` (s), m; of what changes the
+        command.
+        """
+        return 0.0
+
 
 @register
 class MotorExtraDelay(ExtraDelay, MotorEffect):

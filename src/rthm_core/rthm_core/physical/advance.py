@@ -61,7 +61,7 @@ class Physical(NamedTuple):
 def set_command(physical, command):  # type: ignore[no-untyped-def]
     """Give the motors a new command (m,); a rate limit is still to be travelled."""
     model, state = physical.model, physical.state
-    conditioned(model.drive, command, state.target)
+    conditioned(model.drive, command, state.time[0] * 1e-9, state.target)
     for i in range(model.m):
         if model.drive.conditioning[RATE, i] == np.inf:
             state.command[i] = state.target[i]

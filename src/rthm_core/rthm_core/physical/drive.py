@@ -1,18 +1,21 @@
 """Motors: from the commands to the motor positions u, one linear chain per actuator.
 
 ``u = h(s) u_d(t - tau4)`` with ``h(s) = 1 / ((1 + s/kv)(1 + s/ka))`` (paper, (1) and (2)), followed by the
-elements that effects add. Before the chain stand the effects on the command itself: on its step, its limit
-and its rate, in this order.
+elements that effects add. Before the chain stand the effects on the command itself: what is added to it, its
+step, its limit and its rate, in this order.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, called
+from rthm_core.addressed import Call, caller, table_of
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place
+from rthm_core.effects.laws import MOST_PARAMETERS
 from rthm_core.effects.motor import Element, MotorEffect, first_order
 from rthm_core.linear import LinearSystem, linear_system
 from rthm_core.spec.effect import sizes
@@ -20,6 +23,21 @@ from rthm_core.spec.effect import sizes
 if TYPE_CHECKING:
     from rthm_core.effects.declaration import Change
     from rthm_core.spec import Spec
+
+
+class Shifts(NamedTuple):
+    """Positions that motors add to their commands.
+
+    Attributes
+    ----------
+    numbers : (s, 2) array
+        Address of the function, and the actuator.
+    parameters : (s, 8) array
+        Of the functions.
+    """
+
+    numbers: Integers
+    parameters: Floats
 
 
 class Drive(NamedTuple):
@@ -33,15 +51,27 @@ class Drive(NamedTuple):
         ``u = out [q, command]``.
     conditioning : (3, m) array
         Quantisation step (m, 0: none), saturation (m) and rate limit (m/s) of the command (inf: none).
+    shifts : Shifts
     """
 
     system: LinearSystem
     out: Floats
     conditioning: Floats
+    shifts: Shifts
+
+    def takes_commands_as(self, other: Drive) -> bool:
+        """Whether it makes the same of a command before its chain as another."""
+        same = (np.array_equal(a, b) for a, b in zip(self.shifts, other.shifts, strict=True))
+        return np.array_equal(self.conditioning, other.conditioning) and all(same)
 
 
 QUANTUM, LIMIT, RATE = range(3)
 """Rows of ``Drive.conditioning``."""
+
+SHIFT = Call("u, t, p", True)
+"""How a position that a motor adds to its command is called."""
+
+_shift = caller(0, SHIFT)
 
 
 def _chain(spec: Spec, actuator: str, *, effects: bool) -> list[Element]:
@@ -59,6 +89,24 @@ def _conditioning(spec: Spec, changes: Change, absent: float) -> Floats:
     assert spec.actuator is not None
     found = (sizes(spec.effects, "motor", changes, name) for name in spec.actuator.names)
     return np.array([[absent, *values][-1] for values in found])
+
+
+@cache
+def _code_of(law: Any) -> int:
+    return table_of([(law.shift, SHIFT)])
+
+
+def _shifts(spec: Spec, names: tuple[str, ...], *, effects: bool) -> Shifts:
+    found = [
+        one for one in spec.effects if effects and one.law.changes == "command" and one.actuator in names
+    ]
+    numbers = np.zeros((len(found), 2), dtype=np.int64)
+    parameters = np.zeros((len(found), MOST_PARAMETERS))
+    for row, one in enumerate(found):
+        law: Any = one.law
+        numbers[row] = _code_of(law), names.index(str(one.actuator))
+        parameters[row, : len(one.ordered)] = one.ordered
+    return Shifts(numbers, parameters)
 
 
 def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int | None = None) -> Drive:
@@ -89,7 +137,12 @@ def drive(spec: Spec, orders: int = 1, *, effects: bool = True, actuators: int |
         conditioning[QUANTUM] = _conditioning(spec, "step", 0.0)
         conditioning[LIMIT] = _conditioning(spec, "limit", np.inf)
         conditioning[RATE] = _conditioning(spec, "rate", np.inf)
-    return Drive(linear_system(a, b, orders), np.hstack([out, through]), conditioning)
+    return Drive(
+        linear_system(a, b, orders),
+        np.hstack([out, through]),
+        conditioning,
+        _shifts(spec, names, effects=effects),
+    )
 
 
 def settled(drive: Drive, command: Floats) -> Floats:
@@ -99,19 +152,32 @@ def settled(drive: Drive, command: Floats) -> Floats:
     return np.asarray(np.linalg.solve(drive.system.a, -drive.system.b @ command))
 
 
-def accepted(drive: Drive, commands: Floats) -> Floats:
-    """Commands (..., m), rounded and cut as the drives take them; a rate limit is still to be travelled."""
-    quantum, limit = drive.conditioning[QUANTUM], drive.conditioning[LIMIT]
-    steps = np.where(quantum > 0.0, quantum, 1.0)
-    rounded = np.where(quantum > 0.0, steps * np.floor(commands / steps + 0.5), commands)
-    return np.ascontiguousarray(np.clip(rounded, -limit, limit), dtype=float)
+def accepted(drive: Drive, commands: Floats, time: Floats) -> Floats:
+    """Commands (c, m) at their times (c,) in s, as the drives take them; a rate limit is still to be
+    travelled.
+    """
+    taken = np.empty_like(commands, dtype=float)
+    _conditioned_all(drive, np.ascontiguousarray(commands, dtype=float), time, taken)
+    return taken
+
+
+@compiled_in_place
+def _conditioned_all(drive: Any, commands: Any, time: Any, out: Any) -> None:
+    for row in range(time.size):
+        conditioned(drive, commands[row], time[row], out[row])
 
 
 @called
-def conditioned(drive, command, out):  # type: ignore[no-untyped-def]
-    """As `accepted`, for one command (m,)."""
+def conditioned(drive, command, t, out):  # type: ignore[no-untyped-def]
+    """Write into `out` (m,) what the drives take of a command (m,) at time `t`, in s."""
     for i in range(out.size):
-        value, quantum, limit = command[i], drive.conditioning[QUANTUM, i], drive.conditioning[LIMIT, i]
+        out[i] = command[i]
+    for row in range(drive.shifts.numbers.shape[0]):
+        code, i = drive.shifts.numbers[row]
+        out[i] += _shift(code, command[i], t, drive.shifts.parameters[row])
+    for i in range(out.size):
+        quantum, limit = drive.conditioning[QUANTUM, i], drive.conditioning[LIMIT, i]
+        value = out[i]
         if quantum > 0.0:
             value = quantum * math.floor(value / quantum + 0.5)
         out[i] = min(max(value, -limit), limit)

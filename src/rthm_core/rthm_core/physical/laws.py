@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _SHIPPED: tuple[Any, ...] = shipped("plant")
 PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not (law.linear or law.written)]
-WIRE_LAWS: list[Any] = list(shipped("wire"))
+WIRE_LAWS: list[Any] = [law for law in shipped("wire") if not law.written]
 SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
 """Code of the law by which a wire goes slack."""
 

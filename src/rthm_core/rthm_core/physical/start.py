@@ -22,7 +22,7 @@ def physical(
     nq, ny, laws = model.drive.system.ab.shape[0], model.mechanics.shape[0], mode_count(model)
     whole = np.zeros(nq + ny)
     q, y = whole[:nq], whole[nq:]
-    first = accepted(model.drive, command)
+    first = accepted(model.drive, command[None], np.zeros(1))[0]
     q[:] = settled(model.drive, first)
     y[: model.n], y[model.n : 2 * model.n] = position, velocity
     rest(model, resting, y, model.drive.out @ np.concatenate([q, first]))

@@ -150,6 +150,17 @@ MOTOR_CURVE_BINS = 150
 MOTOR_CURVE_TRAINED = 0.6
 """Even bins of a motor's position in which its mean error is taken, of so much of the training samples."""
 
+SAMPLED_BINS = 200
+SAMPLED_SHAPES_REFINED = 12
+SAMPLED_FIT_STEPS = 100
+SAMPLED_GAIN_PER_NUMBER = 10.0
+SAMPLED_GAIN_SHARE_OF_REST = 0.3
+SAMPLED_LARGEST_RATIO = 4.0
+"""Even bins of what is known sample by sample; shapes that are fitted to them for
+each term, of all that were compared, and steps of a fit; what each number must gain, in units of the noise;
+share of what is left that a further term must explain; and size of a term over that of the whole above which
+terms only cancel each other."""
+
 FORMULA_STEPS = 4e7
 FORMULA_FIT_BUDGET = 1e7
 """Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of

@@ -58,7 +58,7 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
     present = {(one.law, one.place) for one in model.added}
     places = [one.place for one in fitting.experiment.evidence.channels]
     apart = _apart(fitting.experiment.evidence, model.spec)
-    laws = cast("tuple[type[MotorEffect], ...]", ranked("motor"))
+    laws = [cast("type[MotorEffect]", law) for law in ranked("motor") if not law.written]
     asked = [(law, place) for law in laws for place in places if (law, place) not in present]
 
     def limit(one: tuple[type[MotorEffect], str]) -> float | None:

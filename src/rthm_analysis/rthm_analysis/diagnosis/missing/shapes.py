@@ -42,7 +42,7 @@ ODD = ("w", "w**3", "w * abs(w)", "w**5")
 
 
 def shapes_over(variable: str, at: Floats) -> Iterator[Shape]:
-    """Shapes that a curve with these knots, over x, v, t or load, can show."""
+    """Shapes that a curve with these knots, over x, v, t, load, u or elongation, can show."""
     yield Shape("1")
     if at.size < 2:
         return
@@ -59,9 +59,10 @@ def shapes_over(variable: str, at: Floats) -> Iterator[Shape]:
         yield Shape("sign(w) * max(abs(w) - p, 0)", (one,), (0.3 * one,))
         yield from (Shape("exp(w / p) - 1", (side * one,), (0.3 * one,)) for side in (1.0, -1.0))
     yield from _bumps(at)
-    if variable == "x":
+    if variable in ("x", "u"):
         yield from _poles(at)
-        yield from _waves(at)
+        apart = np.diff(at)  # knots of a free curve are as far apart as the motion is rare, bins are even
+        yield from _waves(at, float(apart.max() if variable == "x" else np.median(apart)))
 
 
 def _scales(at: Floats) -> list[float]:
@@ -106,9 +107,9 @@ def _poles(at: Floats) -> Iterator[Shape]:
             yield Shape("1 / (w - p)**2 - 1 / p**2", (pole,), (0.3 * beyond,))
 
 
-def _waves(at: Floats) -> Iterator[Shape]:
-    """What comes back again and again, in any phase."""
-    span, finest = float(at[-1] - at[0]), float(np.diff(at).max())
+def _waves(at: Floats, finest: float) -> Iterator[Shape]:
+    """What comes back again and again, in any phase, as long as three places are seen of each period."""
+    span = float(at[-1] - at[0])
     for pitch in np.geomspace(max(3.0 * finest, span / 25.0), 2.0 * span, PITCH_COUNT):
         for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False):
             yield Shape("sin(2 * pi * w / p + q)", (float(pitch), float(phase)), (0.03 * pitch, 0.4))

@@ -30,11 +30,11 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     ways = dict.fromkeys([terms, open_ended(missing.regression, terms)])
     found = [one for one in (_large(judged, base, some, whole) for some in ways) if one is not None]
     for one in sorted(found, key=_left_out):
-        if _is_earned(judged, one, curve):
+        if is_earned(judged, one, curve.held_out_share):
             return one
     bends = polygon(curve)
-    last = _with_all(judged, base, [bends]) if bends is not None else None
-    return last if last is not None and _is_earned(judged, last, curve) else None
+    last = with_formulas(judged, base, [bends]) if bends is not None else None
+    return last if last is not None and is_earned(judged, last, curve.held_out_share) else None
 
 
 def _left_out(judged: Judgement) -> float:
@@ -53,10 +53,10 @@ def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: floa
 
 def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
     """The model with some terms, judged; None where it diverges, or there are none."""
-    return _with_all(judged, base, [guess_of(one) for one in terms]) if terms else None
+    return with_formulas(judged, base, [guess_of(one) for one in terms]) if terms else None
 
 
-def _with_all(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> Judgement | None:
+def with_formulas(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> Judgement | None:
     """The model with some formulas, judged; None where it diverges.
 
     Effects whose values the recording does not tell beside the formulas are left out.
@@ -74,11 +74,13 @@ def _with_all(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> J
     return Judgement(with_formula, runs, composed=True)
 
 
-def _is_earned(before: Judgement, after: Judgement, curve: CurveFit) -> bool:
-    """Whether a formula does as well on unseen data as the free curve, or reaches the noise."""
+def is_earned(before: Judgement, after: Judgement, share: float) -> bool:
+    """Whether a formula does as well on unseen data as a curve that explains a share of it, or reaches the
+    noise.
+    """
     if after.is_worse:
         return False
     mismatch = before.squares["explained" if before.earned else "retuned"] - before.expected
     left = after.squares["explained"] - before.expected
     gone = 1.0 - max(left, 0.0) / max(mismatch, 1e-300)
-    return after.at_noise or gone > FORMULA_GAIN_SHARE * min(curve.held_out_share, 1.0)
+    return after.at_noise or gone > FORMULA_GAIN_SHARE * min(share, 1.0)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.verdict import (
@@ -13,15 +16,19 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 )
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.physical.remainder import averages, slow_power
-from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import FittedCandidate
+from rthm_core.compiled import Floats
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.physical.side import Physical
 
 
-def drives_earned(physical: Physical) -> bool:
+def drives_earned(rounds: Sequence[Sequence[FittedCandidate]]) -> bool:
     """Whether the effects found in the motors bring these to the noise, or nearly all of the way there."""
-    if not physical.drives:
+    if not rounds:
         return False
-    first, last = physical.drives[0][-1].fitted, physical.drives[-1][0].fitted
+    first, last = rounds[0][-1].fitted, rounds[-1][0].fitted
     noise = max(last.residual.size, 1)
     may_be_left = (1.0 - SMOOTH_LAW_EXPLAINED_SHARE) * (first.squares - noise)
     return last.squares < NOISE_FLOOR_RATIO**2 * noise or last.squares - noise < may_be_left
@@ -30,7 +37,7 @@ def drives_earned(physical: Physical) -> bool:
 def is_driven_wrong(physical: Physical) -> bool:
     """Whether the motors do what no kind explains, so that nobody knows what the wires were given."""
     if physical.drives:
-        return not drives_earned(physical)
+        return not drives_earned(physical.drives)
     return wires_are_off(physical) and _forces_follow_motors(physical)
 
 
@@ -44,13 +51,17 @@ def motors_read_wrong(physical: Physical) -> bool:
 
 
 def wires_are_off(physical: Physical) -> bool:
+    """Whether the force of a wire is not the one that the recorded motion gives."""
+    models = (physical.nominal.model, physical.selection.base.model)
+    return forces_are_off(physical.fitting.wires_alone, models)
+
+
+def forces_are_off(alone: WiresAlone, models: Sequence[Model]) -> bool:
     """Whether the force of a wire is not the one that the recorded motion gives.
 
     A wire is right if it is so with the values of the spec or with those of the retuned model, which what is
     missing in the plant may have drawn away.
     """
-    alone = physical.fitting.wires_alone
-    models = (physical.nominal.model, physical.selection.base.model)
     return bool(alone.forces) and all(_are_off(alone, model) for model in models)
 
 
@@ -60,15 +71,18 @@ def _are_off(alone: WiresAlone, model: Model) -> bool:
 
 
 def _forces_follow_motors(physical: Physical) -> bool:
-    """Whether what the motors' sensors have beyond the commands is what their wires' forces have, too."""
-    alone, motors = physical.fitting.wires_alone, physical.motor_left
+    return forces_follow(physical.fitting.wires_alone, physical.nominal.model, physical.motor_left)
+
+
+def forces_follow(alone: WiresAlone, model: Model, motors: Floats) -> bool:
+    """Whether what the motors' sensors have beyond the commands (s, m) is what the wires' forces have."""
     if not motors.size:
         return False
-    left = alone.residual(physical.nominal.model).reshape(-1, len(alone.forces))
-    assert physical.spec.actuator is not None
-    names = physical.spec.actuator.names
+    left = alone.residual(model).reshape(-1, len(alone.forces))
+    assert model.spec.actuator is not None
+    names = model.spec.actuator.names
     for column, channel in zip(left.T, alone.forces, strict=True):
-        actuator = names.index(physical.fitting.experiment.evidence.channels[channel].place)
+        actuator = names.index(alone.experiment.evidence.channels[channel].place)
         force, motor = averages(column), averages(np.nan_to_num(motors[:, actuator]))
         gone = float(force @ motor) ** 2 / max(float(motor @ motor) * float(force @ force), 1e-300)
         if slow_power(column)[0] > WIRE_SLOW_POWER and gone > MOTOR_EXPLAINED_SHARE:

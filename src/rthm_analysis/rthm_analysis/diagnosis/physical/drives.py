@@ -108,29 +108,45 @@ def choose_drives(evidence: Evidence, spec: Spec, first: Floats) -> Drives:
     first : (m,) array
         Command before the test.
     """
-    assert spec.plant is not None
     experiment = Experiment(evidence, first)
-    n = len(spec.plant.dofs)
-    runs = Windows(np.array([0]), np.zeros((1, 2 * n)), None)
     rounds: list[list[FittedCandidate]] = []
     limits: Limits = {}
     model = Model(spec, prefix=PREFIX)
     for _ in range(DRIVE_MOST_EFFECTS):
-        fitting = Fitting(experiment, runs, _noise(experiment, model, runs, spec), model)
+        fitting = fitting_of(experiment, model)
         here = fitting.fit(model)
         limits = limits or motor_limits(fitting, here, GAIN_OF_CHANCE + GAIN_PER_PARAMETER)
         tried = _tried(fitting, model, here)
         if not tried or not _better(tried[0], here):
             break
-        left = evidence.measured - experiment.predicted(model.spec, runs)
+        left = evidence.measured - experiment.predicted(model.spec, fitting.windows)
         told = reduced_chi2(fitting, tried[0].fitted) < NEAR_NOISE_CHI2
         if not rounds and not told and _wanders(evidence, left, fitting.sigma):
             break
         rounds.append(tried)
         model = tried[0].fitted.model
+    return found_in(experiment, rounds, model, limits)
+
+
+def fitting_of(experiment: Experiment, model: Model) -> Fitting:
+    """Fits of the motors' positions, weighed by the noise that a model leaves."""
+    runs = _runs(model.spec)
+    return Fitting(experiment, runs, _noise(experiment, model.spec, runs), model)
+
+
+def found_in(
+    experiment: Experiment, rounds: list[list[FittedCandidate]], model: Model, limits: Limits
+) -> Drives:
+    """What was found in the motors, and what a model with it leaves of their positions."""
+    runs, evidence = _runs(model.spec), experiment.evidence
     left = evidence.measured - experiment.predicted(model.spec, runs)
-    noise = _noise(experiment, model, runs, spec)
+    noise = _noise(experiment, model.spec, runs)
     return Drives(rounds, model.spec, limits, left / noise, noise, _wanders(evidence, left, noise))
+
+
+def _runs(spec: Spec) -> Windows:
+    assert spec.plant is not None
+    return Windows(np.array([0]), np.zeros((1, 2 * len(spec.plant.dofs))), None)
 
 
 def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:
@@ -144,10 +160,10 @@ def _wanders(evidence: Evidence, left: Floats, noise: Floats) -> bool:
     return all(unrelated(error, [commands[:, k]]) for k, error in enumerate(left.T))
 
 
-def _noise(experiment: Experiment, model: Model, runs: Windows, spec: Spec) -> Floats:
+def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
     """Noise of the motor sensors: steps of a mismatch look like it, so what is stated is an upper bound."""
     measured = experiment.evidence.measured
-    residual = measured - experiment.predicted(model.spec, runs)
+    residual = measured - experiment.predicted(spec, runs)
     found = noise_levels(residual, measured)
     stated = spec.noise.motor
     return np.where(

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
-from rthm_analysis.diagnosis.physical.formulated import formulated
+from rthm_analysis.diagnosis.physical.formulated import formulated, motors_formulated
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
@@ -29,6 +29,7 @@ from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
 from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
 from rthm_analysis.diagnosis.physical.values import less_sure, retuned_values, settled_by_plant, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.physical.wire_composing import compose_wires
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve, wires_described
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
 from rthm_analysis.diagnosis.replay.between import Between
@@ -71,6 +72,7 @@ def physical_part(physical: Physical) -> Part:
     physical, judged, fewer = with_fewer(physical, judged_of(physical))
     refused = (*refused, *fewer)
     judged, force = _with_force(judged)
+    force = (*motors_formulated(judged.physical), *force)
     if judged.is_driven_wrong or motors_read_wrong(judged.physical):
         force = (*force, *motors_described(judged.physical))
     physical = judged.physical
@@ -128,7 +130,10 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
     """The force that is left, described, and a formula of it in the model where one was earned."""
     if not (judged.settled or judged.is_driven_wrong):
         if not judged.earned and wires_are_off(judged.physical):
-            return judged, tuple(wires_described(judged.physical))
+            composed = compose_wires(judged)
+            if composed is None:
+                return judged, tuple(wires_described(judged.physical))
+            return composed, tuple(formulated(composed))
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
@@ -207,10 +212,12 @@ def _energy(physical: Physical, model: Model, index: int) -> float:
 
 
 def _drive_physics(physical: Physical) -> list[Physics]:
-    if not drives_earned(physical):
+    if not drives_earned(physical.drives):
         return []
     found = []
     for i, tried in enumerate(physical.drives):
+        if tried[0].law.written:
+            continue
         fitted = physical.drives[-1][0].fitted
         one = fitted.model.added[i]
         searched = values_of(fitted, i, tried[0].start.scales)
@@ -227,7 +234,7 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
     """Other kinds that were tried, nearest first."""
     found: list[Alternative] = []
     for tried in physical.drives:
-        for other in tried[1:4]:
+        for other in () if tried[0].law.written else tried[1:4]:
             apart = distinguishable(tried[0].fitted, other.fitted)
             found.append(Alternative("motor", other.label[1], float("nan"), apart))
     selection = physical.selection
@@ -246,7 +253,7 @@ def _alternatives(physical: Physical) -> tuple[Alternative, ...]:
 def _effects(physical: Physical, judged: Judgement) -> tuple[dict[str, object], ...]:
     """Sections for the patched spec."""
     sections = []
-    if drives_earned(physical):
+    if drives_earned(physical.drives):
         model = physical.drives[-1][0].fitted.model
         for i, one in enumerate(model.added):
             told = settled_by_plant(physical, model.name(i), one).items()

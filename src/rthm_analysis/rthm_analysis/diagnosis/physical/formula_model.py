@@ -19,17 +19,18 @@ from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate
 from rthm_analysis.diagnosis.search.starts import InitialGuess
-from rthm_core.effects.formula import NUMBERS, Formula
+from rthm_core.effects.formula import NUMBERS
+from rthm_core.effects.written import Formula, Written
 
 INSTANT = re.compile(r"\((\w) < t\)|\(t < (\w)\)")
 """An instant at which a term begins, or ends."""
 
 
-def guess_of(term: Term) -> InitialGuess:
-    """Where a fit of a term begins."""
+def guess_of(term: Term, law: type[Written] = Formula) -> InitialGuess:
+    """Where a fit of a term begins, in the block of a law that is written."""
     numbers = term.numbers
     scales = dict(zip(NUMBERS, (abs(term.size), *term.steps), strict=False))
-    added = EffectInstance("plant", Formula.kind, term.dof, {"force": term.formula, **numbers})
+    added = EffectInstance(law.blocks[0], law.kind, term.dof, {law.text: term.formula, **numbers})
     return InitialGuess(added, tuple(numbers), (NUMBERS[0],), scales)
 
 

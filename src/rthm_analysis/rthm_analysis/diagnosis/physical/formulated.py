@@ -1,15 +1,19 @@
-"""A formula that was earned, as findings: one for each dof, with values, uncertainties and range in words."""
+"""A formula that was earned, as findings: one for each dof and wire, with values, uncertainties and range in
+words.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from rthm_analysis.diagnosis.enumerated import enumerated
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.describe import (
     NAMES,
+    VARIABLE_UNITS,
     domain_of,
     law_of,
     ranges_of,
@@ -19,27 +23,106 @@ from rthm_analysis.diagnosis.missing.describe import (
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.physical.driven import drives_earned
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.polygon import is_polygon
+from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.values import less_sure, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.physical.wire_composing import OVER
+from rthm_analysis.diagnosis.physical.wire_curves import beyond_springs
 from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.physical.written import Written
 from rthm_analysis.diagnosis.result import Described, Value
 from rthm_core.compiled import Floats
+from rthm_core.effects.formula import evaluated, parsed
+from rthm_core.effects.written import Formula, MotorFormula, WireFormula
 
 TABLE = "a table, straight between its points and beyond them"
 
 
 def formulated(judged: Judgement) -> Iterator[Described]:
-    """What the formula of a model says of each dof that it acts on."""
+    """What the formula of a model says of each dof and wire that it acts on."""
     selection = judged.physical.selection
-    places: dict[str, list[int]] = {}
+    places: dict[tuple[str, str], list[int]] = {}
     count = len(selection.best.model.added)
     for index in range(count - selection.formulas, count):
-        places.setdefault(selection.best.model.added[index].place, []).append(index)
-    for dof, indices in places.items():
-        yield _of_dof(judged, dof, indices)
+        one = selection.best.model.added[index]
+        places.setdefault((one.block, one.place), []).append(index)
+    for (block, place), indices in places.items():
+        yield (_of_dof if block == "plant" else _of_wire)(judged, place, indices)
+
+
+def motors_formulated(physical: Physical) -> Iterator[Described]:
+    """What the formulas of the motors say, in the model of what they do."""
+    if not drives_earned(physical.drives):
+        return
+    fitted, law = physical.drives[-1][0].fitted, MotorFormula
+    places: dict[str, list[int]] = {}
+    for index, one in enumerate(fitted.model.added):
+        if one.law.written:
+            places.setdefault(one.place, []).append(index)
+    for actuator, indices in places.items():
+        yield _of_motor(physical, actuator, [written_of(fitted, index, law.text) for index in indices])
+
+
+def _of_motor(physical: Physical, actuator: str, terms: list[Written]) -> Described:
+    """The error of a motor beside its command, over its command or time."""
+    law, fitted = MotorFormula, physical.drives[-1][0].fitted
+    effects = [one for one in fitted.model.added if one.law.written and one.place == actuator]
+    depends_on = tuple(dict.fromkeys(name for one in effects for name in one.law.depends_on))
+    on_command = law.depends_on[0] in depends_on
+    motion = physical.experiment.motion(physical.settled, physical.windows)
+    assert physical.spec.actuator is not None
+    moved = motion.motor[:, physical.spec.actuator.names.index(actuator)]
+    variables = {"u": moved, "t": physical.evidence.time}
+    error = np.sum([evaluated(one.text, one.numbers, **variables) for one in terms], axis=0)
+    over = variables["u" if on_command else "t"]
+    at, mean, std, _ = binned(over, error)
+    domain = {"u": (float(moved.min()), float(moved.max()))} if on_command else {}
+    share = 1.0 - fitted.squares / physical.drives[0][-1].fitted.squares
+    units = enumerated(f"{name} in {VARIABLE_UNITS[name]}" for name in _names(terms))
+    seen = f", seen from {ranges_of(domain)}" if domain else ""
+    size = bare(float(np.abs(error).max()), 2)
+    words = (
+        f"The motor of {actuator} goes up to {size} m beside its command u: it "
+        f"goes to u + {sum_of(terms, with_std=True)}, with {units}{seen}. It is a fitted law and explains "
+        f"{percent(share)} of what its sensor shows beside the command; the force of its wire follows."
+    ).replace("+ -", "- ")
+    return Described(
+        law.blocks[0], actuator, None, depends_on, symmetry_of(at, mean) if on_command else "neither", False,
+        False, None, sum_of(terms, with_std=False), domain, share, 0.0, at, mean, std, words,
+        spread_over(over, error), unit="m",
+    )  # fmt: skip
+
+
+def _names(terms: Iterable[Written]) -> list[str]:
+    return sorted({name for one in terms for name in parsed(one.text, MotorFormula.variables()).variables})
+
+
+def _of_wire(judged: Judgement, actuator: str, indices: list[int]) -> Described:
+    law, physical = WireFormula, judged.physical
+    wire = next(one for one in beyond_springs(physical) if one.name == actuator)
+    over, force = wire.of_elongation(wire.force.size)
+    at, mean, std, _ = binned(over, force)
+    best = judged.physical.selection.best
+    terms = [written_of(best, index, misfit=judged.misfit) for index in indices]
+    told = None if any(is_polygon(one.text) for one in terms) else sum_of(terms, with_std=False)
+    low, high = float(over.min()), float(over.max())
+    size = bare(float(np.quantile(np.abs(wire.named), 0.995)), 2)
+    formula = f"F = k {OVER} + {sum_of(terms, with_std=True)} in N, with {OVER} = u - x in m"
+    law_words = formula.replace("+ -", "- ") if told else TABLE
+    share = percent(min(max(judged.gone, 0.0), 1.0))
+    words = (
+        f"The wire of {actuator} is no linear spring: its force has up to {size} N beside it that depend on "
+        f"its elongation: {law_words}, seen from {bare(low)} to {bare(high)} m. It is a fitted law and "
+        f"explains {share} of the mismatch on unseen data."
+    )
+    return Described(
+        law.blocks[0], actuator, None, law.depends_on, symmetry_of(at, mean), False, False, None, told,
+        {OVER: (low, high)}, judged.gone, judged.gone, at, mean, std, words,
+        spread_over(over, wire.named[np.isfinite(wire.force)]),
+    )  # fmt: skip
 
 
 def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
@@ -53,12 +136,13 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     variable = depends_on[0] if depends_on else "x"
     over = at._asdict()[variable]
     where, mean, spread, _ = binned(over, force + _left(judged, dof))
-    terms = [_written(judged, index) for index in indices]
+    best = judged.physical.selection.best
+    terms = [written_of(best, index, misfit=judged.misfit) for index in indices]
     end = float(physical.evidence.time[-1])
     interval = (terms[0].interval(end) if len(terms) == 1 else None) or when(judged)
     symmetry = symmetry_of(where, mean) if variable in ("x", "v") else "neither"
     is_table = any(is_polygon(one.text) for one in terms)
-    text = None if is_table else _sum(one.told(with_std=False) for one in terms)
+    text = None if is_table else sum_of(terms, with_std=False)
     return Described(
         "plant", dof, None, depends_on, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
@@ -73,13 +157,15 @@ def _left(judged: Judgement, dof: str) -> Floats | float:
     return 0.0 if found is None else np.nan_to_num(found[2])
 
 
-def _written(judged: Judgement, index: int) -> Written:
-    found = less_sure(values_of(judged.physical.selection.best, index), judged.misfit)
-    return Written(str(found["force"]), {k: one for k, one in found.items() if isinstance(one, Value)})
+def written_of(fitted: Fitted, index: int, text: str = Formula.text, misfit: float = 1.0) -> Written:
+    """The formula of an effect that a model adds, with its values, so much less sure."""
+    found = less_sure(values_of(fitted, index), misfit)
+    return Written(str(found[text]), {k: one for k, one in found.items() if isinstance(one, Value)})
 
 
-def _sum(terms: Iterator[str]) -> str:
-    return " + ".join(terms).replace("+ -", "- ")
+def sum_of(terms: Iterable[Written], *, with_std: bool) -> str:
+    """All terms in words."""
+    return " + ".join(one.told(with_std=with_std) for one in terms).replace("+ -", "- ")
 
 
 def _words(
@@ -87,7 +173,7 @@ def _words(
 ) -> str:
     on = enumerated(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
-    formula = _sum(one.told(with_std=True) for one in terms)
+    formula = sum_of(terms, with_std=True)
     law = law_of(formula, depends_on) if terms else TABLE
     seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
     energy = " It takes energy out." if takes_energy(force, at) else ""

@@ -21,6 +21,7 @@ from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
+from rthm_analysis.diagnosis.physical.motor_composing import with_formula
 from rthm_analysis.diagnosis.physical.whitening import whitened
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -109,6 +110,9 @@ def diagnose_physical(
     seen = evidence.only("position", "velocity", "force")
     settled = drives.model
     begun, *others = whitened(begin(seen, settled, first, train, progress))
+    if (more := with_formula(drives, begun, evidence, spec, first)) is not None:
+        drives, settled = more, more.model
+        begun, *others = whitened(begin(seen, settled, first, train, progress))
     begun, selection = chosen(begun, seen, settled, train, formula=not seen.comes_to_rest)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)

@@ -41,6 +41,11 @@ class Beyond(NamedTuple):
     variables: dict[str, Floats]
     noise: float
 
+    def of_elongation(self, samples: int) -> tuple[Floats, Floats]:
+        """Elongation and force where both are known, in the first of all samples."""
+        known = np.isfinite(self.force[:samples])
+        return self.variables[ELONGATION][:samples][known], self.force[:samples][known]
+
 
 def wire_curve(physical: Physical, physics: Sequence[Physics]) -> Iterator[Curve]:
     """Measured force beyond k (u - x), for each wire with named physics and a force sensor."""
@@ -58,17 +63,12 @@ def wire_curve(physical: Physical, physics: Sequence[Physics]) -> Iterator[Curve
 def wires_described(physical: Physical) -> Iterator[Described]:
     """Wires whose force is a curve of the elongation, which unseen data do not deny; it is in no model."""
     for one in beyond_springs(physical):
-        over = one.variables[ELONGATION]
-        known = np.isfinite(one.force)
-        seen = known & (np.arange(known.size) < physical.train)
-        at, force, std, _ = binned(over[seen], one.force[seen])
-        if not seen.any():
+        explained = foretold_share(one, physical.train)
+        if explained is None:
             continue
-        shares = [_share(one, over, at, force, part) for part in (seen, known & ~seen)]
-        if min((share for share in shares if share is not None), default=0.0) < FORETOLD_SHARE:
-            continue
-        explained = shares[0] or 0.0
-        low, high = float(over[known].min()), float(over[known].max())
+        at, force, std, _ = binned(*one.of_elongation(physical.train))
+        over, _ = one.of_elongation(one.force.size)
+        low, high = float(over.min()), float(over.max())
         words = (
             f"The wire of {one.name} is no linear spring: its force has up to "
             f"{bare(float(np.abs(force).max()), 2)} N beside it that depend on its elongation (seen from "
@@ -79,6 +79,20 @@ def wires_described(physical: Physical) -> Iterator[Described]:
             "wire", one.name, None, ("x", "u"), symmetry_of(at, force), False, False, None, None,
             {ELONGATION: (low, high)}, explained, 0.0, at, force, std, words,
         )  # fmt: skip
+
+
+def foretold_share(one: Beyond, train: int) -> float | None:
+    """Part of a wire's force beyond a spring that a curve over its elongation explains, where that is fitted;
+    None where it explains too little there or on unseen data.
+    """
+    over, known = one.variables[ELONGATION], np.isfinite(one.force)
+    seen = known & (np.arange(known.size) < train)
+    if not seen.any():
+        return None
+    at, force, _, _ = binned(over[seen], one.force[seen])
+    shares = [_share(one, over, at, force, part) for part in (seen, known & ~seen)]
+    told = [share for share in shares if share is not None]
+    return shares[0] or 0.0 if told and min(told) >= FORETOLD_SHARE else None
 
 
 def _share(one: Beyond, over: Floats, at: Floats, force: Floats, part: np.ndarray) -> float | None:

@@ -30,6 +30,11 @@ class Written(NamedTuple):
         names = "|".join(self.values)
         return re.sub(rf"\b({names})\b", value, self.text).replace("- -", "+ ").replace("+ -", "- ")
 
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Values of its numbers."""
+        return {name: one.value for name, one in self.values.items()}
+
     def interval(self, end: float) -> tuple[float, float] | None:
         """When it acts, s, in a recording of this length; None: throughout."""
         window = WINDOW.search(self.text)

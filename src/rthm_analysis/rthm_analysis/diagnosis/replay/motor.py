@@ -50,7 +50,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     """
     motors = drive(spec)
     modes, vectors = _modes(motors)
-    taken = accepted(motors, np.vstack([first[None], commands]))
+    taken = accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
     nq = modes.size
     entry = (
         np.linalg.solve(vectors, motors.system.b.astype(complex))

@@ -154,9 +154,10 @@ def linear_part(spec: Spec) -> LinearLoop | None:
 
 
 def _has_limits(physical: Physical) -> bool:
-    """Whether commands are rounded or limited."""
-    shape = physical.model.drive.conditioning
-    return bool(np.any(shape[QUANTUM] != 0.0) or np.any(np.isfinite(shape[[LIMIT, RATE]])))
+    """Whether commands are changed, rounded or limited."""
+    drive = physical.model.drive
+    shape, changed = drive.conditioning, drive.shifts.numbers.size > 0
+    return bool(changed or np.any(shape[QUANTUM] != 0.0) or np.any(np.isfinite(shape[[LIMIT, RATE]])))
 
 
 def _samples(physical: Physical, side: Side) -> tuple[Floats, Floats, Sensors | None]:

@@ -18,7 +18,9 @@ FILLED_IN = {
 
 
 def completed(tree: dict[str, Any]) -> dict[str, Any]:
-    """Return the sections with such values filled in; what is wrong stays, for the checks to tell."""
+    """Return the sections with such values filled in; what is wrong stays, for the checks to tell, and so
+    does a section that is built already.
+    """
     done = {key: dict(value) if isinstance(value, dict) else value for key, value in tree.items()}
     plant, numerical, actuator = done.get("plant"), done.get("numerical"), done.get("actuator")
     _zeros(plant, "dofs", "initial_velocity")
@@ -27,12 +29,12 @@ def completed(tree: dict[str, Any]) -> dict[str, Any]:
     dofs = {"plant": _names(plant, "dofs"), "numerical": _names(numerical, "dofs")}
     done["load"] = _loads(done.get("load", {}), dofs)
     places = {"dof": dofs["plant"], "actuator": _names(actuator, "names")}
-    done["effects"] = [_placed(dict(one), places) for one in done["effects"]]
+    done["effects"] = [_placed(dict(one), places) if isinstance(one, dict) else one for one in done["effects"]]
     return done
 
 
 def _names(section: Any, key: str) -> list[Any]:
-    names = section.get(key) if isinstance(section, dict) else None
+    names = section.get(key) if isinstance(section, dict) else getattr(section, key, None)
     return list(names) if isinstance(names, list | tuple) else []
 
 

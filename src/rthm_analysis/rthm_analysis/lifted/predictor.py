@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.compiled import compiled
-from rthm_core.compensators import COMPENSATORS, NONE, compensated
+from rthm_core.compensation import compensation
+from rthm_core.compensators import COMPENSATORS, NONE, Compensation, compensated
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import HISTORY, ControllerState, controller
 from rthm_core.substructure import as_built
@@ -38,20 +39,23 @@ class Predictor(NamedTuple):
 
 def history_of(spec: Spec) -> int:
     """How many latched samples of each signal the controller looks at; 0: it does not predict."""
-    return history(controller(spec))
+    return _history(compensation(as_built(spec, "controller")))
 
 
 def history(state: ControllerState) -> int:
     """The same of a controller."""
-    how = state.compensation
+    return _history(state.compensation)
+
+
+def _history(how: Compensation) -> int:
     return COMPENSATORS[how.code].samples(how.order)
 
 
 def predictor(spec: Spec) -> Predictor | None:
     """Compensator of a spec; None if it has none."""
-    state = controller(spec)
-    if state.compensation.code == NONE:
+    if compensation(as_built(spec, "controller")).code == NONE:
         return None
+    state = controller(spec)
     believed = as_built(spec, "controller").loop()
     given = believed.actuator.compensator_horizon is not None
     return Predictor(state, state.compensation.way - (0.0 if given else believed.timing.tau4))

@@ -127,6 +127,18 @@ def _remove(flat: dict[str, Any], name: str) -> None:
         del flat[key]
 
 
+def with_timing(spec: Spec, other: Spec) -> Spec:
+    """Return the spec with the periods and delays of another one.
+
+    Raises
+    ------
+    InputError
+        If they are not allowed beside the rest of the spec.
+    """
+    sections = {name: value for name, value in spec.items() if value is not None}
+    return spec_from_parameters({}, built=sections | {"timing": other.timing})
+
+
 def scaled_timing(spec: Spec, factor: float) -> Spec:
     """Return the spec with every period and every delay of the loop multiplied by `factor`."""
     timing = spec.loop().timing

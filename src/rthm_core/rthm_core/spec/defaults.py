@@ -29,7 +29,9 @@ def completed(tree: dict[str, Any]) -> dict[str, Any]:
     dofs = {"plant": _names(plant, "dofs"), "numerical": _names(numerical, "dofs")}
     done["load"] = _loads(done.get("load", {}), dofs)
     places = {"dof": dofs["plant"], "actuator": _names(actuator, "names")}
-    done["effects"] = [_placed(dict(one), places) if isinstance(one, dict) else one for one in done["effects"]]
+    done["effects"] = [
+        _placed(dict(one), places) if isinstance(one, dict) else one for one in done["effects"]
+    ]
     return done
 
 
@@ -58,10 +60,11 @@ def _loads(loads: Any, dofs: dict[str, list[Any]]) -> Any:
     return done
 
 
-def _placed(one: dict[str, Any], places: dict[str, list[Any]]) -> dict[str, Any]:
+def _placed(one: Any, places: dict[str, list[Any]]) -> Any:
     """Put an effect at the only dof or actuator there is."""
+    if not isinstance(one, dict):
+        return one
     block = one.get("block")
     key = PLACES.get(block) if isinstance(block, str) else None
-    if key and key not in one and len(places[key]) == 1:
-        one[key] = places[key][0]
-    return one
+    only = {key: places[key][0]} if key and key not in one and len(places[key]) == 1 else {}
+    return one | only

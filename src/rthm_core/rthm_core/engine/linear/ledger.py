@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
-from rthm_core.exponential import exponentials
+from rthm_core.exponential import SCRATCH, exponentials, put_exponential, put_product, rate_bound
 from rthm_core.numerical import numerical
 from rthm_core.physical.drive import Drive, drive, settled
-from rthm_core.physical.side import build
+from rthm_core.physical.side import shared_model
 from rthm_core.simd import simd_copy
 from rthm_core.substructure import as_built
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-LENGTHS_TOGETHER = 64
-"""Lengths over which the work is integrated at once, so that what is in memory meanwhile is bounded."""
 COLUMNS = 8
 """Work of six terms, the energy, and one that makes the row as long as two registers."""
 
@@ -86,7 +84,7 @@ def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
 
 def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:
     """All signals of `energy.Moment` as rows over z."""
-    model, side2 = build(spec).model, numerical(as_built(spec, "numerical"))
+    model, side2 = shared_model(spec)[0], numerical(as_built(spec, "numerical"))
     n1, n2, m, chain = model.n, side2.n, model.m, believed.system.a.shape[0]
     first, size = loop.plant.a.shape[0], joint.shape[0]
     second = first + 2 * m
@@ -118,7 +116,7 @@ def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floa
     at = Moment(*(flat[begin:end] for begin, end in pairwise(ends)))
     forms = np.zeros((len(TERMS) + 1, joint.shape[0], joint.shape[0]))
     probe_powers(b, np.ascontiguousarray(np.vstack(signals)), at, flat, forms)
-    if nothing_added(spec, build(spec).model, believed):
+    if nothing_added(spec, shared_model(spec)[0], believed):
         forms[EFFECTS] = 0.0
     return forms
 
@@ -127,8 +125,7 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
     """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
     products ``z_i z_j``, i <= j, of the state at its start.
     """
-    pieces = np.array_split(lengths_ns, max(1, math.ceil(lengths_ns.size / LENGTHS_TOGETHER)))
-    forms = np.concatenate([work_over(ledger, piece) for piece in pieces])
+    forms = work_over(ledger, lengths_ns)
     if not with_energy:
         return packed(forms)
     ends = exponentials(ledger.joint, lengths_ns)
@@ -138,19 +135,48 @@ def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool
 
 def work_over(ledger: LinearLedger, lengths_ns: Integers) -> Floats:
     """Work (K, 6, d, d) over each of the lengths (K,) as forms of the state at its start."""
-    lengths = lengths_ns * 1e-9
-    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max() * lengths.max(initial=0.0))
-    parts = max(1, math.ceil(fastest))
-    at = ((np.arange(parts)[:, None] + 0.5 * (NODES + 1.0)) / parts).ravel()
-    weight = np.tile(0.5 * WEIGHTS / parts, parts)
-    flat = exponentials(ledger.joint, (lengths_ns[:, None] * at).ravel())
-    steps = flat.reshape(lengths.size, at.size, *ledger.joint.shape)
-    forms = np.zeros((lengths.size, len(TERMS), *ledger.joint.shape))
-    for term in range(len(TERMS)):
-        if ledger.forms[term].any():
-            power = np.swapaxes(steps, 2, 3) @ (ledger.forms[term] @ steps)
-            forms[:, term] = lengths[:, None, None] * np.tensordot(weight, power, axes=(0, 1))
+    lengths, powers = np.asarray(lengths_ns * 1e-9, dtype=float), ledger.forms[: len(TERMS)]
+    scratch = np.empty((SCRATCH + 2, *ledger.joint.shape))
+    forms = np.zeros((lengths.size, *powers.shape))
+    _integrate(ledger.joint, rate_bound(ledger.joint), powers, lengths, NODES, WEIGHTS, scratch, forms)
     return forms
+
+
+@compiled_in_place
+def _integrate(
+    joint: Floats,
+    bound: float,
+    powers: Floats,
+    lengths: Floats,
+    nodes: Floats,
+    weights: Floats,
+    scratch: Floats,
+    out: Floats,
+) -> None:
+    """Integrals ``E(t)' P E(t)`` of each power P over each length, by quadrature in parts that are short
+    beside the fastest motion.
+    """
+    step, pushed = scratch[SCRATCH], scratch[SCRATCH + 1]
+    for k in range(lengths.size):
+        parts = max(1, math.ceil(bound * lengths[k]))
+        width = lengths[k] / parts
+        for node in range(parts * nodes.size):
+            part, at = node // nodes.size, node % nodes.size
+            put_exponential(joint, bound, (part + 0.5 * (nodes[at] + 1.0)) * width, scratch, step)
+            for term in range(powers.shape[0]):
+                put_product(powers[term], step, pushed)
+                _add_form(step, pushed, 0.5 * weights[at] * width, out[k, term])
+
+
+@inlined
+def _add_form(step, pushed, weight, out):  # type: ignore[no-untyped-def]
+    """Add ``weight step' pushed``."""
+    for i in range(step.shape[0]):
+        for j in range(step.shape[0]):
+            factor = weight * step[i, j]
+            if factor != 0.0:
+                for k in range(step.shape[0]):
+                    out[j, k] += factor * pushed[i, k]
 
 
 def packed(forms: Floats) -> Floats:

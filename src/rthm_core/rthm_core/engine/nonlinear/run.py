@@ -9,7 +9,6 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import LONGEST_LENGTH, digit_lengths, in_digits, work_over_digits
-from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.linear.kernel import ROW_COUNT, Memory
 from rthm_core.engine.linear.ledger import LinearLedger, work_tables
@@ -25,6 +24,7 @@ from rthm_core.engine.program import (
     program,
     reach_ns,
 )
+from rthm_core.kept import kept
 from rthm_core.physical.sensors import Sensors
 from rthm_core.schedule import Schedule
 from rthm_core.simd import simd_copy

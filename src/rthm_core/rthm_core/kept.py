@@ -41,8 +41,8 @@ def kept_by_clocks(function: Function[Value]) -> Function[Value]:
 
 
 def _without_timing(spec: Spec) -> tuple[int, ...]:
-    others = (value for name, value in spec.items() if name not in ("timing", "effects"))
-    return (*map(id, others), *map(id, spec.effects))
+    others = [id(value) for name, value in vars(spec).items() if name not in ("timing", "effects")]
+    return (*others, *map(id, spec.effects))
 
 
 def _clocks(spec: Spec) -> tuple[int, ...]:

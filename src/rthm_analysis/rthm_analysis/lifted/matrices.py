@@ -17,7 +17,7 @@ from rthm_analysis.lifted.predictor import Predictor, history, predictor
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import controller
 from rthm_core.kept import kept_without_timing
-from rthm_core.numerical import numerical
+from rthm_core.numerical import shared_numerical
 from rthm_core.physical.model import PhysicalModel
 from rthm_core.physical.sensors import Sensors
 from rthm_core.physical.side import shared_model
@@ -91,7 +91,7 @@ def _without_predictor(spec: Spec) -> LinearLoop:
     a1, b1 = model.whole.a.copy(), model.whole.b
     m, n1 = model.m, model.n
     computed = as_built(spec, "numerical")
-    side, body = numerical(computed), substructure(computed.loop().numerical)
+    side, body = shared_numerical(spec), substructure(computed.loop().numerical)
     inverse_mass = np.linalg.inv(body.mass)
     n2, nq = side.n, a1.shape[0] - model.mechanics.shape[0]
     force_held, force_state = _reference_rows(interface(computed).numerical, side.stiffness, side.damping, n2)

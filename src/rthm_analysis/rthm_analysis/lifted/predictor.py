@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.compiled import compiled
-from rthm_core.compensation import compensation
-from rthm_core.compensators import COMPENSATORS, NONE, Compensation, compensated
+from rthm_core.compensation import code_of
+from rthm_core.compensators import COMPENSATORS, NONE, compensated
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import HISTORY, ControllerState, controller
 from rthm_core.substructure import as_built
@@ -39,21 +39,19 @@ class Predictor(NamedTuple):
 
 def history_of(spec: Spec) -> int:
     """How many latched samples of each signal the controller looks at; 0: it does not predict."""
-    return _history(compensation(as_built(spec, "controller")))
+    actuator = spec.loop().actuator
+    return COMPENSATORS[code_of(actuator)].samples(actuator.compensator_order)
 
 
 def history(state: ControllerState) -> int:
     """The same of a controller."""
-    return _history(state.compensation)
-
-
-def _history(how: Compensation) -> int:
+    how = state.compensation
     return COMPENSATORS[how.code].samples(how.order)
 
 
 def predictor(spec: Spec) -> Predictor | None:
     """Compensator of a spec; None if it has none."""
-    if compensation(as_built(spec, "controller")).code == NONE:
+    if code_of(spec.loop().actuator) == NONE:
         return None
     state = controller(spec)
     believed = as_built(spec, "controller").loop()

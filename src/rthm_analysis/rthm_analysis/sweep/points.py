@@ -10,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.sweep.ranges import Range
 from rthm_core.compiled import Floats, Integers
-from rthm_core.errors import InputError
+from rthm_core.errors import InputError, RefusedError
 from rthm_core.kept import RESULTS_KEPT
 from rthm_core.spec import apply, number_at, with_timing
 
@@ -79,7 +79,7 @@ class Points:
         timed, others = (tuple(pair for pair in pairs if _of_time(pair[0]) == of) for of in (True, False))
         try:
             return with_timing(self._part(others), self._part(timed)) if timed else self._part(others)
-        except InputError:
+        except (InputError, RefusedError):
             return changed(self.spec, self.keys, values)  # a part may be refused where the whole is not
 
     def _changed(self, pairs: tuple[tuple[str, float], ...]) -> Spec:

@@ -11,6 +11,7 @@ from typing import Any
 from rthm_core.errors import refusal
 from rthm_core.spec.building import spec_from_parameters
 from rthm_core.spec.catalogue import ROOT
+from rthm_core.spec.checks import check_delays
 from rthm_core.spec.parameters import values
 from rthm_core.spec.schema import Spec
 
@@ -128,15 +129,16 @@ def _remove(flat: dict[str, Any], name: str) -> None:
 
 
 def with_timing(spec: Spec, other: Spec) -> Spec:
-    """Return the spec with the periods and delays of another one.
+    """Return the spec with the periods and delays of another one that has the same sections.
 
     Raises
     ------
-    InputError
-        If they are not allowed beside the rest of the spec.
+    RefusedError
+        If an effect takes more off a delay than there is.
     """
-    sections = {name: value for name, value in spec.items() if value is not None}
-    return spec_from_parameters({}, built=sections | {"timing": other.timing})
+    changed = spec.model_copy(update={"timing": other.timing})
+    check_delays(changed)  # the one thing that both sections know of each other
+    return changed
 
 
 def scaled_timing(spec: Spec, factor: float) -> Spec:

@@ -5,6 +5,7 @@ and so is its integral over a step.
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,11 +16,10 @@ from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_power
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.exponential import SCRATCH, exponentials, put_exponential, put_product, rate_bound
-from rthm_core.numerical import numerical
+from rthm_core.numerical import shared_numerical
 from rthm_core.physical.drive import Drive, drive, settled
 from rthm_core.physical.side import shared_model
-from rthm_core.simd import simd_copy
-from rthm_core.substructure import as_built
+from rthm_core.simd import simd_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -84,7 +84,7 @@ def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
 
 def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:
     """All signals of `energy.Moment` as rows over z."""
-    model, side2 = shared_model(spec)[0], numerical(as_built(spec, "numerical"))
+    model, side2 = shared_model(spec)[0], shared_numerical(spec)
     n1, n2, m, chain = model.n, side2.n, model.m, believed.system.a.shape[0]
     first, size = loop.plant.a.shape[0], joint.shape[0]
     second = first + 2 * m
@@ -121,16 +121,14 @@ def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floa
     return forms
 
 
-def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool) -> Floats:
-    """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
-    products ``z_i z_j``, i <= j, of the state at its start.
+def work_tables(ledger: LinearLedger, moves_ns: Integers, rows_ns: Integers) -> Floats:
+    """Work over the lengths of moves, then that over the lengths before rows with the energy at their ends,
+    as coefficients (K, d (d + 1) / 2, 8) of the products ``z_i z_j``, i <= j, of the state at the start.
     """
-    forms = work_over(ledger, lengths_ns)
-    if not with_energy:
-        return packed(forms)
-    ends = exponentials(ledger.joint, lengths_ns)
-    energy = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
-    return packed(np.concatenate([forms, energy[:, None]], axis=1))
+    work, ends = work_over(ledger, np.concatenate([moves_ns, rows_ns])), exponentials(ledger.joint, rows_ns)
+    energy = np.zeros_like(work[:, :1])
+    energy[moves_ns.size :, 0] = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
+    return packed(np.concatenate([work, energy], axis=1))
 
 
 def work_over(ledger: LinearLedger, lengths_ns: Integers) -> Floats:
@@ -181,8 +179,15 @@ def _add_form(step, pushed, weight, out):  # type: ignore[no-untyped-def]
 
 def packed(forms: Floats) -> Floats:
     """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the work, and the energy if it is there."""
-    upper = np.triu_indices(forms.shape[-1])
-    double = np.where(upper[0] == upper[1], 1.0, 2.0)
-    tables = simd_copy(np.zeros((forms.shape[0], upper[0].size, COLUMNS)))
-    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., upper[0], upper[1]] * double, 1, 2)
+    first, second, double = _pairs(forms.shape[-1])
+    tables = simd_empty(forms.shape[0], first.size, COLUMNS)
+    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., first, second] * double, 1, 2)
+    tables[:, :, forms.shape[1] :] = 0.0
     return tables
+
+
+@cache
+def _pairs(d: int) -> tuple[Integers, Integers, Floats]:
+    """Every two of d elements, i <= j, and how often their product is in a form."""
+    first, second = np.triu_indices(d)
+    return first, second, np.where(first == second, 1.0, 2.0)

@@ -14,7 +14,6 @@ from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.engine.program import Program
 from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.simd import simd_copy
 
 PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
 
@@ -54,7 +53,7 @@ def _seen_through(rows: Floats, steps: Floats) -> Floats:
 
 def _lengths(first: Program, further: Program, column: int, kinds: tuple[int, ...]) -> tuple[Any, Any]:
     """Different lengths of some kinds of operation in both passes, and which one each operation takes."""
-    chosen = np.isin(first.what, kinds)
+    chosen = np.logical_or.reduce([first.what == kind for kind in kinds])
     both = np.stack([first[column], further[column]])
     lengths, which = np.unique(both[:, chosen], return_inverse=True)
     numbers = np.full(both.shape, -1, dtype=np.int64)
@@ -100,13 +99,7 @@ def prepared(loop: LinearLoop, given: Numbered, ledger: LinearLedger | None) -> 
         loop.bias,
         loop.k_tot,
     )
-    if ledger is None:
-        return Prepared(operations, tables, None)
-    of_work = [
-        work_tables(ledger, moves, with_energy=False),
-        work_tables(ledger, rows, with_energy=True),
-    ]
-    return Prepared(operations, tables, simd_copy(np.concatenate(of_work)))
+    return Prepared(operations, tables, None if ledger is None else work_tables(ledger, moves, rows))
 
 
 def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:

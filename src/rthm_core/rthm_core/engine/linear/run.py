@@ -124,10 +124,11 @@ def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, sp
         count = rows_within(begin, min(begin + passes * period, end + 1), step)
         rows = empty_rows(model.loop, count + 1, energies=one.work_tables is not None)
         left = min(passes, (end - begin) // period + 1)
-        operations = one.operations._replace(time=times + begin) if begin else one.operations
+        if begin:
+            one = without_first_pass(one)
+        operations = one.operations._replace(time=times + begin)
         block, start = run_block(one._replace(operations=operations), start, left, rows)
         yield block
-        one = without_first_pass(one) if begin == 0 else one
 
 
 @kept

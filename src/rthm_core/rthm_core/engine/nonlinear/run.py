@@ -89,9 +89,10 @@ def _work_tables(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
         LinearLedger(loop.linear, np.vstack([system, np.zeros((d - size, d))]), loop.forms)
         for system in loop.nonlinear.systems
     ]
+    none = np.zeros(0, dtype=np.int64)
     if lengths_ns is None:
         return simd_copy(np.concatenate([work_over_digits(one)[:-1] for one in ledgers]))
-    return simd_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
+    return simd_copy(np.concatenate([work_tables(one, lengths_ns, none) for one in ledgers]))
 
 
 def _steps(loop: NonlinearLoop, lengths_ns: Integers, work_tables: Floats) -> Steps | None:

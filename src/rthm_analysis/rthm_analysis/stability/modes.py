@@ -47,11 +47,11 @@ class Mode:
 
 def modes(lifted: Lifted, monodromy: np.ndarray, most: int | None = None) -> tuple[Mode, ...]:
     """Modes, the one that fades most slowly (or grows fastest) first; `most` of them, if given."""
+    reach = _aliases(lifted)
     values, vectors = np.linalg.eig(monodromy)
     size = np.abs(values)
     kept = (size > FORGOTTEN * size.max(initial=0.0)) & (values.imag >= 0.0)
     order = np.flatnonzero(kept)[np.argsort(-size[kept], kind="stable")][:most]
-    reach = _aliases(lifted)
     return tuple(Mode(_exponent(lifted, complex(values[i]), vectors[:, i], reach)) for i in order)
 
 

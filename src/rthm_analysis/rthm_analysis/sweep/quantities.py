@@ -8,7 +8,7 @@ import numpy as np
 
 from rthm_analysis.stability import slowest
 from rthm_core.compiled import Floats
-from rthm_core.energy import TERMS
+from rthm_core.energy import TERMS, with_error
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
 from rthm_core.kept import kept_without_timing
@@ -52,10 +52,10 @@ def measure(spec: Spec, duration: float) -> tuple[dict[str, float], str]:
 
 
 def _stability(spec: Spec) -> dict[str, float]:
-    radius, hyperperiod, mode = slowest(spec)
+    radius, mode = slowest(spec)
     return {
         "spectral_radius": radius,
-        "growth_rate": float(np.log(radius) / hyperperiod),
+        "growth_rate": mode.exponent.real,
         "frequency": mode.frequency,
         "damping_ratio": mode.damping_ratio,
     }
@@ -68,8 +68,10 @@ def _ideal_position(spec: Spec, duration: float, sample: float) -> Floats:
 
 
 def _energies(hybrid: Trajectory) -> dict[str, float]:
-    last = {name: float(values[-1]) for name, values in hybrid.all_energies().items()}
-    return last | {"balance_error": float(np.abs(hybrid.balance_error).max())}
+    last = with_error({name: values[-1:] for name, values in hybrid.energies.items()})
+    return {name: float(value[0]) for name, value in last.items()} | {
+        "balance_error": float(np.abs(hybrid.balance_error).max())
+    }
 
 
 def _motion(spec: Spec, hybrid: Trajectory, ideal: Floats) -> dict[str, float]:

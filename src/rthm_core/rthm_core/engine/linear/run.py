@@ -131,7 +131,7 @@ def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, sp
         yield block
 
 
-@kept
+@kept_without_timing
 def _digits(spec: Spec, energies: bool) -> Prepared:
     """Matrices over the lengths of every digit, without a program."""
     model = _model(spec, energies)

@@ -51,15 +51,20 @@ SCRATCH = 3
 
 @inlined
 def put_product(a, b, out):  # type: ignore[no-untyped-def]
-    """Matrix product; what is zero in `a`, as much is in a system with held inputs, costs nothing."""
+    """Matrix product, and whether there is anything in it; what is zero in `a`, as much is in a system with
+    held inputs, costs nothing.
+    """
+    anything = False
     for i in range(a.shape[0]):
         for j in range(b.shape[1]):
             out[i, j] = 0.0
         for k in range(a.shape[1]):
             factor = a[i, k]
             if factor != 0.0:
+                anything = True
                 for j in range(b.shape[1]):
                     out[i, j] += factor * b[k, j]
+    return anything
 
 
 @called

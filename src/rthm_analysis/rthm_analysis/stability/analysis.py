@@ -44,17 +44,18 @@ def spectral_radius(spec: Spec) -> float:
 
 
 class Slowest(NamedTuple):
-    """Spectral radius of a loop over one hyperperiod, and the mode that fades most slowly."""
+    """Spectral radius of a loop over one `hyperperiod` (s), and the mode that fades most slowly."""
 
     spectral_radius: float
+    hyperperiod: float
     mode: Mode
 
 
 def slowest(spec: Spec) -> Slowest:
     """What of `stability` belongs to the slowest mode; it raises the same errors."""
     lifted = _lifted(spec)
-    (mode,) = modes(lifted, lifted.monodromy(), 1)
-    return Slowest(float(np.exp(mode.exponent.real * lifted.cycle.hyperperiod)), mode)
+    monodromy = lifted.monodromy()
+    return Slowest(_radius(monodromy), lifted.cycle.hyperperiod, modes(lifted, monodromy, 1)[0])
 
 
 def _lifted(spec: Spec) -> Lifted:

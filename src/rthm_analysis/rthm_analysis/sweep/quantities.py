@@ -52,10 +52,10 @@ def measure(spec: Spec, duration: float) -> tuple[dict[str, float], str]:
 
 
 def _stability(spec: Spec) -> dict[str, float]:
-    radius, mode = slowest(spec)
+    radius, hyperperiod, mode = slowest(spec)
     return {
         "spectral_radius": radius,
-        "growth_rate": mode.exponent.real,
+        "growth_rate": float(np.log(radius) / hyperperiod),
         "frequency": mode.frequency,
         "damping_ratio": mode.damping_ratio,
     }

@@ -162,8 +162,8 @@ def _integrate(
             part, at = node // nodes.size, node % nodes.size
             put_exponential(joint, bound, (part + 0.5 * (nodes[at] + 1.0)) * width, scratch, step)
             for term in range(powers.shape[0]):
-                put_product(powers[term], step, pushed)
-                _add_form(step, pushed, 0.5 * weights[at] * width, out[k, term])
+                if put_product(powers[term], step, pushed):
+                    _add_form(step, pushed, 0.5 * weights[at] * width, out[k, term])
 
 
 @inlined

@@ -26,6 +26,7 @@ from benchmarks.engine.scale import (
     sensitive,
     stability_checks,
     starts,
+    swept,
     with_delays,
     with_masses,
 )
@@ -133,6 +134,7 @@ def scaled(spec: Spec) -> dict[str, float]:
         seldom, often = (_c_engine(spec, DURATION, sample)[0] for sample in (1.0, SAMPLE))
     ensembles = {"per_loop": with_masses(spec, DURATION, 1.0), "own_delays": with_delays(spec, DURATION, 1.0)}
     found |= sensitive(ours.nonlinear(spec)["Coulomb friction"], DURATION, SAMPLE)
+    found |= swept()
     return found | per_one(ensembles, seldom) | per_one({"check": stability_checks(spec)}, often)
 
 

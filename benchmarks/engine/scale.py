@@ -10,6 +10,7 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from benchmarks.engine import THREADS
@@ -23,6 +24,9 @@ from rthm_core.spec import Spec
 
 COUNT = 1024
 """How many loops or checks are done together."""
+
+LOOPS, CORES = 10_000, 2
+"""How many loops a sweep has, and how many processes run them."""
 
 
 def with_masses(spec: Spec, duration: float, sample: float) -> Callable[[], object]:
@@ -95,15 +99,43 @@ def long_run(spec: Spec, duration: float, sample: float) -> tuple[float, float]:
 def starts(times: int = 3) -> tuple[float, float]:
     """CPU seconds of ``rthm simulate`` for 20 s: the first use after installation, and a later one."""
     with tempfile.TemporaryDirectory() as folder:
-        users = {name: value for name, value in os.environ.items() if name not in THREADS}
-        environment = users | {"RTHM_CACHE_DIR": folder}
-        rthm = str(Path(sys.executable).parent / "rthm")
-        command = [rthm, "simulate", "paper", "--duration", "20", "--out", str(Path(folder) / "run.npz")]
+        command = ["simulate", "paper", "--duration", "20", "--out", str(Path(folder) / "run.npz")]
 
         def once() -> float:
-            before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            subprocess.run(command, env=environment, check=True, stdout=subprocess.DEVNULL)
-            after = resource.getrusage(resource.RUSAGE_CHILDREN)
-            return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            return _verb(command, {"RTHM_CACHE_DIR": folder}).cpu
 
         return once(), min(once() for _ in range(times))
+
+
+def swept() -> dict[str, float]:
+    """Wall and CPU seconds of ``rthm sweep`` over a grid of `LOOPS` loops of 20 s on `CORES` processors, from
+    its start to its picture; compiled code is there already.
+    """
+    side = round(LOOPS**0.5)
+
+    def once(count: int) -> _Spent:
+        with tempfile.TemporaryDirectory() as folder:
+            grid = ["--set", f"timing.tau4=0:0.03:{count}", "--set", f"plant.damping=0.01:0.1:{count}"]
+            workers = ["--workers", str(CORES), "--yes", "--out", folder]
+            return _verb(["sweep", "paper", *grid, "--duration", "20", *workers], {})
+
+    once(2)
+    spent = once(side)
+    return {"sweep_loops": side**2, "sweep": spent.wall, "sweep_cpu": spent.cpu}
+
+
+class _Spent(NamedTuple):
+    """Seconds that a command took, and those that its processors worked for it."""
+
+    wall: float
+    cpu: float
+
+
+def _verb(command: list[str], environment: dict[str, str]) -> _Spent:
+    """Run ``rthm`` as a user does, whose libraries choose their threads."""
+    users = {name: value for name, value in os.environ.items() if name not in THREADS}
+    rthm = str(Path(sys.executable).parent / "rthm")
+    before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run([rthm, *command], env=users | environment, check=True, stdout=subprocess.DEVNULL)
+    wall, after = time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return _Spent(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)

@@ -47,6 +47,7 @@ of the program:
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |
+| `rthm sweep` of {loops} loops of {duration:g} s on two cores, start included | {sweep}, {sweep_cpu} CPU |
 """
 
 
@@ -97,4 +98,7 @@ def markdown(found: dict[str, Any]) -> str:
         added=scale["hour_added_mb"],
         first=_time(scale["first_start"]),
         later=_time(scale["later_start"]),
+        loops=scale["sweep_loops"],
+        sweep=_time(scale["sweep"]),
+        sweep_cpu=_time(scale["sweep_cpu"]),
     )

@@ -15,7 +15,7 @@ from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
-    from rthm_core.spec.schema import TimingSpec
+    from rthm_core.spec.schema import ActuatorSpec, TimingSpec
 
 
 def compensation(spec: Spec) -> Compensation:
@@ -28,16 +28,11 @@ def compensation(spec: Spec) -> Compensation:
     """
     loop, sides = spec.loop(), interface(spec)
     actuator, timing = loop.actuator, loop.timing
-    if actuator.compensator not in NAMES:
-        raise InputError(
-            f"actuator.compensator {actuator.compensator!r} is not available, allowed is one of "
-            f"{', '.join(NAMES)}; choose one of them."
-        )
     way = actuator.compensator_horizon
     if way is None:
         way = timing.tau4 + sum(1.0 / pole for pole in actuator.motor_poles or ())
     return Compensation(
-        NAMES.index(actuator.compensator),
+        code_of(actuator),
         actuator.compensator_order,
         mean_age(timing, "tau1", "td1", "td3") + 0.5 * timing.td3 + way,
         _reference_age(timing) + way,
@@ -47,6 +42,22 @@ def compensation(spec: Spec) -> Compensation:
         sides.stiffness,
         sides.damping,
     )
+
+
+def code_of(actuator: ActuatorSpec) -> int:
+    """Code of a compensator in `rthm_core.compensators`.
+
+    Raises
+    ------
+    InputError
+        When there is none of this name.
+    """
+    if actuator.compensator not in NAMES:
+        raise InputError(
+            f"actuator.compensator {actuator.compensator!r} is not available, allowed is one of "
+            f"{', '.join(NAMES)}; choose one of them."
+        )
+    return NAMES.index(actuator.compensator)
 
 
 def mean_age(timing: TimingSpec, delay: str, sampled: str, used: str) -> float:

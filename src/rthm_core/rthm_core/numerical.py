@@ -12,6 +12,7 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.errors import InputError
+from rthm_core.kept import kept_without_timing
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
 from rthm_core.substructure import as_built, held_dynamics, interface, substructure
@@ -81,6 +82,12 @@ def numerical(spec: Spec) -> Numerical:
         np.concatenate([x1[sides.plant], v1[sides.plant]]).astype(float),
         np.zeros((orders, 2 * m + 1)),
     )
+
+
+@kept_without_timing
+def shared_numerical(spec: Spec) -> Numerical:
+    """Numerical side with what it really computes with, made once for all that only read it."""
+    return numerical(as_built(spec, "numerical"))
 
 
 @called

@@ -21,6 +21,15 @@ def test_a_change_by_dotted_name_gives_another_spec_and_keeps_the_first() -> Non
     assert (PAPER.timing.tau1, PAPER.plant.mass) == (0.004, (1.2,))
 
 
+def test_sections_in_which_nothing_changes_stay_the_same_objects() -> None:
+    friction = shipped_spec("friction")
+    changed = apply(friction, {"plant.mass": 2.0})
+    assert changed.timing is friction.timing and changed.effects[0] is friction.effects[0]
+    assert changed.plant is not friction.plant
+    stronger = apply(friction, {"guide.force": 0.1})
+    assert stronger.plant is friction.plant and stronger.effects[0] is not friction.effects[0]
+
+
 def test_numbers_of_numpy_are_numbers() -> None:
     changed = apply(PAPER, {"plant.mass": np.array([2.0]), "noise.seed": np.int64(3)})
     assert changed.plant.mass == apply(PAPER, {"plant.mass": np.float32(2.0)}).plant.mass == (2.0,)

@@ -15,6 +15,7 @@ import numpy as np
 
 from rthm_analysis.lifted.cycle import Cycle, cycle, hyperperiod
 from rthm_analysis.lifted.predictor import history_of
+from rthm_core.kept import kept_by_clocks
 from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -69,4 +70,9 @@ def _retime(schedule: Schedule, ticks: dict[str, int], duration_ns: int) -> floa
 
 def period_of(spec: Spec, most: int = MOST_EVENTS) -> Period:
     """Cycle of a linear loop."""
-    return commensurate(Schedule(spec), most, history_of(spec))
+    return _period(spec, most, history_of(spec))
+
+
+@kept_by_clocks
+def _period(spec: Spec, most: int, history: int) -> Period:
+    return commensurate(Schedule(spec), most, history)

@@ -154,6 +154,8 @@ def _since_cut(schedule: Schedule, events: Events, begin: int) -> Events:
 
 def _latched(schedule: Schedule, events: Events, begin: int, span: int, history: int) -> Integers:
     """Numbers since the cut (E, 2, H) of the samples and references that the controller has latched last."""
+    if history == 0:
+        return np.zeros((events.what.size, 2, 0), dtype=np.int64)
     before = schedule.commands(begin - span, begin)
     rows, columns = events.what == COMMAND, []
     past = (before.state - begin // schedule.td1, before.reference - begin // schedule.td2)

@@ -4,7 +4,7 @@ acts.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rthm_core.compensators import NAMES
 from rthm_core.errors import InputError
@@ -47,7 +47,19 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
         "load.numerical.kind": "none",
         **{f"noise.{name}": 0.0 for name in ("position", "velocity", "motor", "force")},
     }
-    return apply(spec, changes), tuple(left_out)
+    return _changed(spec, changes), tuple(left_out)
+
+
+def _changed(spec: Spec, changes: dict[str, Any]) -> Spec:
+    """The spec itself where it is like this already."""
+    now = {
+        "effects": [one.name for one in spec.effects],
+        "actuator.pretension": list(_pretension(spec)),
+        **{f"load.{side}.kind": load.kind for side, load in spec.load.items() if load is not None},
+        **{f"noise.{name}": value for name, value in spec.noise.items()},
+    }
+    different = {name: value for name, value in changes.items() if now.get(name) != value}
+    return apply(spec, different) if different else spec
 
 
 def check_compensator(name: str) -> None:

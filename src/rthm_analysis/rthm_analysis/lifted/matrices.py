@@ -16,10 +16,11 @@ import numpy as np
 from rthm_analysis.lifted.predictor import Predictor, history, predictor
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import controller
-from rthm_core.loads import NO_LOAD
-from rthm_core.numerical import numerical
-from rthm_core.physical.model import PhysicalModel, physical_model
+from rthm_core.kept import kept_without_timing
+from rthm_core.numerical import shared_numerical
+from rthm_core.physical.model import PhysicalModel
 from rthm_core.physical.sensors import Sensors
+from rthm_core.physical.side import shared_model
 from rthm_core.substructure import as_built, interface, substructure
 
 if TYPE_CHECKING:
@@ -80,18 +81,24 @@ class LinearLoop(NamedTuple):
 
 def linear_loop(spec: Spec) -> LinearLoop:
     """Matrices of a loop that `linear_part` has left linear."""
+    return _without_predictor(spec)._replace(predictor=predictor(spec))
+
+
+@kept_without_timing
+def _without_predictor(spec: Spec) -> LinearLoop:
+    """Its matrices, in which no clock and no delay is."""
     model = _physical(spec)
     a1, b1 = model.whole.a.copy(), model.whole.b
     m, n1 = model.m, model.n
     computed = as_built(spec, "numerical")
-    side, body = numerical(computed), substructure(computed.loop().numerical)
+    side, body = shared_numerical(spec), substructure(computed.loop().numerical)
     inverse_mass = np.linalg.inv(body.mass)
     n2, nq = side.n, a1.shape[0] - model.mechanics.shape[0]
     force_held, force_state = _reference_rows(interface(computed).numerical, side.stiffness, side.damping, n2)
     return LinearLoop(
         a1,
         b1[:, :m].copy(),
-        b1[:, m + 1 : m + 1 + n1].copy(),
+        _pushed(model, nq),
         np.eye(a1.shape[0])[nq : nq + n1],
         _sampled_rows(spec, model, nq),
         side.system.a.copy(),
@@ -101,16 +108,21 @@ def linear_loop(spec: Spec) -> LinearLoop:
         force_held,
         force_state,
         1.0 / controller(spec).stiffness,
-        predictor(spec),
     )
 
 
 def _physical(spec: Spec) -> PhysicalModel:
-    """Physical side with one further load for each dof; the spec's own load is the first one."""
-    model, _ = physical_model(spec, further=[(NO_LOAD, dof) for dof in range(spec.plant.n)])
+    model, _ = shared_model(spec)
     if model.laws is not None:
         raise ValueError("the physical side is not linear")
     return model
+
+
+def _pushed(model: PhysicalModel, nq: int) -> Floats:
+    """Effect of unit loads on the plant's dofs on the rate of the physical states."""
+    rows = np.zeros((nq + model.mechanics.shape[0], model.n))
+    rows[nq + model.n : nq + 2 * model.n] = model.inverse_mass
+    return rows
 
 
 def _sampled_rows(spec: Spec, model: PhysicalModel, nq: int) -> Floats:

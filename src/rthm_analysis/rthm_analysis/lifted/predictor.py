@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_analysis.lifted.compiled import compiled
+from rthm_core.compensation import code_of
 from rthm_core.compensators import COMPENSATORS, NONE, compensated
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import HISTORY, ControllerState, controller
@@ -38,7 +39,8 @@ class Predictor(NamedTuple):
 
 def history_of(spec: Spec) -> int:
     """How many latched samples of each signal the controller looks at; 0: it does not predict."""
-    return history(controller(spec))
+    actuator = spec.loop().actuator
+    return COMPENSATORS[code_of(actuator)].samples(actuator.compensator_order)
 
 
 def history(state: ControllerState) -> int:
@@ -49,9 +51,9 @@ def history(state: ControllerState) -> int:
 
 def predictor(spec: Spec) -> Predictor | None:
     """Compensator of a spec; None if it has none."""
-    state = controller(spec)
-    if state.compensation.code == NONE:
+    if code_of(spec.loop().actuator) == NONE:
         return None
+    state = controller(spec)
     believed = as_built(spec, "controller").loop()
     given = believed.actuator.compensator_horizon is not None
     return Predictor(state, state.compensation.way - (0.0 if given else believed.timing.tau4))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,9 @@ from rthm_analysis.stability.limits import (
     period_limit,
     scale_limit,
 )
-from rthm_analysis.stability.modes import modes
+from rthm_analysis.stability.modes import Mode, modes
 from rthm_analysis.stability.result import Stability
+from rthm_core.compiled import Floats
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -39,9 +40,32 @@ def spectral_radius(spec: Spec) -> float:
     InputError
         When the spec describes no loop, or has a compensator whose linear equations are not known.
     """
+    return _radius(_lifted(spec).monodromy())
+
+
+class Slowest(NamedTuple):
+    """Spectral radius of a loop over one `hyperperiod` (s), and the mode that fades most slowly."""
+
+    spectral_radius: float
+    hyperperiod: float
+    mode: Mode
+
+
+def slowest(spec: Spec) -> Slowest:
+    """What of `stability` belongs to the slowest mode; it raises the same errors."""
+    lifted = _lifted(spec)
+    monodromy = lifted.monodromy()
+    return Slowest(_radius(monodromy), lifted.cycle.hyperperiod, modes(lifted, monodromy, 1)[0])
+
+
+def _lifted(spec: Spec) -> Lifted:
+    """Linear part of a loop along its cycle."""
     linear, _ = linear_part(spec)
-    lifted = Lifted(linear_loop(linear), period_of(linear).cycle)
-    return float(np.abs(np.linalg.eigvals(lifted.monodromy())).max())
+    return Lifted(linear_loop(linear), period_of(linear).cycle)
+
+
+def _radius(monodromy: Floats) -> float:
+    return float(np.abs(np.linalg.eigvals(monodromy)).max())
 
 
 def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = None) -> Stability:
@@ -69,7 +93,7 @@ def stability(spec: Spec, *, limits: bool = True, progress: Progress | None = No
     lifted = Lifted(loop, cycle)
     monodromy = lifted.monodromy()
     return Stability(
-        float(np.abs(np.linalg.eigvals(monodromy)).max()),
+        _radius(monodromy),
         cycle.hyperperiod,
         modes(lifted, monodromy),
         error,

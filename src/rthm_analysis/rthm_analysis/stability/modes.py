@@ -45,25 +45,31 @@ class Mode:
         }
 
 
-def modes(lifted: Lifted, monodromy: np.ndarray) -> tuple[Mode, ...]:
-    """Modes, the one that fades most slowly (or grows fastest) first."""
+def modes(lifted: Lifted, monodromy: np.ndarray, most: int | None = None) -> tuple[Mode, ...]:
+    """Modes, the one that fades most slowly (or grows fastest) first; `most` of them, if given."""
+    reach = _aliases(lifted)
     values, vectors = np.linalg.eig(monodromy)
     size = np.abs(values)
     kept = (size > FORGOTTEN * size.max(initial=0.0)) & (values.imag >= 0.0)
-    order = np.flatnonzero(kept)[np.argsort(-size[kept], kind="stable")]
-    return tuple(Mode(_exponent(lifted, complex(values[i]), vectors[:, i])) for i in order)
+    order = np.flatnonzero(kept)[np.argsort(-size[kept], kind="stable")][:most]
+    return tuple(Mode(_exponent(lifted, complex(values[i]), vectors[:, i], reach)) for i in order)
 
 
-def _exponent(lifted: Lifted, value: complex, vector: Complex) -> complex:
+def _aliases(lifted: Lifted) -> int:
+    """How many aliases on either side of an eigenvalue are no faster than the loop itself."""
+    spacing = 2.0 * np.pi / lifted.cycle.hyperperiod
+    return int((1.5 * lifted.loop.fastest_oscillation + spacing / 2.0) // spacing)
+
+
+def _exponent(lifted: Lifted, value: complex, vector: Complex, reach: int) -> complex:
     """The one of the logarithms of an eigenvalue at which the positions move most.
 
-    An eigenvalue leaves the frequency open up to multiples of 2 pi / T (aliases). The motion does not: it is
-    largest in the component of the true one.
+    An eigenvalue leaves the frequency open up to multiples of 2 pi / T (aliases, of which `reach` on either
+    side are possible). The motion does not: it is largest in the component of the true one.
     """
     period = lifted.cycle.hyperperiod
     principal = np.log(complex(value)) / period
     spacing = 2.0 * np.pi / period
-    reach = int((1.5 * lifted.loop.fastest_oscillation + spacing / 2.0) // spacing)
     if reach == 0:
         return _upper(principal)
     candidates = principal + 1j * spacing * np.arange(-reach, reach + 1)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_analysis.sweep.points import changed
+from rthm_analysis.sweep.points import Points
 from rthm_core.compiled import Floats, Integers
 from rthm_core.errors import InputError
 
@@ -55,7 +55,7 @@ def _run(order: Order, values: tuple[float, ...]) -> dict[str, Any]:
     try:
         # A loop that grows without bound ends as inf or nan, and that is what the table says.
         with np.errstate(all="ignore"):
-            found, refused = measure(changed(_spec(order.spec), order.keys, values), order.duration)
+            found, refused = measure(_points(order.spec, order.keys).at(values), order.duration)
         radius = found["spectral_radius"]
         return {"stable": None if np.isnan(radius) else radius < 1.0, **found, "refused": refused}
     except InputError as error:
@@ -63,8 +63,8 @@ def _run(order: Order, values: tuple[float, ...]) -> dict[str, Any]:
 
 
 @cache
-def _spec(text: str) -> Any:
+def _points(text: str, keys: tuple[str, ...]) -> Points:
     from rthm_core.spec import spec_with_own_effects
     from rthm_core.spec.yaml_text import parameters_in
 
-    return spec_with_own_effects(parameters_in(text))
+    return Points(spec_with_own_effects(parameters_in(text)), keys)

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.stability import stability
+from rthm_analysis.stability import slowest
 from rthm_core.compiled import Floats
-from rthm_core.energy import TERMS
+from rthm_core.energy import TERMS, with_error
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
+from rthm_core.kept import kept_without_timing
 from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
@@ -46,28 +47,35 @@ def measure(spec: Spec, duration: float) -> tuple[dict[str, float], str]:
         sample = min(duration / FEWEST_INSTANTS, LONGEST_STEP)
         hybrid = simulate(spec, duration, sample)
         found |= _energies(hybrid)
-        found |= _motion(spec, hybrid, simulate(spec, duration, sample, "ideal", energies=False))
+        found |= _motion(spec, hybrid, _ideal_position(spec, duration, sample))
     return {name: float(value) for name, value in found.items()}, refused
 
 
 def _stability(spec: Spec) -> dict[str, float]:
-    result = stability(spec, limits=False)
-    slowest = result.modes[0]
+    radius, hyperperiod, mode = slowest(spec)
     return {
-        "spectral_radius": result.spectral_radius,
-        "growth_rate": float(np.log(result.spectral_radius) / result.hyperperiod),
-        "frequency": slowest.frequency,
-        "damping_ratio": slowest.damping_ratio,
+        "spectral_radius": radius,
+        "growth_rate": float(np.log(radius) / hyperperiod),
+        "frequency": mode.frequency,
+        "damping_ratio": mode.damping_ratio,
     }
 
 
+@kept_without_timing
+def _ideal_position(spec: Spec, duration: float, sample: float) -> Floats:
+    """Plant (N, n) of the ideal system, which has neither delays nor holds."""
+    return simulate(spec, duration, sample, "ideal", energies=False).plant_position
+
+
 def _energies(hybrid: Trajectory) -> dict[str, float]:
-    last = {name: float(values[-1]) for name, values in hybrid.all_energies().items()}
-    return last | {"balance_error": float(np.abs(hybrid.balance_error).max())}
+    last = with_error({name: values[-1:] for name, values in hybrid.energies.items()})
+    return {name: float(value[0]) for name, value in last.items()} | {
+        "balance_error": float(np.abs(hybrid.balance_error).max())
+    }
 
 
-def _motion(spec: Spec, hybrid: Trajectory, ideal: Trajectory) -> dict[str, float]:
-    error = hybrid.plant_position - ideal.plant_position
+def _motion(spec: Spec, hybrid: Trajectory, ideal: Floats) -> dict[str, float]:
+    error = hybrid.plant_position - ideal
     passed = _integral(hybrid.t, np.sum(hybrid.plant_velocity[:, interface(spec).plant] ** 2, axis=1))
     drained = -sum(float(hybrid.energies[name][-1]) for name in ("E_num", "E_ff", "E_fx"))
     return {

@@ -12,6 +12,7 @@ import numpy as np
 
 from rthm_analysis.sweep.batch import Batch, Order, run_batch
 from rthm_analysis.sweep.folder import Folder
+from rthm_analysis.sweep.points import sharing_order
 from rthm_analysis.sweep.workers import Workers
 from rthm_core.compiled import Floats, Integers
 from rthm_core.errors import InputError
@@ -74,7 +75,8 @@ def sweep(
     folder = Folder(path, _plan(order, values))
     before = folder.finished(values.shape[0])
     run = _Run(order, values, folder, workers, progress or (lambda done: None), before.size)
-    run.all(np.setdiff1d(np.arange(values.shape[0]), before))
+    order_of_work = sharing_order(order.keys, values)
+    run.all(order_of_work[~np.isin(order_of_work, before)])
     return Sweep(
         folder.table(), order.keys, values.shape[0], int(before.size), run.batches, run.seconds_per_loop
     )

@@ -11,7 +11,6 @@ import numpy as np
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats
-from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import Rows, joined
 from rthm_core.engine.linear.kernel import ROW_COUNT
 from rthm_core.engine.linear.preparation import filled
@@ -24,6 +23,7 @@ from rthm_core.engine.tangents.changes import Tangents, look_pairs, stencil, ste
 from rthm_core.engine.tangents.kernel import TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
+from rthm_core.kept import kept
 from rthm_core.simd import WIDTH, simd_copy, simd_empty
 from rthm_core.spec import parameters
 

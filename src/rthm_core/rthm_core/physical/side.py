@@ -9,13 +9,14 @@ import numpy as np
 
 from rthm_core.compensation import first_parts
 from rthm_core.compiled import Floats
+from rthm_core.kept import kept_without_timing
 from rthm_core.physical.advance import (
     Physical,
     advance_and_sample,
     advance_to,
     command_and_advance,
 )
-from rthm_core.physical.model import physical_model
+from rthm_core.physical.model import PhysicalModel, Resting, physical_model
 from rthm_core.physical.start import physical
 
 if TYPE_CHECKING:
@@ -45,8 +46,21 @@ def first_command(spec: Spec) -> Floats:
 
 def build(spec: Spec) -> Physical:
     """Physical side of a spec at the start of a test."""
-    assert spec.plant is not None
-    model, resting = physical_model(spec)
+    return _at_start(spec, *physical_model(spec))
+
+
+def read_only(spec: Spec) -> Physical:
+    """The same, of a model that others have, too: to be read, not to be moved."""
+    return _at_start(spec, *shared_model(spec))
+
+
+@kept_without_timing
+def shared_model(spec: Spec) -> tuple[PhysicalModel, list[Resting]]:
+    """As `physical_model` gives it, made once for all that only read it."""
+    return physical_model(spec)
+
+
+def _at_start(spec: Spec, model: PhysicalModel, resting: list[Resting]) -> Physical:
     position, velocity = (
         np.array(spec.plant.initial_position, dtype=float),
         np.array(spec.plant.initial_velocity, dtype=float),

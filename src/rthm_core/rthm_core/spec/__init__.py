@@ -2,7 +2,7 @@
 
 from rthm_core.spec.amplitude import scaled_motion
 from rthm_core.spec.building import spec_from_parameters
-from rthm_core.spec.changes import apply, number_at, with_effects_from
+from rthm_core.spec.changes import apply, number_at, with_effects_from, with_timing
 from rthm_core.spec.numbers import numbers
 from rthm_core.spec.parameters import Parameter, parameters
 from rthm_core.spec.reading import (
@@ -72,5 +72,6 @@ __all__ = [
     "spec_from_parameters",
     "spec_with_own_effects",
     "with_effects_from",
+    "with_timing",
     "write_spec",
 ]

@@ -16,7 +16,9 @@ from rthm_core.spec.messages import input_error
 from rthm_core.spec.schema import Spec
 
 
-def spec_from_parameters(given: Mapping[str, Any], besides: Collection[str] = ()) -> Spec:
+def spec_from_parameters(
+    given: Mapping[str, Any], besides: Collection[str] = (), built: Mapping[str, Any] | None = None
+) -> Spec:
     """Return the spec that ROS parameters describe.
 
     Parameters
@@ -25,6 +27,8 @@ def spec_from_parameters(given: Mapping[str, Any], besides: Collection[str] = ()
         Values by dotted name.
     besides
         Names that are no part of a spec and are passed over, such as a node's own parameters.
+    built
+        Sections of another spec, by name, that are part of this one as they are.
 
     Raises
     ------
@@ -32,7 +36,7 @@ def spec_from_parameters(given: Mapping[str, Any], besides: Collection[str] = ()
         On the first thing that is not allowed.
     """
     tree = nested({name: value for name, value in given.items() if name not in besides})
-    gathered = completed(_with_effects(tree))
+    gathered = completed(_with_effects(tree) | dict(built or {}))
     try:
         return Spec.model_validate(gathered)
     except ValidationError as error:

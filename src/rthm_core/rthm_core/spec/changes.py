@@ -10,6 +10,8 @@ from typing import Any
 
 from rthm_core.errors import refusal
 from rthm_core.spec.building import spec_from_parameters
+from rthm_core.spec.catalogue import ROOT
+from rthm_core.spec.checks import check_delays
 from rthm_core.spec.parameters import values
 from rthm_core.spec.schema import Spec
 
@@ -33,8 +35,9 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
     InputError
         If a name is not known or a value not allowed.
     """
-    flat = values(spec)
     changed = _flattened(changes)
+    kept = _untouched(spec, changed)
+    flat = values(spec, without=kept)
     _make_way(flat, changed, spec)
     for name, value in changed.items():
         _set(flat, name, value)
@@ -42,7 +45,17 @@ def apply(spec: Spec, changes: Mapping[str, Any]) -> Spec:
     for one in spec.effects:
         if isinstance(listed, list | tuple) and one.name not in listed:
             _remove(flat, one.name)
-    return spec_from_parameters(flat)
+    return spec_from_parameters(flat, built=kept)
+
+
+def _untouched(spec: Spec, changed: Mapping[str, Any]) -> dict[str, Any]:
+    """Sections in which nothing changes. They are the same objects in the new spec: what follows from them
+    alone is known by their identity (`rthm_core.kept`), and they are not checked again.
+    """
+    touched = {re.split(r"[.\[]", name, maxsplit=1)[0] for name in changed}
+    if not touched <= set(ROOT) or "effects_from" in touched:
+        touched.add("effects")  # an effect has a section of its own, whose kind a file may declare
+    return {name: value for name, value in spec.items() if name not in touched and value is not None}
 
 
 def with_effects_from(spec: Spec, loaded: Sequence[str]) -> Spec:
@@ -113,6 +126,19 @@ def _set_element(flat: dict[str, Any], name: str, index: int, value: Any) -> Non
 def _remove(flat: dict[str, Any], name: str) -> None:
     for key in [key for key in flat if key == name or key.startswith(f"{name}.")]:
         del flat[key]
+
+
+def with_timing(spec: Spec, other: Spec) -> Spec:
+    """Return the spec with the periods and delays of another one that has the same sections.
+
+    Raises
+    ------
+    RefusedError
+        If an effect takes more off a delay than there is.
+    """
+    changed = spec.model_copy(update={"timing": other.timing})
+    check_delays(changed)  # the one thing that both sections know of each other
+    return changed
 
 
 def scaled_timing(spec: Spec, factor: float) -> Spec:

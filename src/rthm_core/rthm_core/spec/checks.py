@@ -40,7 +40,7 @@ def check(spec: Spec) -> None:
     _zero(spec)
     for one in spec.effects:
         _effect(spec, one)
-    _delays_left(spec)
+    check_delays(spec)
 
 
 def _complete(spec: Spec) -> None:
@@ -215,7 +215,7 @@ def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
         )
 
 
-def _delays_left(spec: Spec) -> None:
+def check_delays(spec: Spec) -> None:
     """A delay may be shorter than its tau, but nothing arrives before it was sent."""
     for one in spec.effects:
         if one.law.changes != "delay" or spec.timing is None or float(one.parameters["delay"]) >= 0.0:

@@ -18,7 +18,9 @@ FILLED_IN = {
 
 
 def completed(tree: dict[str, Any]) -> dict[str, Any]:
-    """Return the sections with such values filled in; what is wrong stays, for the checks to tell."""
+    """Return the sections with such values filled in; what is wrong stays, for the checks to tell, and so
+    does a section that is built already.
+    """
     done = {key: dict(value) if isinstance(value, dict) else value for key, value in tree.items()}
     plant, numerical, actuator = done.get("plant"), done.get("numerical"), done.get("actuator")
     _zeros(plant, "dofs", "initial_velocity")
@@ -27,12 +29,14 @@ def completed(tree: dict[str, Any]) -> dict[str, Any]:
     dofs = {"plant": _names(plant, "dofs"), "numerical": _names(numerical, "dofs")}
     done["load"] = _loads(done.get("load", {}), dofs)
     places = {"dof": dofs["plant"], "actuator": _names(actuator, "names")}
-    done["effects"] = [_placed(dict(one), places) for one in done["effects"]]
+    done["effects"] = [
+        _placed(dict(one), places) if isinstance(one, dict) else one for one in done["effects"]
+    ]
     return done
 
 
 def _names(section: Any, key: str) -> list[Any]:
-    names = section.get(key) if isinstance(section, dict) else None
+    names = section.get(key) if isinstance(section, dict) else getattr(section, key, None)
     return list(names) if isinstance(names, list | tuple) else []
 
 
@@ -56,10 +60,11 @@ def _loads(loads: Any, dofs: dict[str, list[Any]]) -> Any:
     return done
 
 
-def _placed(one: dict[str, Any], places: dict[str, list[Any]]) -> dict[str, Any]:
+def _placed(one: Any, places: dict[str, list[Any]]) -> Any:
     """Put an effect at the only dof or actuator there is."""
+    if not isinstance(one, dict):
+        return one
     block = one.get("block")
     key = PLACES.get(block) if isinstance(block, str) else None
-    if key and key not in one and len(places[key]) == 1:
-        one[key] = places[key][0]
-    return one
+    only = {key: places[key][0]} if key and key not in one and len(places[key]) == 1 else {}
+    return one | only

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -49,17 +49,19 @@ def parameters(spec: Spec) -> list[Parameter]:
     return [parameter(*one) for one in _placed(spec)]
 
 
-def values(spec: Spec) -> dict[str, Any]:
-    """Value of every one of the `parameters`, by name."""
-    return {name: _stored(value) for name, value, *_ in _placed(spec)}
+def values(spec: Spec, without: Collection[str] = ()) -> dict[str, Any]:
+    """Value of every one of the `parameters`, by name, but for those of some sections of the root."""
+    return {name: _stored(value) for name, value, *_ in _placed(spec, without)}
 
 
 Placed = tuple[str, Any, Entry | Quantity | Text, str | None]
 """What `parameter` takes."""
 
 
-def _placed(spec: Spec) -> Iterator[Placed]:
-    yield from _of_section("", spec)
+def _placed(spec: Spec, without: Collection[str] = ()) -> Iterator[Placed]:
+    yield from _of_section("", spec, without)
+    if "effects" in without:
+        return
     if spec.effects:
         names = Names("names of the effects, each with its own section")
         yield "effects", [one.name for one in spec.effects], names, None
@@ -67,9 +69,11 @@ def _placed(spec: Spec) -> Iterator[Placed]:
         yield from _of_effect(one)
 
 
-def _of_section(key: str, section: Section) -> Iterator[Placed]:
+def _of_section(key: str, section: Section, without: Collection[str] = ()) -> Iterator[Placed]:
     entries = dict(section.entries())
     for name, value in section.items():
+        if name in without:
+            continue
         dotted = f"{key}.{name}" if key else name
         if isinstance(value, Section):
             yield from _of_section(dotted, value)

@@ -5,28 +5,26 @@ and so is its integral over a step.
 from __future__ import annotations
 
 import math
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
-from rthm_core.exponential import exponentials
-from rthm_core.numerical import numerical
+from rthm_core.exponential import SCRATCH, exponentials, put_exponential, put_product, rate_bound
+from rthm_core.numerical import shared_numerical
 from rthm_core.physical.drive import Drive, drive, settled
-from rthm_core.physical.side import build
-from rthm_core.simd import simd_copy
-from rthm_core.substructure import as_built
+from rthm_core.physical.side import shared_model
+from rthm_core.simd import simd_empty
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
-LENGTHS_TOGETHER = 64
-"""Lengths over which the work is integrated at once, so that what is in memory meanwhile is bounded."""
 COLUMNS = 8
 """Work of six terms, the energy, and one that makes the row as long as two registers."""
 
@@ -86,7 +84,7 @@ def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
 
 def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:
     """All signals of `energy.Moment` as rows over z."""
-    model, side2 = build(spec).model, numerical(as_built(spec, "numerical"))
+    model, side2 = shared_model(spec)[0], shared_numerical(spec)
     n1, n2, m, chain = model.n, side2.n, model.m, believed.system.a.shape[0]
     first, size = loop.plant.a.shape[0], joint.shape[0]
     second = first + 2 * m
@@ -118,45 +116,78 @@ def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floa
     at = Moment(*(flat[begin:end] for begin, end in pairwise(ends)))
     forms = np.zeros((len(TERMS) + 1, joint.shape[0], joint.shape[0]))
     probe_powers(b, np.ascontiguousarray(np.vstack(signals)), at, flat, forms)
-    if nothing_added(spec, build(spec).model, believed):
+    if nothing_added(spec, shared_model(spec)[0], believed):
         forms[EFFECTS] = 0.0
     return forms
 
 
-def work_tables(ledger: LinearLedger, lengths_ns: Integers, *, with_energy: bool) -> Floats:
-    """Work over each of the lengths, and the energy at its end, as coefficients (K, d (d + 1) / 2, 8) of the
-    products ``z_i z_j``, i <= j, of the state at its start.
+def work_tables(ledger: LinearLedger, moves_ns: Integers, rows_ns: Integers) -> Floats:
+    """Work over the lengths of moves, then that over the lengths before rows with the energy at their ends,
+    as coefficients (K, d (d + 1) / 2, 8) of the products ``z_i z_j``, i <= j, of the state at the start.
     """
-    pieces = np.array_split(lengths_ns, max(1, math.ceil(lengths_ns.size / LENGTHS_TOGETHER)))
-    forms = np.concatenate([work_over(ledger, piece) for piece in pieces])
-    if not with_energy:
-        return packed(forms)
-    ends = exponentials(ledger.joint, lengths_ns)
-    energy = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
-    return packed(np.concatenate([forms, energy[:, None]], axis=1))
+    work, ends = work_over(ledger, np.concatenate([moves_ns, rows_ns])), exponentials(ledger.joint, rows_ns)
+    energy = np.zeros_like(work[:, :1])
+    energy[moves_ns.size :, 0] = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
+    return packed(np.concatenate([work, energy], axis=1))
 
 
 def work_over(ledger: LinearLedger, lengths_ns: Integers) -> Floats:
     """Work (K, 6, d, d) over each of the lengths (K,) as forms of the state at its start."""
-    lengths = lengths_ns * 1e-9
-    fastest = float(np.abs(np.linalg.eigvals(ledger.joint)).max() * lengths.max(initial=0.0))
-    parts = max(1, math.ceil(fastest))
-    at = ((np.arange(parts)[:, None] + 0.5 * (NODES + 1.0)) / parts).ravel()
-    weight = np.tile(0.5 * WEIGHTS / parts, parts)
-    flat = exponentials(ledger.joint, (lengths_ns[:, None] * at).ravel())
-    steps = flat.reshape(lengths.size, at.size, *ledger.joint.shape)
-    forms = np.zeros((lengths.size, len(TERMS), *ledger.joint.shape))
-    for term in range(len(TERMS)):
-        if ledger.forms[term].any():
-            power = np.swapaxes(steps, 2, 3) @ (ledger.forms[term] @ steps)
-            forms[:, term] = lengths[:, None, None] * np.tensordot(weight, power, axes=(0, 1))
+    lengths, powers = np.asarray(lengths_ns * 1e-9, dtype=float), ledger.forms[: len(TERMS)]
+    scratch = np.empty((SCRATCH + 2, *ledger.joint.shape))
+    forms = np.zeros((lengths.size, *powers.shape))
+    _integrate(ledger.joint, rate_bound(ledger.joint), powers, lengths, NODES, WEIGHTS, scratch, forms)
     return forms
+
+
+@compiled_in_place
+def _integrate(
+    joint: Floats,
+    bound: float,
+    powers: Floats,
+    lengths: Floats,
+    nodes: Floats,
+    weights: Floats,
+    scratch: Floats,
+    out: Floats,
+) -> None:
+    """Integrals ``E(t)' P E(t)`` of each power P over each length, by quadrature in parts that are short
+    beside the fastest motion.
+    """
+    step, pushed = scratch[SCRATCH], scratch[SCRATCH + 1]
+    for k in range(lengths.size):
+        parts = max(1, math.ceil(bound * lengths[k]))
+        width = lengths[k] / parts
+        for node in range(parts * nodes.size):
+            part, at = node // nodes.size, node % nodes.size
+            put_exponential(joint, bound, (part + 0.5 * (nodes[at] + 1.0)) * width, scratch, step)
+            for term in range(powers.shape[0]):
+                if put_product(powers[term], step, pushed):
+                    _add_form(step, pushed, 0.5 * weights[at] * width, out[k, term])
+
+
+@inlined
+def _add_form(step, pushed, weight, out):  # type: ignore[no-untyped-def]
+    """Add ``weight step' pushed``."""
+    for i in range(step.shape[0]):
+        for j in range(step.shape[0]):
+            factor = weight * step[i, j]
+            if factor != 0.0:
+                for k in range(step.shape[0]):
+                    out[j, k] += factor * pushed[i, k]
 
 
 def packed(forms: Floats) -> Floats:
     """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the work, and the energy if it is there."""
-    upper = np.triu_indices(forms.shape[-1])
-    double = np.where(upper[0] == upper[1], 1.0, 2.0)
-    tables = simd_copy(np.zeros((forms.shape[0], upper[0].size, COLUMNS)))
-    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., upper[0], upper[1]] * double, 1, 2)
+    first, second, double = _pairs(forms.shape[-1])
+    tables = simd_empty(forms.shape[0], first.size, COLUMNS)
+    tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., first, second] * double, 1, 2)
+    tables[:, :, forms.shape[1] :] = 0.0
     return tables
+
+
+@cache
+def _pairs(d: int) -> tuple[Integers, Integers, Floats]:
+    """Every two of d elements, i <= j, and how often their product is in a form."""
+    first, second = np.triu_indices(d)
+    return first, second, np.where(first == second, 1.0, 2.0)

@@ -14,12 +14,12 @@ from rthm_core.compensators import NONE
 from rthm_core.compiled import Floats, Integers
 from rthm_core.controller import controller
 from rthm_core.loads import Loads
-from rthm_core.numerical import numerical
+from rthm_core.numerical import shared_numerical
 from rthm_core.physical.drive import LIMIT, QUANTUM, RATE
 from rthm_core.physical.laws import DOF
 from rthm_core.physical.sensors import Sensors
-from rthm_core.physical.side import build, first_command
-from rthm_core.substructure import as_built, interface
+from rthm_core.physical.side import first_command, read_only, shared_model
+from rthm_core.substructure import interface
 
 if TYPE_CHECKING:
     from rthm_core.physical.advance import Physical
@@ -125,12 +125,12 @@ def with_loads(ab: Floats, y: Floats, held: Floats, loads: Exosystem) -> Side:
 
 def linear_loop(spec: Spec) -> LinearLoop | None:
     """Matrices of a loop; None where something in it is not linear or not of constant coefficients."""
-    return linear_part(spec) if build(spec).model.laws is None else None
+    return linear_part(spec) if shared_model(spec)[0].laws is None else None
 
 
 def linear_part(spec: Spec) -> LinearLoop | None:
     """The same without the plant's laws that are not linear; wires that are not linear have no force here."""
-    physical, number, control = build(spec), numerical(as_built(spec, "numerical")), controller(spec)
+    physical, number, control = read_only(spec), shared_numerical(spec), controller(spec)
     one, two = exosystem(physical.model.loads), exosystem(number.loads)
     if one is None or two is None or control.compensation.code != NONE or _has_limits(physical):
         return None

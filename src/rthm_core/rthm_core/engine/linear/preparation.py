@@ -14,9 +14,20 @@ from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.engine.program import Program
 from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.simd import simd_copy
 
 PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
+
+
+class Numbered(NamedTuple):
+    """Operations whose matrices have numbers, and the lengths (ns) of these: of steps of the plant and looks
+    at it, and of both for the numerical side.
+    """
+
+    operations: Operations
+    moves: Integers
+    looks: Integers
+    ticks: Integers
+    rows: Integers
 
 
 class Prepared(NamedTuple):
@@ -40,9 +51,9 @@ def _seen_through(rows: Floats, steps: Floats) -> Floats:
     return np.ascontiguousarray(np.swapaxes(rows @ steps, 1, 2))
 
 
-def _numbered(first: Program, further: Program, column: int, kinds: tuple[int, ...]) -> tuple[Any, Any]:
+def _lengths(first: Program, further: Program, column: int, kinds: tuple[int, ...]) -> tuple[Any, Any]:
     """Different lengths of some kinds of operation in both passes, and which one each operation takes."""
-    chosen = np.isin(first.what, kinds)
+    chosen = np.logical_or.reduce([first.what == kind for kind in kinds])
     both = np.stack([first[column], further[column]])
     lengths, which = np.unique(both[:, chosen], return_inverse=True)
     numbers = np.full(both.shape, -1, dtype=np.int64)
@@ -50,17 +61,33 @@ def _numbered(first: Program, further: Program, column: int, kinds: tuple[int, .
     return lengths, numbers
 
 
-def prepared(
-    loop: LinearLoop, first: Program, further: Program, period: int, ledger: LinearLedger | None
-) -> Prepared:
-    """Matrices and operations of a program whose `first` pass differs in lengths from every `further` one."""
+def numbered(first: Program, further: Program, period: int, *, jointly: bool) -> Numbered:
+    """Operations of a program whose `first` pass differs in lengths from every `further` one; `jointly`, both
+    sides move at every change of an input of either.
+    """
+    changes = (MOTOR, COMMAND, REFERENCE)
+    moves, move = _lengths(first, further, PLANT, changes if jointly else (MOTOR, COMMAND))
+    looks, look = _lengths(first, further, PLANT, (SAMPLE, OUTPUT))
+    ticks, tick = _lengths(first, further, NUMERICAL, changes if jointly else (REFERENCE,))
+    rows, row = _lengths(first, further, NUMERICAL, (OUTPUT,))
+    operations = Operations(
+        first.what,
+        first.time,
+        np.maximum(move, look).ravel(),
+        np.maximum(tick, row).ravel(),
+        first.sample,
+        first.reference,
+        period,
+        np.where(row >= 0, row + moves.size, move).ravel(),
+    )
+    return Numbered(operations, moves, looks, ticks, rows)
+
+
+def prepared(loop: LinearLoop, given: Numbered, ledger: LinearLedger | None) -> Prepared:
+    """Matrices over the lengths of a program in which, with a ledger, both sides move jointly."""
+    operations, moves, looks, ticks, rows = given
     one, two = loop.plant, loop.numerical
     n1, n2 = one.a.shape[0], two.a.shape[0]
-    changes = (MOTOR, COMMAND, REFERENCE)
-    moves, move = _numbered(first, further, PLANT, changes if ledger else (MOTOR, COMMAND))
-    looks, look = _numbered(first, further, PLANT, (SAMPLE, OUTPUT))
-    ticks, tick = _numbered(first, further, NUMERICAL, changes if ledger else (REFERENCE,))
-    rows, row = _numbered(first, further, NUMERICAL, (OUTPUT,))
     seen1 = _steps(one, looks)
     tables = Tables(
         _seen_through(np.eye(n1, n1 + one.b.shape[1]), _steps(one, moves)),
@@ -72,23 +99,7 @@ def prepared(
         loop.bias,
         loop.k_tot,
     )
-    operations = Operations(
-        first.what,
-        first.time,
-        np.maximum(move, look).ravel(),
-        np.maximum(tick, row).ravel(),
-        first.sample,
-        first.reference,
-        period,
-        np.where(row >= 0, row + moves.size, move).ravel(),
-    )
-    if ledger is None:
-        return Prepared(operations, tables, None)
-    of_work = [
-        work_tables(ledger, moves, with_energy=False),
-        work_tables(ledger, rows, with_energy=True),
-    ]
-    return Prepared(operations, tables, simd_copy(np.concatenate(of_work)))
+    return Prepared(operations, tables, None if ledger is None else work_tables(ledger, moves, rows))
 
 
 def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.engine.digits import LONGEST_LENGTH, in_digits
-from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, empty_rows, rows_within, run_block, run_program
 from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
 from rthm_core.engine.linear.loop import LinearLoop, linear_loop
 from rthm_core.engine.linear.preparation import (
+    Numbered,
     Prepared,
     Start,
     copied,
     digit_operations,
+    numbered,
     prepared,
     prepared_digits,
     start_of,
@@ -31,6 +32,7 @@ from rthm_core.engine.program import (
     reach_ns,
     with_lengths,
 )
+from rthm_core.kept import kept, kept_by_clocks, kept_without_timing
 from rthm_core.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -44,7 +46,7 @@ class Model(NamedTuple):
     ledger: LinearLedger | None
 
 
-@kept
+@kept_without_timing
 def _model(spec: Spec, energies: bool) -> Model | None:
     """Matrices of a spec; None where it is not linear."""
     loop = linear_loop(spec)
@@ -76,12 +78,19 @@ def repeating_program(spec: Spec, step: int, *, jointly: bool = False) -> tuple[
 @kept
 def _repeating(spec: Spec, step: int, energies: bool) -> tuple[Prepared, Start] | None:
     """What the kernel needs for one hyperperiod; None where nothing repeats."""
-    model, found = _model(spec, energies), repeating_program(spec, step, jointly=energies)
+    model, found = _model(spec, energies), _numbered(spec, step, energies)
     if model is None or found is None:
         return None
-    first, further, period = found
-    start = start_of(model.loop, int(first.sample.max()), int(first.reference.max()))
-    return prepared(model.loop, first, further, period, model.ledger), start
+    back = found.operations
+    start = start_of(model.loop, int(back.sample.max()), int(back.reference.max()))
+    return prepared(model.loop, found, model.ledger), start
+
+
+@kept_by_clocks
+def _numbered(spec: Spec, step: int, energies: bool) -> Numbered | None:
+    """Operations of one hyperperiod; None where nothing repeats."""
+    found = repeating_program(spec, step, jointly=energies)
+    return None if found is None else numbered(*found, jointly=energies)
 
 
 LARGEST_JOINT = 16
@@ -110,18 +119,19 @@ def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, sp
     """Blocks of a loop whose events repeat."""
     period, times = one.operations.period, one.operations.time
     passes = max(1, -(-span // period))
-    start, further = copied(start), without_first_pass(one)
+    start = copied(start)
     for begin in range(0, end + 1, passes * period):
         count = rows_within(begin, min(begin + passes * period, end + 1), step)
         rows = empty_rows(model.loop, count + 1, energies=one.work_tables is not None)
         left = min(passes, (end - begin) // period + 1)
-        operations = one.operations._replace(time=times + begin) if begin else one.operations
+        if begin:
+            one = without_first_pass(one)
+        operations = one.operations._replace(time=times + begin)
         block, start = run_block(one._replace(operations=operations), start, left, rows)
         yield block
-        one = further
 
 
-@kept
+@kept_without_timing
 def _digits(spec: Spec, energies: bool) -> Prepared:
     """Matrices over the lengths of every digit, without a program."""
     model = _model(spec, energies)

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.kernel import vector
 from rthm_core.engine.linear.run import repeating_program
 from rthm_core.engine.many.delayed import Clocks, Loops, memories, moving, run_each
@@ -19,6 +18,7 @@ from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_la
 from rthm_core.engine.many.period import notes
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
+from rthm_core.kept import kept_by_clocks
 from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.substructure import held_dynamics, interface
 
@@ -102,7 +102,7 @@ def simulate_many(
     return _one_after_the_other(spec, arrays, count, duration, step)
 
 
-_repeating = kept(repeating_program)
+_repeating = kept_by_clocks(repeating_program)
 
 
 def _is_plain(spec: Spec) -> bool:

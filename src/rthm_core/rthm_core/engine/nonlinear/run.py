@@ -9,7 +9,6 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import LONGEST_LENGTH, digit_lengths, in_digits, work_over_digits
-from rthm_core.engine.kept import kept
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.linear.kernel import ROW_COUNT, Memory
 from rthm_core.engine.linear.ledger import LinearLedger, work_tables
@@ -25,6 +24,7 @@ from rthm_core.engine.program import (
     program,
     reach_ns,
 )
+from rthm_core.kept import kept
 from rthm_core.physical.sensors import Sensors
 from rthm_core.schedule import Schedule
 from rthm_core.simd import simd_copy
@@ -89,9 +89,10 @@ def _work_tables(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
         LinearLedger(loop.linear, np.vstack([system, np.zeros((d - size, d))]), loop.forms)
         for system in loop.nonlinear.systems
     ]
+    none = np.zeros(0, dtype=np.int64)
     if lengths_ns is None:
         return simd_copy(np.concatenate([work_over_digits(one)[:-1] for one in ledgers]))
-    return simd_copy(np.concatenate([work_tables(one, lengths_ns, with_energy=False) for one in ledgers]))
+    return simd_copy(np.concatenate([work_tables(one, lengths_ns, none) for one in ledgers]))
 
 
 def _steps(loop: NonlinearLoop, lengths_ns: Integers, work_tables: Floats) -> Steps | None:

@@ -112,12 +112,21 @@ SWING_PERIODS = 2.0
 SWING_PEAKS = 3
 """Frequencies at which a swing is tried."""
 
+OPEN_ENDED_GAIN_SHARE = 0.97
+"""Share of the gain of a term that ends with which the same term without an end is told of the unseen
+part."""
+
 UNCONFIRMED_SHARE = 0.8
 """Share of what shows in the unseen part alone that one term must explain to be told as unconfirmed."""
 
+PRODUCT_LEAST_LEFT = 100.0
+"""Squared error that a term leaves beside the noise, in units of that, from which a factor of it is looked
+for."""
+
 PRODUCT_GAIN_RATIO = 1.03
-"""Gain of a term times a free curve over another variable, over that of the term, from which the product is
-asked for a shape."""
+PRODUCT_GAIN_SHARE_OF_REST = 0.3
+"""Gain of a term times a free curve over another variable, over that of the term, or beyond it over what the
+term leaves, from which the product is asked for a shape."""
 
 PRODUCTS_REFINED = 2
 """Shapes of such a product that are fitted to the recording itself."""

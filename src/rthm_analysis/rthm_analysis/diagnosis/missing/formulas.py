@@ -15,6 +15,8 @@ from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
     PRODUCT_GAIN_RATIO,
+    PRODUCT_GAIN_SHARE_OF_REST,
+    PRODUCT_LEAST_LEFT,
     PRODUCTS_REFINED,
     REFINING_STEPS,
     SHAPES_REFINED,
@@ -101,8 +103,8 @@ def _composed(
         if found is None or found.gain < least:
             break
         left = max(one.excess for one in curves) - found.gain
-        if left > least:
-            products = [_refined(more, one) for one in _products(more, found)]
+        if left > PRODUCT_LEAST_LEFT:
+            products = [_refined(more, one) for one in _products(more, found, left)]
             found = max([found, *products], key=lambda one: one.gain)
         terms.append(found)
         if len(terms) == most:
@@ -112,8 +114,11 @@ def _composed(
     return terms
 
 
-def _products(regression: Regression, term: Term) -> list[Term]:
-    """The best products of a term with a shape over another variable, where these do clearly better."""
+def _products(regression: Regression, term: Term, left: float) -> list[Term]:
+    """The best products of a term with a shape over another variable, where these do clearly better, or
+    explain much of what is left.
+    """
+    least = term.gain + min((PRODUCT_GAIN_RATIO - 1.0) * term.gain, PRODUCT_GAIN_SHARE_OF_REST * left)
     dof = regression.dof(term.dof)
     at = regression.along(dof)
     over, found = term.shapes[0][0], []
@@ -124,7 +129,7 @@ def _products(regression: Regression, term: Term) -> list[Term]:
         own = replace(term, carrier=carrier)
         curve = Curve(own.with_values, variable, knots_over(at, variable))
         fit = regression.fit(feature_of(at, curve), dof, term.dof, at)
-        if fit is None or fit.gain < PRODUCT_GAIN_RATIO * term.gain:
+        if fit is None or fit.gain < least:
             continue
         kept = tuple(one for one in own.shapes if one[1].text != "1")
         shown = sorted(_shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rthm_analysis.diagnosis.criteria.missing import UNCONFIRMED_SHARE
+from rthm_analysis.diagnosis.criteria.missing import OPEN_ENDED_GAIN_SHARE, UNCONFIRMED_SHARE
 from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
-from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.verdict import Judgement
@@ -26,7 +26,9 @@ def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
     terms = composed(regression, curves, most=1)
     if not terms or terms[0].gain < UNCONFIRMED_SHARE * max(one.excess for one in curves):
         return ()
-    term, dofs = terms[0], model.spec.plant.dofs if model.spec.plant else ()
+    without_end = open_ended(regression, terms)[0]
+    is_open = without_end.gain > OPEN_ENDED_GAIN_SHARE * terms[0].gain
+    term, dofs = without_end if is_open else terms[0], model.spec.plant.dofs if model.spec.plant else ()
     at = regression.along(dofs.index(term.dof))
     force = term.size * term.column(at)[:, 0]
     variables = tuple(name for name in at._fields if name in term.depends_on)

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 Complex = npt.NDArray[np.complex128]
 """Array of modes; shapes are in the docstrings."""
 
+POLES_APART = 1e-7
+"""Difference of two poles that coincide, over their size."""
+
 
 def motor_delay(spec: Spec) -> int:
     """Delay of the motors beside tau4, in ns."""
@@ -49,14 +52,9 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
         Command in steady state before.
     """
     motors = drive(spec)
-    modes, vectors = _modes(motors)
+    modes, vectors, entry = _modes(motors)
     taken = accepted(motors, np.vstack([first[None], commands]))
     nq = modes.size
-    entry = (
-        np.linalg.solve(vectors, motors.system.b.astype(complex))
-        if nq
-        else np.zeros((0, first.size), complex)
-    )
     result = np.zeros((time_ns.size, 3, first.size))
     _run(
         time_ns,
@@ -73,14 +71,17 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     return result
 
 
-def _modes(motors: Drive) -> tuple[Complex, Complex]:
-    """Eigenvalues and vectors of the motor chain; poles that coincide are moved apart by a hair."""
-    a = motors.system.a
+def _modes(motors: Drive) -> tuple[Complex, Complex, Complex]:
+    """Eigenvalues (nq,) and vectors (nq, nq) of the motor chain, and what commands do to its modes (nq, m).
+
+    Poles that coincide are moved apart by a hair: every state gets that much faster, and rests where it did.
+    """
+    a, b = motors.system.a, motors.system.b
     if not a.size:
-        return np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
-    spread = np.diag(1.0 + 1e-7 * np.arange(a.shape[0]))
-    modes, vectors = np.linalg.eig((a @ spread).astype(complex))
-    return modes, vectors
+        return np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex), np.empty((0, b.shape[1]), complex)
+    faster = (1.0 + POLES_APART * np.arange(a.shape[0]))[:, None]
+    modes, vectors = np.linalg.eig((faster * a).astype(complex))
+    return modes, vectors, np.linalg.solve(vectors, (faster * b).astype(complex))
 
 
 class _Working(NamedTuple):

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 Complex = npt.NDArray[np.complex128]
 """Array of modes; shapes are in the docstrings."""
 
-POLES_APART = 1e-7
-"""Difference of two poles that coincide, over their size."""
+POLES_NEAR, POLES_APART = 1e-5, 1e-7
+"""Difference of two poles, over their size, below which they coincide, and by which they then differ."""
 
 
 def motor_delay(spec: Spec) -> int:
@@ -76,12 +76,20 @@ def _modes(motors: Drive) -> tuple[Complex, Complex, Complex]:
 
     Poles that coincide are moved apart by a hair: every state gets that much faster, and rests where it did.
     """
-    a, b = motors.system.a, motors.system.b
-    if not a.size:
-        return np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex), np.empty((0, b.shape[1]), complex)
-    faster = (1.0 + POLES_APART * np.arange(a.shape[0]))[:, None]
-    modes, vectors = np.linalg.eig((faster * a).astype(complex))
-    return modes, vectors, np.linalg.solve(vectors, (faster * b).astype(complex))
+    a, b = motors.system.a.astype(complex), motors.system.b.astype(complex)
+    modes, vectors = np.linalg.eig(a)
+    if _nearest(modes) < POLES_NEAR:
+        faster = (1.0 + POLES_APART * np.arange(modes.size))[:, None]
+        modes, vectors = np.linalg.eig(faster * a)
+        b = faster * b
+    return modes, vectors, np.linalg.solve(vectors, b)
+
+
+def _nearest(modes: Complex) -> float:
+    """Smallest distance of two modes, over the size of one of them; infinite where there is one at most."""
+    size = np.abs(modes)
+    apart = np.abs(modes[:, None] - modes) / np.minimum(size[:, None], size)
+    return float(apart[~np.eye(modes.size, dtype=bool)].min(initial=np.inf))
 
 
 class _Working(NamedTuple):

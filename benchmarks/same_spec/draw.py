@@ -26,7 +26,7 @@ BOUNDED = 2.0
 """Motion, m, beyond which a draw is no test that anybody would run."""
 
 SMALLER = 0.8
-"""Size of each further try over that of the one before: a spring that pulls apart never dominates for long."""
+"""Size of each further try over that of the one before: a spring that pulls apart cannot dominate."""
 
 OF_PLANT, OF_WIRE = ([one for one in CATALOGUE if one[0] == block] for block in ("plant", "wire"))
 
@@ -63,7 +63,7 @@ def draws(count: int, seed: int) -> list[Draw]:
 
 
 def spec_of(draw: Draw) -> Spec:
-    """The spec of a draw, whose motion stays bounded; its effect is smaller where none of its size lets it."""
+    """The spec of a draw, whose motion stays bounded: its effect is smaller where none of its size does."""
     rng, size = np.random.default_rng(draw.seed), draw.size
     while True:
         base = _base(draw, rng)

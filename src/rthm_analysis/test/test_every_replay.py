@@ -25,7 +25,7 @@ EXACT, AS_SEARCHED = 1e-3, 0.02
 
 MOTORS = {"at once": {}, "slow": {"actuator.motor_poles": [400.0, 2000.0]}}
 FINE = {"at once": 50_000, "slow": 10_000}
-"""Steps of the replay, ns, where its own accuracy is not asked for; it places no turn of a wire within them."""
+"""Steps of the replay, ns, where its own accuracy is not asked for: it places no turn of a wire in them."""
 
 STAMPS = EVIDENCE.stamps_ns[:800]
 
@@ -69,7 +69,9 @@ def allowed(spec: Spec, share: float) -> np.ndarray:
     return share * NOISE + half_a_step
 
 
-def check(place: tuple[str, str], size: str, motor: str, share: float, step: int | None, seed: int = 5) -> None:
+def check(
+    place: tuple[str, str], size: str, motor: str, share: float, step: int | None, seed: int = 5
+) -> None:
     spec = having(apply(PAPER, MOTORS[motor]), *place, size, seed)
     apart = np.abs(replayed(spec, step) - simulated(spec)).max(axis=0)
     assert np.all(apart <= allowed(spec, share)), (size, seed, apart / NOISE)

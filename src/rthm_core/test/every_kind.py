@@ -53,7 +53,10 @@ def having(base: Spec, block: str, kind: str, size: str, seed: int = 5) -> Spec:
             spec = apply(base, {"effects": ["one"], "one": effect})
         except InputError:
             continue
-        if not _pulls_apart(spec) or np.isfinite(simulate(spec, 24.0, 24.0, energies=False).plant_position).all():
+        if (
+            not _pulls_apart(spec)
+            or np.isfinite(simulate(spec, 24.0, 24.0, energies=False).plant_position).all()
+        ):
             return spec
     raise AssertionError(f"{block} {kind} of {size} size is nothing that a spec may have")
 
@@ -76,7 +79,9 @@ def _sections(base: Spec) -> dict[str, dict[str, object]]:
     """Sections of a spec as amounts are scaled by them."""
     loop = base.loop()
     computed = {
-        name: {key: list(getattr(part, key)) for key in ("mass", "damping", "stiffness") if hasattr(part, key)}
+        name: {
+            key: list(getattr(part, key)) for key in ("mass", "damping", "stiffness") if hasattr(part, key)
+        }
         for name, part in (("numerical", loop.numerical), ("interface", loop.interface))
     }
     plant, actuator = {"mass": list(loop.plant.mass)}, {"stiffness": list(base.k_tot)}

@@ -140,7 +140,10 @@ def _path_rates(model, work, inputs, y, dy, s):  # type: ignore[no-untyped-def]
             work.du[i] += model.drive.out[i, chain + k] * polynomial(inputs, k, 1, s)
     for row in range(wires.laws.shape[0]):
         actuator = wires.laws[row, PLACE]
-        drive_side, dof = product(wires.drive[actuator], dy, work.du), y[model.n + wires.numbers[actuator, DOF]]
+        drive_side, dof = (
+            product(wires.drive[actuator], dy, work.du),
+            y[model.n + wires.numbers[actuator, DOF]],
+        )
         work.hold[first + row] = wires.paths[row, 0] * drive_side + wires.paths[row, 1] * dof
 
 

@@ -14,10 +14,12 @@ from rthm_analysis.diagnosis.criteria.replay import (
     START_FEWEST_SAMPLES,
     START_HALF_WIDTH,
     START_PERIOD_SHARE,
+    START_PERIODS,
     WINDOW_FEWEST_SAMPLES,
 )
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics, state_matrix
+from rthm_analysis.diagnosis.replay.starting import refined
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -67,6 +69,10 @@ class Windows:
         """The same with one entry of every state moved."""
         state = self.state.copy()
         state[:, column] += by
+        return self.at(state)
+
+    def at(self, state: Floats) -> Windows:
+        """The same from other states."""
         return Windows(self.start, state, self.length)
 
 
@@ -101,7 +107,12 @@ def windows(
             *spec.plant.initial_position,
             *spec.plant.initial_velocity,
         ]
-    return Windows(start.astype(np.int64), state, length)
+    runs = Windows(start.astype(np.int64), state, length)
+    if known_start or evidence.driven_by != "force":
+        return runs
+    for periods in START_PERIODS:
+        runs = refined(evidence, spec, runs, periods * period(evidence))
+    return runs
 
 
 def _drifts(spec: Spec, duration: float) -> bool:

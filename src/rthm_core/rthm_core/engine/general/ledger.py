@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-SMOOTH, SMOOTH_OWN = 0.5, (0.05, 0.25)
+SMOOTH, SMOOTH_OWN = 0.5, (0.05, 0.1)
 """Longest step in radians of the fastest motion; of mechanics with states of their own, which cubics
 interpolate, and then of motors and the other side."""
 

@@ -14,7 +14,6 @@ from rthm_analysis.diagnosis.criteria.replay import (
     START_FEWEST_SAMPLES,
     START_HALF_WIDTH,
     START_PERIOD_SHARE,
-    START_PERIODS,
     WINDOW_FEWEST_SAMPLES,
 )
 from rthm_analysis.diagnosis.replay.evidence import Evidence
@@ -110,9 +109,7 @@ def windows(
     runs = Windows(start.astype(np.int64), state, length)
     if known_start or evidence.driven_by != "force":
         return runs
-    for periods in START_PERIODS:
-        runs = refined(evidence, spec, runs, periods * period(evidence))
-    return runs
+    return refined(evidence, spec, runs, period(evidence))
 
 
 def _drifts(spec: Spec, duration: float) -> bool:

@@ -67,8 +67,9 @@ def _nearer(experiment: Experiment, spec: Spec, runs: Windows, parts: list[slice
 
 
 def _solved(left: Floats, columns: Floats) -> Floats:
-    """Change of a state (2 n,), in its size, that leaves least of the errors (s, k) over their noise; none where
-    it hardly shows: a dof that sticks forgets its velocity.
+    """Change of a state (2 n,), in its size, that leaves least of the errors (s, k) over their noise.
+
+    None where it hardly shows: a dof that sticks forgets its velocity.
     """
     noise = _noise(left)
     weight = 1.0 / np.where(noise > 0.0, noise, 1.0)

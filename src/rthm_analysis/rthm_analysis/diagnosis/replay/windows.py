@@ -107,9 +107,10 @@ def windows(
             *spec.plant.initial_velocity,
         ]
     runs = Windows(start.astype(np.int64), state, length)
-    if known_start or evidence.driven_by != "force":
+    of_motion = period(evidence)
+    if known_start or evidence.driven_by != "force" or not of_motion > 0.0:
         return runs
-    return refined(evidence, spec, runs, period(evidence))
+    return refined(evidence, spec, runs, of_motion)
 
 
 def _drifts(spec: Spec, duration: float) -> bool:

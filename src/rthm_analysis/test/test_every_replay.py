@@ -6,16 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from every_kind import SIZES, having, named, places
+from every_kind import LOOP, SIZES, having, named, places
 
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.motor import motor_delay
-from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.replay.windows import Windows, windows
+from rthm_analysis.energy.model import load_at
+from rthm_core.effects import effect
+from rthm_core.engine import simulate
 from rthm_core.physical.side import PhysicalSide, first_command
 from rthm_core.spec import Spec, apply
 
-from .side import COMMANDS, DUE, EVIDENCE, PAPER
+from .side import CHANNELS, COMMANDS, DUE, EVIDENCE, PAPER
 
 NOISE = np.array([1e-4, 2e-3, 0.02, 1e-5])
 """Reference noise of position, velocity, force and motor."""
@@ -77,6 +80,9 @@ def check(
     assert np.all(apart <= allowed(spec, share)), (size, seed, apart / NOISE)
 
 
+WITHOUT = ("numerical", "interface", "actuator", "timing", "load.numerical")
+ALONE = dict.fromkeys(WITHOUT) | {"plant.damping": 0.3}
+
 PHYSICAL = places("plant", "wire", "motor", "sensor")
 
 
@@ -94,6 +100,19 @@ def test_replay_is_the_engine_behind_a_slow_motor(place: tuple[str, str]) -> Non
 @pytest.mark.parametrize("place", PHYSICAL, ids=named)
 def test_the_steps_of_a_search_are_far_below_the_noise(place: tuple[str, str]) -> None:
     check(place, "dominating", "at once", AS_SEARCHED, None)
+
+
+@pytest.mark.parametrize("kind", [kind for _, kind in places("plant")])
+def test_a_plant_alone_is_replayed_from_known_forces_at_its_samples(kind: str) -> None:
+    sticks = effect(kind, "plant").jump
+    spec = apply(having(LOOP, "plant", kind, "dominating" if sticks else "middling"), ALONE)
+    run = simulate(spec, 8.0, 0.005, energies=False)
+    true, stamps = np.hstack([run.plant_position, run.plant_velocity]), np.arange(run.t.size) * 5_000_000
+    nothing, load = np.empty((0, 0)), load_at(spec, stamps)
+    evidence = Evidence(stamps, stamps[:0], nothing, load, CHANNELS[:2], true, "force")
+    one_run = Windows(np.zeros(1, dtype=np.int64), true[:1], None)
+    apart = np.abs(Experiment(evidence, np.empty(0)).predicted(spec, one_run) - true)
+    assert np.all(apart.max(axis=0) < AS_SEARCHED * NOISE[:2]), apart.max(axis=0) / NOISE[:2]
 
 
 @pytest.mark.long

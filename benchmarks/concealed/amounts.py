@@ -40,8 +40,8 @@ class Scene:
         return float(self.rng.choice([-1.0, 1.0]))
 
     def level(self, signal: int, share: float) -> float:
-        """Magnitude that a signal of the pilot exceeds for this share of the time."""
-        return float(np.quantile(np.abs(self.pilot[:, signal]), 1.0 - share))
+        """Magnitude that a signal of the pilot exceeds for this share of the time; the least from 1 on."""
+        return float(np.quantile(np.abs(self.pilot[:, signal]), max(1.0 - share, 0.0)))
 
 
 def stribeck(size: float, s: Scene) -> Values:

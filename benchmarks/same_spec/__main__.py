@@ -43,7 +43,7 @@ def diagnosed(draw: Draw, options: argparse.Namespace) -> Row:
 
 
 def _said(done: subprocess.CompletedProcess[str], spec: str) -> dict[str, Any]:
-    if done.returncode not in (0, 1):
+    if done.returncode not in (0, 1) or not done.stdout:
         return {"verdict": "", "error": done.stderr[-400:], "spec": spec}
     told = json.loads(done.stdout)
     named = [f"{one['block']} {one['kind']}" for one in [*told["physics"], *told.get("faults", [])]]

@@ -25,6 +25,9 @@ DURATION = 24.0
 BOUNDED = 2.0
 """Motion, m, beyond which a draw is no test that anybody would run."""
 
+SMALLER = 0.8
+"""Size of each further try over that of the one before: a spring that pulls apart cannot dominate."""
+
 OF_PLANT, OF_WIRE = ([one for one in CATALOGUE if one[0] == block] for block in ("plant", "wire"))
 
 
@@ -60,12 +63,13 @@ def draws(count: int, seed: int) -> list[Draw]:
 
 
 def spec_of(draw: Draw) -> Spec:
-    """The spec of a draw, whose motion stays bounded."""
-    rng = np.random.default_rng(draw.seed)
+    """The spec of a draw, whose motion stays bounded: its effect is smaller where none of its size does."""
+    rng, size = np.random.default_rng(draw.seed), draw.size
     while True:
         base = _base(draw, rng)
         scene = Scene(_as_concealed(base), _pilot(base), rng)
-        effect = make_effect(draw.block, draw.kind, draw.size, scene)
+        effect = make_effect(draw.block, draw.kind, size, scene)
+        size *= SMALLER
         try:
             spec = apply(base, {"effects": ["one"], "one": effect})
             if np.abs(_simulated(spec).plant_position).max() < BOUNDED:

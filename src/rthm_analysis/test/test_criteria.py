@@ -23,6 +23,7 @@ ELSEWHERE = {
     "faults/unit_ratios.py": {"_LENGTHS", "RATIOS"},  # units
     "links/ages.py": {"GOLDEN"},  # the golden ratio
     "links/fitting.py": {"INFINITE_GRAINS"},  # an infinity of integers
+    "replay/motor.py": {"POLES_APART", "POLES_NEAR"},  # arithmetic
     # compiled, and compiled anew only where its own folder changes
     "replay/kernel.py": {"SWITCHES_OF_AN_INTERVAL"},
     "replay/steps.py": {"MOST_TRIALS"},

@@ -106,6 +106,13 @@ def test_energy_balance_closes(case):
         assert found.energies["E_effects"][-1] < -1e-3 or case == "stop"
 
 
+def test_a_loop_whose_motion_escapes_in_finite_time_is_no_number_from_there_on():
+    pull = {"block": "plant", "kind": "quadratic_stiffness", "dof": "x1", "coefficient": 60.0}
+    spec = with_effects(apply(shipped_spec("paper_noisy"), {"plant.initial_position": -0.5}), pull=pull)
+    there = np.isfinite(simulate(spec, 2.0, 0.01).plant_position[:, 0])
+    assert there[0] and not there[np.argmin(there) :].any()
+
+
 def test_full_transmission_approaches_its_static_stiffness():
     """The corrected (5): with a light pulley, (3a) acts as k_tot alone."""
     spec = shipped_spec("transmission")

@@ -90,6 +90,8 @@ class WireLaw(Effect):
     """
 
     order: ClassVar[int] = 0
+    path: ClassVar[tuple[float, float]] = (0.0, 0.0)
+    """Shares of `u` and of `x` in what `settle` follows; a step of the simulation ends where that turns."""
 
     @staticmethod
     def settle(u: float, x: float, k: float, z: list[float], p: list[float]) -> None:

@@ -39,6 +39,7 @@ class Backlash(WireLaw):
     experiment = "Reverse the motor slowly under a small load."
     states = 1
     order = 0
+    path = (1.0, 0.0)
     kinked = True
     rank = 10
 
@@ -124,6 +125,7 @@ class PulleyFriction(WireLaw):
     experiment = "Reverse the motor slowly with the dof locked."
     states = 1
     order = 2
+    path = (0.5, 0.5)
     kinked = True
     rank = 50
 
@@ -245,6 +247,7 @@ class WireBoucWen(WireLaw):
     plainer = (Plainer("pulley_friction", lambda p: {"force": 2.0 * yield_force(p)}),)
     states = 2
     order = 5
+    path = (1.0, -1.0)
     kinked = True
     cost = 10
     rank = 60

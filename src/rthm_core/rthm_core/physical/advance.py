@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, inlined
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
 from rthm_core.physical.drive import RATE, conditioned, motor_position, motor_velocity
@@ -29,7 +29,8 @@ class PhysicalState(NamedTuple):
     command, target : (m,) arrays
         Input of the motor chain, and where a rate-limited input is going, in m.
     modes : (L,) array
-        Mode in force of every law that is not linear, then of every wire (1: taut, -1: slack).
+        Mode in force of every law that is not linear, then of every wire (1: taut, -1: slack), then of every
+        law of a wire (1 or -1: which way its path goes).
     step, scale
         Step and error scale of the integration.
     inputs : (orders, m + loads) array
@@ -67,6 +68,12 @@ def set_command(physical, command):  # type: ignore[no-untyped-def]
             state.command[i] = state.target[i]
 
 
+@inlined
+def _travels(state, i):  # type: ignore[no-untyped-def]
+    """Whether a rate-limited input is on its way; one that is not a number goes nowhere."""
+    return abs(state.target[i] - state.command[i]) > 0.0
+
+
 @called
 def _segment_end(physical, to_ns):  # type: ignore[no-untyped-def]
     """End of the longest segment over which commands and loads are polynomials, at most `to_ns`."""
@@ -74,7 +81,7 @@ def _segment_end(physical, to_ns):  # type: ignore[no-untyped-def]
     now = state.time[0]
     end = smooth_until(model.loads, now, to_ns)
     for i in range(model.m):
-        if state.command[i] != state.target[i]:
+        if _travels(state, i):
             travel = abs(state.target[i] - state.command[i]) / model.drive.conditioning[RATE, i]
             end = min(end, now + max(1, math.ceil(travel * 1e9)))
     return end
@@ -87,7 +94,7 @@ def begin_segment(physical):  # type: ignore[no-untyped-def]
     m = model.m
     for i in range(m):
         state.inputs[0, i] = state.command[i]
-        if state.command[i] != state.target[i]:
+        if _travels(state, i):
             state.inputs[1, i] = math.copysign(
                 model.drive.conditioning[RATE, i], state.target[i] - state.command[i]
             )
@@ -100,7 +107,7 @@ def begin_segment(physical):  # type: ignore[no-untyped-def]
 def _finish_segment(physical, end, dt):  # type: ignore[no-untyped-def]
     model, state = physical.model, physical.state
     for i in range(model.m):
-        if state.command[i] != state.target[i]:
+        if _travels(state, i):
             travelled = model.drive.conditioning[RATE, i] * dt
             left = state.target[i] - state.command[i]
             state.command[i] = (

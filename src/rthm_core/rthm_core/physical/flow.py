@@ -29,7 +29,7 @@ from rthm_core.physical.switching import motion_of, stop
 
 
 @inlined
-def _row(row, y, u):  # type: ignore[no-untyped-def]
+def product(row, y, u):  # type: ignore[no-untyped-def]
     """Product of a row with [y, u]."""
     total = 0.0
     for j in range(y.size):
@@ -44,7 +44,7 @@ def settle_wire(wires, y, u, actuator):  # type: ignore[no-untyped-def]
     """Bring path-dependent states of one wire up to the present motion, in place; returns the drive-side
     position that the wire feels.
     """
-    position = _row(wires.drive[actuator], y, u)
+    position = product(wires.drive[actuator], y, u)
     x, k = y[wires.numbers[actuator, DOF]], wires.stiffness[actuator, 0]
     for row in range(wires.laws.shape[0]):
         if wires.laws[row, PLACE] == actuator:
@@ -69,7 +69,7 @@ def wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type: igno
     `dy`.
     """
     if laws is None:
-        return _row(wires.force[actuator], y, u)
+        return product(wires.force[actuator], y, u)
     return _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold)
 
 
@@ -79,7 +79,7 @@ def _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type:
     tension = laws.numbers.shape[0] + actuator
     hold[tension] = np.inf
     if not wires.numbers[actuator, NONLINEAR]:
-        return _row(wires.force[actuator], y, u)
+        return product(wires.force[actuator], y, u)
     copy_into(scratch, y)
     position = settle_wire(wires, scratch, u, actuator)
     dof, k = wires.numbers[actuator, DOF], wires.stiffness[actuator, 0]

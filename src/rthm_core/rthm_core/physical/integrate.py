@@ -17,9 +17,9 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, called, copy_into, inlined
 from rthm_core.linear import polynomial, step_linear
-from rthm_core.physical.drive import motor_position
-from rthm_core.physical.flow import mechanics_rate, settle_wires
-from rthm_core.physical.laws import FRICTION, PARTITION
+from rthm_core.physical.drive import motor_position, motor_velocity
+from rthm_core.physical.flow import mechanics_rate, product, settle_wires
+from rthm_core.physical.laws import DOF, FRICTION, PARTITION, PLACE
 from rthm_core.physical.switching import between, breakaway_mode, guard, narrowed, next_mode
 
 RELATIVE_ERROR = 1e-11
@@ -61,13 +61,15 @@ class Trace(NamedTuple):
 
 class Work(NamedTuple):
     """Scratch of the integration: stages (7, ny), rows `TRIAL`, `POINT`, `SCRATCH`, `START` (4, ny), motor
-    states, u, command, w, holding forces.
+    states, u and its rate, command, w, and what the guards of all modes look at: forces that hold, tensions
+    of wires, rates of the paths that they remember.
     """
 
     stages: Floats
     rows: Floats
     q: Floats
     u: Floats
+    du: Floats
     command: Floats
     w: Floats
     hold: Floats
@@ -94,6 +96,7 @@ def work(size: int, chain: int, m: int, loads: int, laws: int) -> Work:
         np.zeros((7, size)),
         np.zeros((4, size)),
         np.zeros(chain),
+        np.zeros(m),
         np.zeros(m),
         np.zeros(m),
         np.zeros(loads),
@@ -126,6 +129,25 @@ def rate(model, modes, work, y, t, dy):  # type: ignore[no-untyped-def]
 
 
 @called
+def _path_rates(model, work, inputs, y, dy, s):  # type: ignore[no-untyped-def]
+    """Rates of the paths that laws of wires remember, into ``work.hold`` behind the tensions: the state `y`
+    and its rate belong to a time `s` after the start of the segment, as what is in `work` does.
+    """
+    wires, first, chain = model.wires, model.laws.numbers.shape[0] + model.m, work.q.size
+    motor_velocity(model.drive, work.q, work.command, work.du)
+    for i in range(model.m):
+        for k in range(model.m):
+            work.du[i] += model.drive.out[i, chain + k] * polynomial(inputs, k, 1, s)
+    for row in range(wires.laws.shape[0]):
+        actuator = wires.laws[row, PLACE]
+        drive_side, dof = (
+            product(wires.drive[actuator], dy, work.du),
+            y[model.n + wires.numbers[actuator, DOF]],
+        )
+        work.hold[first + row] = wires.paths[row, 0] * drive_side + wires.paths[row, 1] * dof
+
+
+@called
 def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
     """One step of `h` from the present state, whose rate is in ``work.stages[0]``; its end goes to row
     `TRIAL`.
@@ -141,6 +163,7 @@ def _try(model, state, work, t0, s, h):  # type: ignore[no-untyped-def]
             inputs_at(model, work, state.q, state.inputs, s + _NODES[stage] * h)
         rate(model, state.modes, work, point, t0 + s + _NODES[stage] * h, work.stages[stage])
     copy_into(work.rows[TRIAL], point)
+    _path_rates(model, work, state.inputs, point, work.stages[6], s + h)
 
 
 @inlined
@@ -271,6 +294,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)
     begin_step(model, state, work, t0)
+    _path_rates(model, work, state.inputs, y, work.stages[0], 0.0)
     for row in range(model.laws.numbers.shape[0], state.modes.size):
         state.modes[row] = 1 if work.hold[row] >= 0.0 else -1
     trace.count[0] = 0

@@ -82,6 +82,8 @@ class WireTable(NamedTuple):
         Code, actuator, first own state, number of own states.
     parameters : (W, 8) array
         Of the laws.
+    paths : (W, 2) array
+        Shares of the drive side and of the dof in the path that a law remembers.
     """
 
     numbers: Integers
@@ -90,6 +92,7 @@ class WireTable(NamedTuple):
     force: Floats
     laws: Integers
     parameters: Floats
+    paths: Floats
 
     def sized(self, size: int) -> WireTable:
         """The table with rows for `size` states."""
@@ -211,8 +214,8 @@ def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
         for law, p in laws if nonlinear else []:
             rows.append((law, p, a, at))
             at += law.states
-    empty = np.empty((0, 0))
-    return WireTable(numbers, stiffness, empty, empty, *_rows(rows)), at
+    empty, paths = np.empty((0, 0)), np.array([law.path for law, *_ in rows], dtype=float).reshape(-1, 2)
+    return WireTable(numbers, stiffness, empty, empty, *_rows(rows), paths), at
 
 
 def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float, ...], int, int]], int]:

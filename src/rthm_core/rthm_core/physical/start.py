@@ -75,8 +75,10 @@ def _rest_sensors(model: PhysicalModel | Mechanical, y: Floats, u: Floats) -> No
 
 
 def mode_count(model: PhysicalModel) -> int:
-    """Number of modes: one per law that is not linear, then one per wire (1: taut, -1: slack)."""
-    return 0 if model.laws is None else int(model.laws.numbers.shape[0]) + model.m
+    """Number of modes: one per law that is not linear, one per wire (1: taut, -1: slack), and one per law of
+    a wire (which way the path goes that it remembers).
+    """
+    return 0 if model.laws is None else len(model.laws.numbers) + model.m + len(model.wires.laws)
 
 
 def _first_modes(model: PhysicalModel, y: Floats) -> Integers:

@@ -85,6 +85,16 @@ START_FEWEST_SAMPLES = 4
 START_PERIOD_SHARE = 0.08
 """Share of a period that these samples reach at most: over more of it no motion is a parabola."""
 
+START_PERIODS, START_ROUNDS, START_STEP = (1.0, 4.0, 16.0), 2, 1e-4
+"""Periods of the motion from which the state at the start is fitted, one after the other, steps of each fit,
+and the part of the motion by which they are differenced."""
+
+START_LEAST_SHARE = 1e-2
+"""What a part of the state does to the motion, over what others do, from which the fit moves it."""
+
+START_LEFT_RATIO = 1.2
+"""Errors over their noise from sample to sample up to which a spec leaves nothing but noise there."""
+
 # Which samples are readings of a sensor.
 
 STRAY_COMMANDS_SHARE = 0.01

@@ -227,10 +227,13 @@ class Fitting:
         return np.asarray(np.linalg.lstsq(states.T, residual, rcond=1e-10)[0])
 
     def corrected(self, windows: Windows, fitted: Fitted) -> Windows:
-        """Windows that begin in the initial state which fits a model best (`state_correction`)."""
-        for column, by in enumerate(self.state_correction(fitted)):
-            windows = windows.moved(column, float(by))
-        return windows
+        """Windows that begin in the initial state which fits a model best (`state_correction`); as they are
+        where the fit sees more left from there, as the model is not linear over so large a step.
+        """
+        by = self.state_correction(fitted)
+        left = self.residual(fitted.model, self.windows.at(self.windows.state + by))
+        is_better = left @ left < fitted.residual @ fitted.residual
+        return windows.at(windows.state + by) if is_better else windows
 
     def columns(
         self, model: Model, residual: Floats, which: Iterable[int], small: float = DIFFERENCE_STEP

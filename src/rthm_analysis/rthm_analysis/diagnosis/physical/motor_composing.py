@@ -70,8 +70,10 @@ def with_formula(
 
 def _guesses(motors: Experiment, plain: Drives, position: Floats) -> Iterator[InitialGuess]:
     """Terms of what the motors have beside their commands, which give these positions (s, m)."""
-    errors, time = plain.left * plain.noise, motors.evidence.time
-    for k, channel in enumerate(motors.evidence.channels):
+    errors, evidence = plain.left * plain.noise, motors.evidence
+    taken = np.searchsorted(evidence.due_ns, evidence.stamps_ns, side="right") - 1
+    time = np.where(taken < 0, 0.0, evidence.due_ns[taken] * 1e-9)  # what it adds is held with the command
+    for k, channel in enumerate(evidence.channels):
         for term in _terms(channel.place, position[:, k], time, errors[:, k], float(plain.noise[k])):
             yield guess_of(term, MotorFormula)
 

@@ -19,11 +19,11 @@ from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
-from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.spec import apply
 from rthm_core.spec.effect import sizes
 
 if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.replay.windows import Windows
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 

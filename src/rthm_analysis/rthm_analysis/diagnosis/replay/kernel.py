@@ -85,7 +85,7 @@ def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Float
                 return
             copy_into(y, end)
             if law >= 0:
-                switch(model.laws, model.n, working.modes, y, law)
+                switch(model.laws, model.n, working.modes, y, law, working.work.hold)
                 switches += 1
             done += h
             if not last:

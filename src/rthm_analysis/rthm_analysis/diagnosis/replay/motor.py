@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 Complex = npt.NDArray[np.complex128]
 """Array of modes; shapes are in the docstrings."""
 
+POLES_NEAR, POLES_APART = 1e-5, 1e-7
+"""Difference of two poles, over their size, below which they coincide, and by which they then differ."""
+
 
 def motor_delay(spec: Spec) -> int:
     """Delay of the motors beside tau4, in ns."""
@@ -49,14 +52,9 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
         Command in steady state before.
     """
     motors = drive(spec)
-    modes, vectors = _modes(motors)
+    modes, vectors, entry = _modes(motors)
     taken = accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
     nq = modes.size
-    entry = (
-        np.linalg.solve(vectors, motors.system.b.astype(complex))
-        if nq
-        else np.zeros((0, first.size), complex)
-    )
     result = np.zeros((time_ns.size, 3, first.size))
     _run(
         time_ns,
@@ -73,14 +71,25 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     return result
 
 
-def _modes(motors: Drive) -> tuple[Complex, Complex]:
-    """Eigenvalues and vectors of the motor chain; poles that coincide are moved apart by a hair."""
-    a = motors.system.a
-    if not a.size:
-        return np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
-    spread = np.diag(1.0 + 1e-7 * np.arange(a.shape[0]))
-    modes, vectors = np.linalg.eig((a @ spread).astype(complex))
-    return modes, vectors
+def _modes(motors: Drive) -> tuple[Complex, Complex, Complex]:
+    """Eigenvalues (nq,) and vectors (nq, nq) of the motor chain, and what commands do to its modes (nq, m).
+
+    Poles that coincide are moved apart by a hair: every state gets that much faster, and rests where it did.
+    """
+    a, b = motors.system.a.astype(complex), motors.system.b.astype(complex)
+    modes, vectors = np.linalg.eig(a)
+    if _nearest(modes) < POLES_NEAR:
+        faster = (1.0 + POLES_APART * np.arange(modes.size))[:, None]
+        modes, vectors = np.linalg.eig(faster * a)
+        b = faster * b
+    return modes, vectors, np.linalg.solve(vectors, b)
+
+
+def _nearest(modes: Complex) -> float:
+    """Smallest distance of two modes, over the size of one of them; infinite where there is one at most."""
+    size = np.abs(modes)
+    apart = np.abs(modes[:, None] - modes) / np.minimum(size[:, None], size)
+    return float(apart[~np.eye(modes.size, dtype=bool)].min(initial=np.inf))
 
 
 class _Working(NamedTuple):

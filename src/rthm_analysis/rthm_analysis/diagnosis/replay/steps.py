@@ -14,7 +14,7 @@ import numpy as np
 from rthm_analysis.diagnosis.replay.compiled import inlined
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics
 from rthm_analysis.diagnosis.replay.switching import first_switch, follow, margins, sharpened
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Floats, Integers, copy_into
 from rthm_core.physical.flow import settle_wires
 from rthm_core.physical.integrate import TRIAL, Work, begin_step, rate, work
 
@@ -61,12 +61,15 @@ class Working(NamedTuple):
     y, end_rate : (ny,) arrays
         State, and its rate at the end of a step.
     modes : (L,) array
+    held : (L + m,) array
+        Forces that held sticking dofs at the start of a step, as in `Work`.
     work : Work
     """
 
     y: Floats
     end_rate: Floats
     modes: Integers
+    held: Floats
     work: Work
 
 
@@ -74,7 +77,8 @@ def working(mechanics: Mechanics) -> Working:
     """Scratch for these mechanics."""
     laws, size = mechanics.laws.numbers.shape[0], mechanics.initial.size
     scratch = work(size, 0, mechanics.m, mechanics.loads, laws + mechanics.m)
-    return Working(np.zeros(size), np.zeros(size), np.zeros(laws, dtype=np.int64), scratch)
+    held = np.zeros_like(scratch.hold)
+    return Working(np.zeros(size), np.zeros(size), np.zeros(laws, dtype=np.int64), held, scratch)
 
 
 @inlined
@@ -115,16 +119,18 @@ def step_to_switch(model, replay, working, g, begin, whole, t, h, following):  #
     settle_wires(model.wires, y, u)
     follow(model.laws, model.n, y, modes, False)
     begin_step(model, working, working.work, t)
+    held, hold = working.held, working.work.hold
+    copy_into(held, hold)
     law, share, before, after = -1, 1.0, 0.0, 0.0
     for trial in range(MOST_TRIALS):
         _step(model, replay, working, g, begin, whole, t, share * h)
         closer = share
         if trial == 0 and following:
-            closer, law = first_switch(model.laws, model.n, modes, y, end)
+            closer, law = first_switch(model.laws, model.n, modes, y, end, held, hold)
             if law >= 0:
-                before, after = margins(model.laws, model.n, modes, law, y, end)
+                before, after = margins(model.laws, model.n, modes, law, y, end, held, hold)
         elif law >= 0 and share > 0.0:
-            _, here = margins(model.laws, model.n, modes, law, y, end)
+            _, here = margins(model.laws, model.n, modes, law, y, end, held, hold)
             closer = sharpened(share, before, here, after)
         if law < 0 or (trial > 0 and abs(closer - share) < 1e-6) or trial == MOST_TRIALS - 1:
             break

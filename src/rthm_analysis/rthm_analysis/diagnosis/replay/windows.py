@@ -18,6 +18,7 @@ from rthm_analysis.diagnosis.criteria.replay import (
 )
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.mechanics import mechanics, state_matrix
+from rthm_analysis.diagnosis.replay.starting import refined
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -67,6 +68,10 @@ class Windows:
         """The same with one entry of every state moved."""
         state = self.state.copy()
         state[:, column] += by
+        return self.at(state)
+
+    def at(self, state: Floats) -> Windows:
+        """The same from other states."""
         return Windows(self.start, state, self.length)
 
 
@@ -101,7 +106,11 @@ def windows(
             *spec.plant.initial_position,
             *spec.plant.initial_velocity,
         ]
-    return Windows(start.astype(np.int64), state, length)
+    runs = Windows(start.astype(np.int64), state, length)
+    of_motion = period(evidence)
+    if known_start or evidence.driven_by != "force" or not of_motion > 0.0:
+        return runs
+    return refined(evidence, spec, runs, of_motion)
 
 
 def _drifts(spec: Spec, duration: float) -> bool:

@@ -32,6 +32,14 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
+SMOOTH, SMOOTH_OWN = 0.5, (0.05, 0.1)
+"""Longest step in radians of the fastest motion; of mechanics with states of their own, which cubics
+interpolate, and then of motors and the other side."""
+
+LONGEST_BENT = 100_000
+"""Longest step, ns, where a wire remembers its path: its force bends at places that nobody locates."""
+
+
 class Ledger(NamedTuple):
     """Work so far, and the motors as the controller believes in them, once for each part of the commands.
 
@@ -85,10 +93,13 @@ def ledger(
     model = physical.model
     believed = drive(spec, model.whole.orders, effects=False)
     n1, n2, m, ny = model.n, numerical.n, model.m, model.mechanics.shape[0]
-    systems = (model.mechanics[:, :ny], numerical.system.a, model.drive.system.a, believed.system.a)
-    fastest = max(np.abs(np.linalg.eigvals(a)).max(initial=0.0) for a in systems)
-    smoothness = 0.5 if ny == 2 * n1 else 0.1
-    longest = int(smoothness / fastest * 1e9) if fastest > 0.0 else 1_000_000_000
+    mechanics, *others = (
+        float(np.abs(np.linalg.eigvals(a)).max(initial=0.0))
+        for a in (model.mechanics[:, :ny], numerical.system.a, model.drive.system.a, believed.system.a)
+    )
+    of_mechanics, of_others = (SMOOTH, SMOOTH) if ny == 2 * n1 else SMOOTH_OWN
+    longest = int(1e9 / max(mechanics / of_mechanics, *(one / of_others for one in others), 1.0))
+    longest = min(longest, LONGEST_BENT) if model.wires.paths.any() else longest
     plain = nothing_added(spec, model, believed)
     return Ledger(
         on,
@@ -164,7 +175,8 @@ def _plant_at(ledger, physical, y0, dy0, y1, dy1, h, r):  # type: ignore[no-unty
         y[i], y[n + i] = quintic(y0[i], y0[n + i], dy0[n + i], y1[i], y1[n + i], dy1[n + i], h, r)
         ledger.at.x1[i], ledger.at.v1[i] = y[i], y[n + i]
     for i in range(2 * n, y.size):
-        y[i] = cubic(y0[i], dy0[i], y1[i], dy1[i], h, r)
+        settles = dy0[i] == 0.0 and dy1[i] == 0.0  # along the path from the start of the step
+        y[i] = y0[i] if settles else cubic(y0[i], dy0[i], y1[i], dy1[i], h, r)
 
 
 @called

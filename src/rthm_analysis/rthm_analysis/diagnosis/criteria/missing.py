@@ -156,8 +156,9 @@ LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""
 
 MOTOR_CURVE_BINS = 150
-MOTOR_CURVE_TRAINED = 0.6
-"""Even bins of a motor's position in which its mean error is taken, of so much of the training samples."""
+SAMPLED_TRAINED = 0.6
+"""Even bins of a motor's position in which its mean error is taken; and part of the training samples by which
+what is known sample by sample is judged first, on the others."""
 
 SAMPLED_BINS = 200
 SAMPLED_SHAPES_REFINED = 12

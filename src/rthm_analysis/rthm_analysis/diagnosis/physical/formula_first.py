@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED, LOAD_LAW_SHARE
+from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED, LOAD_LAW_SHARE, SAMPLED_TRAINED
 from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
@@ -15,10 +15,14 @@ from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.beginning import Baseline
 from rthm_analysis.diagnosis.physical.drafting import draft_of
+from rthm_analysis.diagnosis.physical.driven import forces_are_off
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
+from rthm_analysis.diagnosis.physical.wire_curves import beyond, foretold_share
+from rthm_analysis.diagnosis.physical.wire_guesses import terms_of
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects.registry import own_laws
 
 
@@ -34,8 +38,9 @@ class FormulaFirst:
     Attributes
     ----------
     found : (Baseline, Selection) or None
-        One term of no kind of the library, maybe beside a constant, that leaves nothing but noise, and the
-        runs in which it does; nothing where only a curve over the known load does, which no kind is.
+        Formulas of wires, or one term of no kind of the library, maybe beside a constant, that leave nothing
+        but noise, and the runs in which they do; nothing where only a curve over the known load does, which
+        no kind is.
     """
 
     whole: Baseline
@@ -56,6 +61,8 @@ class FormulaFirst:
     def _find(self) -> tuple[Baseline, Selection] | None:
         fitting, retuned, noise = self.near.fitting, self.near.retuned, self.near.noise
         fitting.progress("looking for a formula of the missing force")
+        if (guesses := self._of_wires()) and (found := self._enough(guesses)) is not None:
+            return found
         if (draft := draft_of(self.near)) is not None:
             fitting, retuned, noise = draft.fitting, draft.retuned, white_noise(noise.level)
         samples = fitting.experiment.evidence.time.size
@@ -72,7 +79,20 @@ class FormulaFirst:
         terms = terms if len(terms) == 2 and _belong_together(*terms) else terms[:1]
         if all(one.is_known for one in terms):
             return None
-        guesses = [guess_of(one) for one in terms]
+        return self._enough([guess_of(one) for one in terms])
+
+    def _of_wires(self) -> list[InitialGuess]:
+        """Terms of wires that their own forces say are no linear springs."""
+        fitting, models = self.near.fitting, (self.near.nominal.model, self.near.retuned.model)
+        if own_laws("wire") or not forces_are_off(fitting.wires_alone, models):
+            return []
+        samples = fitting.experiment.evidence.time.size
+        wires = beyond(fitting.experiment, fitting.windows, models[1].spec, self.near.noise.level)
+        train = int(SAMPLED_TRAINED * samples)
+        return terms_of([one for one in wires if foretold_share(one, train) is not None], samples)
+
+    def _enough(self, guesses: list[InitialGuess]) -> tuple[Baseline, Selection] | None:
+        """The model with some formulas, if it leaves nothing but noise."""
         near = _fitted(self.near, with_all(self.near.retuned.model, guesses))
         if near is None:
             return None

@@ -29,8 +29,8 @@ from rthm_analysis.diagnosis.physical.polygon import is_polygon
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.values import less_sure, values_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-from rthm_analysis.diagnosis.physical.wire_composing import OVER
 from rthm_analysis.diagnosis.physical.wire_curves import beyond_springs
+from rthm_analysis.diagnosis.physical.wire_guesses import OVER
 from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.physical.written import Written
 from rthm_analysis.diagnosis.result import Described, Value

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE, MOTOR_CURVE_TRAINED
+from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE, SAMPLED_TRAINED
 from rthm_analysis.diagnosis.criteria.verdict import DRIVE_STEPS
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.sampled import fitted_terms, sampled
@@ -88,7 +88,7 @@ def _rounds(guesses: list[InitialGuess], fitted: Fitted, before: Fitted) -> Iter
 def _terms(place: str, position: Floats, time: Floats, error: Floats, noise: float) -> tuple[Term, ...]:
     """Terms of an error (s,) over the position or time, whichever foretells more of its last part."""
     known = np.isfinite(error)
-    train = known & (np.arange(error.size) < MOTOR_CURVE_TRAINED * error.size)
+    train = known & (np.arange(error.size) < SAMPLED_TRAINED * error.size)
     found: list[tuple[float, tuple[Term, ...]]] = []
     for variable, over in (("u", position), ("t", time)):
         terms = fitted_terms(sampled(variable, over[train], error[train], noise), place)

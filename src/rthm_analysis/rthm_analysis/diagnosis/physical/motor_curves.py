@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE, MOTOR_CURVE_BINS, MOTOR_CURVE_TRAINED
+from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE, MOTOR_CURVE_BINS, SAMPLED_TRAINED
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.describe import symmetry_of
 from rthm_analysis.diagnosis.numbers import bare, percent
@@ -30,7 +30,7 @@ def motors_described(physical: Physical) -> Iterator[Described]:
     for k, name in enumerate(actuator.names):
         error = left[:, k] * physical.motor_noise[k]
         known = np.isfinite(error)
-        first = known & (np.arange(error.size) < MOTOR_CURVE_TRAINED * error.size)
+        first = known & (np.arange(error.size) < SAMPLED_TRAINED * error.size)
         u = motion.motor[: error.size, k]
         curves = {"u": _over(u, error, first), "t": _line(time, error, first)}
         shares = {

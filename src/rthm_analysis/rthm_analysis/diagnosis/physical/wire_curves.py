@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -11,9 +11,14 @@ from rthm_analysis.diagnosis.criteria.missing import FORETOLD_SHARE
 from rthm_analysis.diagnosis.missing.binned import binned, spread_over
 from rthm_analysis.diagnosis.missing.describe import symmetry_of
 from rthm_analysis.diagnosis.numbers import bare, percent
-from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.result import Curve, Described, Physics
 from rthm_core.compiled import Floats
+
+if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.physical.side import Physical
+    from rthm_analysis.diagnosis.replay.experiment import Experiment
+    from rthm_analysis.diagnosis.replay.windows import Windows
+    from rthm_core.spec import Spec
 
 ELONGATION, RATE = "u - x", "du/dt - v"
 UNITS = {ELONGATION: "m", RATE: "m/s"}
@@ -103,11 +108,17 @@ def _share(one: Beyond, over: Floats, at: Floats, force: Floats, part: np.ndarra
 
 
 def beyond_springs(physical: Physical) -> Iterator[Beyond]:
-    """What each wire with a force sensor does beyond a linear spring."""
-    spec, evidence = physical.selection.best.model.spec, physical.evidence
+    """What each wire with a force sensor does beyond a linear spring, beside the best model."""
+    spec = physical.selection.best.model.spec
+    return beyond(physical.experiment, physical.windows, spec, physical.noise.level)
+
+
+def beyond(experiment: Experiment, windows: Windows, spec: Spec, level: Floats) -> Iterator[Beyond]:
+    """What each wire with a force sensor does beyond a linear spring, beside a spec; noise levels (k,)."""
+    evidence = experiment.evidence
     if spec.actuator is None or spec.interface is None or spec.plant is None:
         return
-    motion = physical.experiment.motion(spec, physical.windows)
+    motion = experiment.motion(spec, windows)
     channels = [(channel.family, channel.place) for channel in evidence.channels]
     for actuator, name in enumerate(spec.actuator.names):
         dof, k = spec.interface.plant_dof[actuator], spec.k_tot[actuator]
@@ -117,11 +128,10 @@ def beyond_springs(physical: Physical) -> Iterator[Beyond]:
         at, u = spec.plant.dofs.index(dof), motion.motor[:, actuator]
         elongation = u - evidence.measured[:, x]
         rate = evidence.rates(u) - motion.velocity[:, at]
-        noise = float(np.hypot(physical.noise.level[force], k * physical.noise.level[x]))
         yield Beyond(
             name,
             evidence.measured[:, force] - k * elongation,
             motion.force[:, actuator] - k * (u - motion.position[:, at]),
             {ELONGATION: elongation, RATE: rate},
-            noise,
+            float(np.hypot(level[force], k * level[x])),
         )

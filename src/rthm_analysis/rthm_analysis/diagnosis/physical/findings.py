@@ -17,11 +17,12 @@ from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
-from rthm_analysis.diagnosis.physical.formulated import formulated, motors_formulated
+from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
+from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.side import Physical

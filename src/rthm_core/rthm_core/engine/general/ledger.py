@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-SMOOTH, SMOOTH_OWN = 0.5, (0.05, 0.1)
+SMOOTH, SMOOTH_OWN = 0.5, (0.02, 0.1)
 """Longest step in radians of the fastest motion; of mechanics with states of their own, which cubics
 interpolate, and then of motors and the other side."""
 
-LONGEST_BENT = 100_000
+LONGEST_BENT = 50_000
 """Longest step, ns, where a wire remembers its path: its force bends at places that nobody locates."""
 
 

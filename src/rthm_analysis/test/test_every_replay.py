@@ -30,7 +30,7 @@ MOTORS = {"at once": {}, "slow": {"actuator.motor_poles": [400.0, 2000.0]}}
 FINE = {"at once": 50_000, "slow": 5_000}
 """Steps of the replay, ns, where its own accuracy is not asked for: it places no turn of a wire in them."""
 
-STAMPS = EVIDENCE.stamps_ns[:800]
+STAMPS = EVIDENCE.stamps_ns[:600]
 
 
 def told(step: int | None) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,7 @@ from every_kind import LOOP, SIZES, having, named, places
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.motor import motor_delay
-from rthm_analysis.diagnosis.replay.windows import Windows, windows
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.energy.model import load_at
 from rthm_core.effects import effect
 from rthm_core.engine import simulate
@@ -30,7 +30,10 @@ MOTORS = {"at once": {}, "slow": {"actuator.motor_poles": [400.0, 2000.0]}}
 FINE = {"at once": 50_000, "slow": 5_000}
 """Steps of the replay, ns, where its own accuracy is not asked for: it places no turn of a wire in them."""
 
-STAMPS = EVIDENCE.stamps_ns[:800]
+STAMPS = EVIDENCE.stamps_ns[:600]
+
+ONE_RUN = Windows(np.zeros(1, dtype=np.int64), np.array([[PAPER.plant.initial_position[0], 0.0]]), None)
+"""From the start of a test on."""
 
 
 def told(step: int | None) -> tuple[np.ndarray, np.ndarray]:
@@ -47,7 +50,7 @@ def replayed(spec: Spec, step: int | None) -> np.ndarray:
     evidence: Evidence = replace(
         EVIDENCE, stamps_ns=STAMPS, due_ns=due, commands=commands, load=nothing[0], measured=nothing[1]
     )
-    return Experiment(evidence, first_command(PAPER)).predicted(spec, windows(evidence, PAPER, True))
+    return Experiment(evidence, first_command(PAPER)).predicted(spec, ONE_RUN)
 
 
 def simulated(spec: Spec, step: int | None) -> np.ndarray:
@@ -112,8 +115,7 @@ def test_a_plant_alone_is_replayed_from_known_forces_at_its_samples(kind: str) -
     true, stamps = np.hstack([run.plant_position, run.plant_velocity]), np.arange(run.t.size) * 5_000_000
     nothing, load = np.empty((0, 0)), load_at(spec, stamps)
     evidence = Evidence(stamps, stamps[:0], nothing, load, CHANNELS[:2], true, "force")
-    one_run = Windows(np.zeros(1, dtype=np.int64), true[:1], None)
-    apart = np.abs(Experiment(evidence, np.empty(0)).predicted(spec, one_run) - true)
+    apart = np.abs(Experiment(evidence, np.empty(0)).predicted(spec, ONE_RUN.at(true[:1])) - true)
     assert np.all(apart.max(axis=0) < AS_SEARCHED * NOISE[:2]), apart.max(axis=0) / NOISE[:2]
 
 

@@ -29,12 +29,14 @@ def having(block: str, kind: str, poles: bool = False, **parameters: float) -> S
     return apply(spec, {"effects": ["one"], "one": {"block": block, "kind": kind, **place, **parameters}})
 
 
-def simulated(spec: Spec, commands: np.ndarray = COMMANDS) -> np.ndarray:
+def simulated(
+    spec: Spec, commands: np.ndarray = COMMANDS, due: np.ndarray = DUE, stamps: np.ndarray = STAMPS
+) -> np.ndarray:
     """Position, velocity, force and motor position as the simulator's own data acquisition sees them."""
     side, rows, j = PhysicalSide(spec), [], 0
-    for stamp in STAMPS.tolist():
-        while j < DUE.size and DUE[j] <= stamp:
-            side.command(int(DUE[j]), commands[j])
+    for stamp in stamps.tolist():
+        while j < due.size and due[j] <= stamp:
+            side.command(int(due[j]), commands[j])
             j += 1
         seen = side.sample(stamp)
         rows.append([seen.position[0], seen.velocity[0], seen.force[0], seen.motor_position[0]])

@@ -15,9 +15,10 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.energy.model import load_at
 from rthm_core.effects import effect
 from rthm_core.engine import simulate
-from rthm_core.physical.side import PhysicalSide, first_command
+from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply
 
+from . import side
 from .side import CHANNELS, COMMANDS, DUE, EVIDENCE, PAPER
 
 NOISE = np.array([1e-4, 2e-3, 0.02, 1e-5])
@@ -57,14 +58,7 @@ def simulated(spec: Spec, step: int | None) -> np.ndarray:
     """What the simulator's data acquisition sees; no step of its own ends where a wire's force bends."""
     bends = any(one.block == "wire" and one.law.kinked for one in spec.effects)
     due, commands = told(step if bends else None)
-    side, rows, due, sent = PhysicalSide(spec), [], due + motor_delay(spec), 0
-    for stamp in STAMPS.tolist():
-        while sent < due.size and due[sent] <= stamp:
-            side.command(int(due[sent]), commands[sent])
-            sent += 1
-        seen = side.sample(stamp)
-        rows.append([seen.position[0], seen.velocity[0], seen.force[0], seen.motor_position[0]])
-    return np.array(rows)
+    return side.simulated(spec, commands, due + motor_delay(spec), STAMPS)
 
 
 def allowed(spec: Spec, share: float) -> np.ndarray:

@@ -49,11 +49,12 @@ def with_formula(
     """
     if not drives.left.size or drives_earned(drives.rounds):
         return None
-    motors = Experiment(evidence.first(evidence.trained).only("motor"), first)
     nominal, alone = Model(spec, prefix=PREFIX), begun.fitting.wires_alone
+    if not forces_are_off(alone, (nominal, begun.retuned.model)):
+        return None
+    motors = Experiment(evidence.first(evidence.trained).only("motor"), first)
     plain = found_in(motors, [], nominal, drives.limits)
-    models = (nominal, begun.retuned.model)
-    if not (forces_are_off(alone, models) and forces_follow(alone, nominal, plain.left)):
+    if not forces_follow(alone, nominal, plain.left):
         return None
     fitting = fitting_of(motors, nominal)
     guesses = list(_guesses(motors, plain, motors.predicted(spec, fitting.windows)))

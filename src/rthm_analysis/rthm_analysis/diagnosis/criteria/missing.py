@@ -55,9 +55,9 @@ TIME_CURVE_KNOTS = 16
 """Knots of a curve over time, and of a coefficient that changes with it."""
 
 SMOOTHED_PERIOD_SHARE = 0.04
-SMOOTHED_FEWEST_SAMPLES = 7
-"""Length of the parabolas that smooth what a model leaves: share of a period of the motion, and samples that
-they have at least."""
+SMOOTHED_FEWEST_SAMPLES, SMOOTHED_LEFT_RATIO = 7, 1.25
+"""Length of the parabolas that smooth what a model leaves: the largest share of a period of the motion, the
+samples that they have at least, and what longer ones may take away over what these do."""
 
 RESIDUAL_PARABOLA_SAMPLES = 9
 """Samples of the parabola through which the residual motion is differentiated."""
@@ -70,6 +70,26 @@ TERMS_OF_A_FORMULA = 3
 
 TERM_GAIN_SHARE = 0.03
 """Share of the mismatch that each term of a formula must explain beside those before it."""
+
+TERM_LEFT_RATIO = 0.7
+"""What a further term of a formula may leave in short runs, over what was left before it."""
+
+LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
+"""Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the
+other."""
+
+BEGINNINGS, BEGINNING_LEFT_RATIO = 12, 0.98
+"""How often the start of a free run and the values of a formula are estimated by turns, and what each turn
+may leave of what was left before to go on."""
+
+FORMULA_SIZE_UNCERTAINTY = 0.1
+"""Standard deviation of the size of a term, over that size, while kinds are looked for beside it."""
+
+PLAIN_LEFT_RATIO = 2.0
+"""What a term without numbers of its own may leave, over what the best one leaves, to be taken instead."""
+
+SWINGING_ANGLE = 0.3
+"""Largest position from which it may be the angle of a pendulum, rad."""
 
 BESIDE_GAIN_LEFT_SHARE = 0.3
 """Share of what other terms leave that a law of the load may leave that needs another gain of the load beside
@@ -85,7 +105,9 @@ REFINING_STEPS = 40
 """Responses that may be computed to find the numbers within a shape."""
 
 FORMULA_FIT_STEPS = 12
-"""Steps of the fit of a formula in free runs."""
+FORMULA_FITS, FORMULA_LEFT_RATIO = 6, 0.8
+"""Steps of the fit of a formula in free runs, how often they are made, and what each time may leave of what
+was left before to go on."""
 
 THRESHOLD_COUNT = 11
 """Places within the range of a variable at which something is supposed to begin or end at first."""
@@ -111,6 +133,10 @@ SWING_PERIODS = 2.0
 
 SWING_PEAKS = 3
 """Frequencies at which a swing is tried."""
+
+WITHIN_REFINED, WITHIN_STEPS, WITHIN_PLACES = 5, 80, 12
+"""Terms of a force that acts in an interval alone that are fitted to the recording itself, responses that may
+be computed for each, and places at which the interval is supposed to begin and to end."""
 
 OPEN_ENDED_GAIN_SHARE = 0.97
 """Share of the gain of a term that ends with which the same term without an end is told of the unseen
@@ -146,8 +172,9 @@ often it is looked for again around what was found."""
 
 LIKELY_CURVES = 5
 LIKELY_SAMPLES = 8000
-"""Free curves that are asked before the long search, of all that the residual force was compared with, and
-samples that are compared."""
+LIKELY_APART_SAMPLES = 2 * RESIDUAL_PARABOLA_SAMPLES
+"""Free curves that are asked before the long search, of all that the residual force was compared with,
+samples that are compared, and how far they are from where free runs begin: half the longest parabola."""
 
 EARLY_SHAPES_REFINED = 2
 """Shapes of a term that are fitted to the recording itself before the long search."""

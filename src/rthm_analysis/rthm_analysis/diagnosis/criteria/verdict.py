@@ -181,3 +181,9 @@ DRAFT_FEWEST_IN_WINDOW = 30
 
 DRAFT_KINDS_COPIED = 5
 """Kinds of each round of a draft that are copied near the noise: the one that was chosen and others."""
+
+ACTING_RUN_RATIOS = (1.0, 4.0, 16.0)
+ACTING_STDS = 6.0
+ACTING_FEWEST_QUIET = 3
+"""Lengths in periods of the motion of the runs that tell when a force acts, standard deviations of the
+squared error of noise from which a run leaves more than that, and how many must leave no more."""

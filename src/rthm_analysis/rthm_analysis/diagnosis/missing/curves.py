@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.fitting import DIFFERENCE_STEP
+from rthm_analysis.diagnosis.criteria.fitting import DIFFERENCE_STEP, POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_LEAST_RESPONSE,
     CURVE_RIDGE,
@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.replay.budget import Budget
-from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
+from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
 from rthm_core.compiled import Floats
@@ -119,11 +119,11 @@ class Regression:
         self.left = self.fitting.projected(self.here)
         last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
         self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
-        self.known = self.fitting.known(Fitted(model, 0.0, None, self.here))  # type: ignore[arg-type]
         reduced_chi2 = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
-        self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
         self.motion = self.experiment.motion(model.spec, windows)
-        self.motion_forces = _motion_forces(model, self.motion)
+        self.motion_forces = self._motion_forces()
+        self.known = self._known(far=reduced_chi2 > POOR_FIT_CHI2)
+        self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
         self._responses: dict[tuple[Feature, int], Floats] = {}
 
     @property
@@ -149,16 +149,42 @@ class Regression:
 
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
-        n = self.experiment.evidence.load.shape[1]
+        forces = np.zeros((shapes.shape[1], shapes.shape[0], self.experiment.evidence.load.shape[1]))
+        forces[:, :, dof] = shapes.T
+        return self._response_to_forces(forces)
+
+    def _response_to_forces(self, forces: Floats) -> Floats:
+        """The same of forces (p, s, n) on all dofs."""
         size = CURVE_TRIAL_FORCE_RATIO * self.force_scale
 
-        def one(shape: Floats) -> Floats:
-            force = np.zeros((shape.size, n))
-            force[:, dof] = size * shape
-            predicted = self.experiment.under(force).predicted(self.model.spec, self.fitting.windows)
+        def one(force: Floats) -> Floats:
+            predicted = self.experiment.under(size * force).predicted(self.model.spec, self.fitting.windows)
             return (self.here - self.fitting.errors(predicted)) / size
 
-        return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(shapes.T))))
+        return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(forces))))
+
+    def _known(self, *, far: bool) -> Floats:
+        """Changes (q, s k) with the parameters of the model.
+
+        A model that is `far` from the recording moves otherwise than it: there, a spring and a damper pull
+        along the recorded motion, as the missing force does.
+        """
+        columns = self.fitting.known(Fitted(self.model, 0.0, None, self.here))  # type: ignore[arg-type]
+        pulling = [i for i in range(columns.shape[0]) if np.any(self.motion_forces[:, :, i])]
+        if far and pulling:
+            forces = self.motion_forces[:, :, pulling].transpose(2, 0, 1)
+            scale = np.abs(forces).max(axis=(1, 2), keepdims=True)
+            columns[pulling] = self._response_to_forces(forces / scale) * scale[:, :, 0]
+        return columns
+
+    def _motion_forces(self) -> Floats:
+        """Change (s, n, q) of the forces of dampers and springs of the plant with each parameter."""
+        assert self.model.spec.plant is not None
+        dofs = [self.along(dof) for dof in range(len(self.model.spec.plant.dofs))]
+        x, v = (np.stack(rows, axis=1) for rows in ([one.x for one in dofs], [one.v for one in dofs]))
+        changes = [_changed(self.model, i) for i in range(len(self.model.parameters))]
+        found = [-(v @ damping.T + x @ stiffness.T) for damping, stiffness in changes]
+        return np.stack(found, axis=2) if found else np.empty((*x.shape, 0))
 
     @property
     def force_scale(self) -> float:
@@ -279,13 +305,6 @@ def _precision(model: Model) -> Floats:
     each the larger for the other, would follow the noise of the velocity.
     """
     return np.array([(p.prior[1] if p.prior else p.scale) ** -2.0 for p in model.parameters])
-
-
-def _motion_forces(model: Model, motion: Motion) -> Floats:
-    """Change (s, n, q) of the forces of dampers and springs of the plant with each parameter of a model."""
-    changes = [_changed(model, i) for i in range(len(model.parameters))]
-    found = [-(motion.velocity @ damping.T + motion.position @ stiffness.T) for damping, stiffness in changes]
-    return np.stack(found, axis=2) if found else np.empty((*motion.position.shape, 0))
 
 
 def _changed(model: Model, index: int) -> tuple[Floats, Floats]:

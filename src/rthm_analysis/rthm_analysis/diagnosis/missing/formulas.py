@@ -14,6 +14,8 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
+    CURVE_KNOTS,
+    PLAIN_LEFT_RATIO,
     PRODUCT_GAIN_RATIO,
     PRODUCT_GAIN_SHARE_OF_REST,
     PRODUCT_LEAST_LEFT,
@@ -22,12 +24,16 @@ from rthm_analysis.diagnosis.criteria.missing import (
     SHAPES_REFINED,
     TERM_GAIN_SHARE,
     TERMS_OF_A_FORMULA,
+    WITHIN_PLACES,
+    WITHIN_REFINED,
+    WITHIN_STEPS,
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
-from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
+from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots, knots_over
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
 from rthm_analysis.diagnosis.missing.swinging import swinging
 from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_core.effects.formula import evaluated
 
 if TYPE_CHECKING:
@@ -56,6 +62,91 @@ def composed(
     return tuple(beside_gain if other < BESIDE_GAIN_LEFT_SHARE * left - CURVE_GAIN else terms)
 
 
+def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tuple[Term, ...]:
+    """A term without numbers of its own that leaves hardly more than another, else that one.
+
+    A law of the load may need another gain of the load beside it: it then is two terms.
+    """
+    whole = max(one.excess for one in curves)
+    allowed = PLAIN_LEFT_RATIO * max(whole - term.gain, 0.0)
+    ways: list[tuple[Term, ...]] = [(_best_plain(regression, term),)]
+    if term.depends_on == ("load",):
+        gain = _gain_of_load(regression, term.dof)
+        ways.append((gain, _best_plain(regression.beside(_response(regression, gain)), term)))
+    return next((one for one in ways if whole - sum(part.gain for part in one) < allowed), (term,))
+
+
+def _best_plain(regression: Regression, term: Term) -> Term:
+    """The best term without numbers of its own, over one of the variables of another."""
+    dof, found = regression.dof(term.dof), [Term(term.dof, "1", (("x", Shape("1")),))]
+    at = regression.along(dof)
+    for over in term.depends_on:
+        shapes = [one for one in shapes_over(over, knots_over(at, over)) if not one.numbers]
+        found += [Term(term.dof, "1", ((over, one),)) for one in shapes if one.text not in ("1", "w")]
+        found += [Term(term.dof, "sign(v)", (("v", Shape("1")),))] if over == "v" else []
+    return max((_refined(regression, one) for one in found), key=lambda one: one.gain)
+
+
+def acting_within(regression: Regression, interval: tuple[float, float]) -> tuple[Term, ...]:
+    """The term that explains most of a force that acts in an interval, s, alone; none where nothing does.
+
+    What it depends on there is looked for with the interval given: a force that comes and goes shows in no
+    curve over the motion of the whole recording.
+    """
+    assert regression.model.spec.plant is not None
+    found = []
+    for dof, name in enumerate(regression.model.spec.plant.dofs):
+        at = regression.along(dof)
+        inside = (at.t > interval[0]) & (at.t < interval[1])
+        step = (interval[1] - interval[0]) / max(int(np.count_nonzero(inside)), 1)
+        steps = (max(0.05 * (interval[1] - interval[0]), step),) * 2
+        gate = Term(name, "1", (("t", Shape(WITHIN, interval, steps)),))
+        for carrier, variable in (("1", "x"), ("1", "v"), ("sign(v)", "v"), ("1", "load")):
+            values = at._asdict()[variable]
+            if not np.any(values):
+                continue
+            own = replace(gate, carrier=carrier)
+            places = knots(values[inside], CURVE_KNOTS) if carrier == "1" else np.empty(0)
+            fit = regression.fit(feature_of(at, Curve(own.with_values, variable, places)), dof, name, at)
+            shown = [] if fit is None else _shown_by(fit)
+            found += [replace(own, shapes=(*gate.shapes, *one.shapes), gain=one.gain) for one in shown]
+    found.sort(key=lambda one: -one.gain)
+    plain = [one for one in found if len(one.within) == len(interval)]
+    best = dict.fromkeys([*plain[:WITHIN_REFINED], *found[:WITHIN_REFINED]])
+    refined = [_refined(regression, one, WITHIN_STEPS) for one in best]
+    return tuple(_elsewhere(regression, one) for one in _fewest_numbers(regression, refined))
+
+
+def _elsewhere(regression: Regression, term: Term) -> Term:
+    """The term with its interval begun or ended where that explains more: no slope leads there."""
+    begin, end = term.within[:2]
+    shares = np.linspace(0.0, 1.0, WITHIN_PLACES + 2)[1:-1]
+    for which in (1, 0):
+        ways = [term]
+        for share in shares:
+            moved = list(term.within)
+            moved[which] = begin + share * (end - begin)
+            ways.append(_refined(regression, term.moved(moved), 0))
+        term = max(ways, key=lambda one: one.gain)
+    return _refined(regression, term, WITHIN_STEPS)
+
+
+def excess_of(regression: Regression) -> float:
+    """Squared error above the noise that a model leaves, in units of the noise."""
+    nothing = regression.normal(np.empty((0, regression.left.size)))
+    return 0.0 if nothing is None else float(nothing.left_out().sum() - nothing.count.sum())
+
+
+def _fewest_numbers(regression: Regression, terms: list[Term]) -> tuple[Term, ...]:
+    """The term with the fewest numbers that leaves hardly more than the best one; none of none."""
+    if not terms:
+        return ()
+    whole = excess_of(regression)
+    allowed = PLAIN_LEFT_RATIO * max(whole - max(one.gain for one in terms), 0.0)
+    good = [one for one in terms if whole - one.gain <= max(allowed, CURVE_GAIN)]
+    return (min(good or terms, key=lambda one: (len(one.within), -one.gain)),)
+
+
 def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
     """The terms, those of a time that ends as terms that only begin: where the motion has faded by then, an
     end stands for nothing but what is not quite right of the rest.
@@ -67,6 +158,21 @@ def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, .
             beside_others = regression.beside(np.vstack(others)) if others else regression
             found[index] = _refined(beside_others, _without_end(term))
     return tuple(found)
+
+
+def fitted_together(regression: Regression, terms: tuple[Term, ...]) -> tuple[Model, tuple[Term, ...]]:
+    """The model of a regression with the values that fit best beside some terms, and the terms with theirs.
+
+    A model that lacks a force has made up for it by other values.
+    """
+    model = regression.model
+    normal = regression.normal(np.vstack([_response(regression, one) for one in terms]))
+    if normal is None:
+        return model, terms
+    first, values = regression.known.shape[0], model.values
+    values[:first] += normal.sizes[:first]
+    sizes = zip(terms, normal.sizes[first:], strict=True)
+    return model.at(values), tuple(replace(one, size=float(size)) for one, size in sizes)
 
 
 def _without_end(term: Term) -> Term:
@@ -197,7 +303,7 @@ def _left_out_gain(normal: Normal, base: Normal, columns: slice, vector: Floats)
     return float(base.left_out().sum() - normal.within(directions).left_out().sum())
 
 
-def _refined(regression: Regression, term: Term) -> Term:
+def _refined(regression: Regression, term: Term, most: int = REFINING_STEPS) -> Term:
     """The term with the numbers of its shape, and its size, fitted to the recording."""
     from scipy.optimize import minimize
 
@@ -212,7 +318,7 @@ def _refined(regression: Regression, term: Term) -> Term:
 
     start = np.array(term.within)
     best = with_size(start)
-    if not start.size:
+    if not start.size or not most:
         return best
     tried = {best.within: best}
 
@@ -229,6 +335,6 @@ def _refined(regression: Regression, term: Term) -> Term:
         loss,
         start,
         method="Nelder-Mead",
-        options={"initial_simplex": corners, "maxfev": REFINING_STEPS, "xatol": 1e-12, "fatol": 0.1},
+        options={"initial_simplex": corners, "maxfev": most, "xatol": 1e-12, "fatol": 0.1},
     )
     return max(tried.values(), key=lambda one: one.gain)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import CURVE_RIDGE, LIKELY_CURVES, LIKELY_SAMPLES
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_RIDGE,
+    LIKELY_APART_SAMPLES,
+    LIKELY_CURVES,
+    LIKELY_SAMPLES,
+)
 from rthm_analysis.diagnosis.missing.features import features
 from rthm_analysis.diagnosis.missing.motion import along
 from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 from rthm_core.spec import Spec
 
 
@@ -28,11 +33,20 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         if residual is None or not np.isfinite(residual[2]).all():
             continue
         at = along(experiment.evidence, motion, dof, name)
-        every = max(at.t.size // LIKELY_SAMPLES, 1)
-        known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[::every]
-        left = [_left(np.hstack([known, one.shapes[::every]]), residual[2][::every]) for one in features(at)]
+        inside = _inside(windows, at.t.size)
+        asked = inside[:: max(inside.size // LIKELY_SAMPLES, 1)]
+        known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked]
+        left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in features(at)]
         found[name] = frozenset(np.argsort(left)[:LIKELY_CURVES].tolist())
     return found
+
+
+def _inside(windows: Windows, samples: int) -> Integers:
+    """Samples apart from where free runs begin: what a model leaves jumps there."""
+    near = np.arange(-LIKELY_APART_SAMPLES, LIKELY_APART_SAMPLES)
+    jumps = (windows.start[:, None] + near).ravel()
+    inside = np.setdiff1d(np.arange(samples), jumps)
+    return inside if inside.size > samples // 2 else np.arange(samples)
 
 
 def _left(columns: Floats, force: Floats) -> float:

@@ -6,7 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import SMOOTHED_FEWEST_SAMPLES, SMOOTHED_PERIOD_SHARE
+from rthm_analysis.diagnosis.criteria.missing import (
+    SMOOTHED_FEWEST_SAMPLES,
+    SMOOTHED_LEFT_RATIO,
+    SMOOTHED_PERIOD_SHARE,
+)
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.windows import period
@@ -23,20 +27,44 @@ class Along(NamedTuple):
 
 
 def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
-    """Motion of a dof as recorded, with the rates of the model where the recording has none."""
+    """Motion of a dof as recorded, with the rates of the model where the recording has none.
+
+    A model that is lost says nothing of it: what is recorded is then smoothed by itself.
+    """
+    step = float(np.median(np.diff(evidence.time)))
+    widest = int(SMOOTHED_PERIOD_SHARE * period(evidence) / step) // 2 * 2 + 1
+    x, v = motion.position[:, dof], motion.velocity[:, dof]
+    measured = {
+        channel.family: evidence.measured[:, k]
+        for k, channel in enumerate(evidence.channels)
+        if channel.place == name
+    }
+    position, velocity = measured.get("position"), measured.get("velocity")
+    if position is not None and np.nanstd(position - x) > np.nanstd(position):
+        x, v = np.full_like(x, np.nanmean(position)), np.zeros_like(v)
+    if position is not None:
+        left = np.nan_to_num(position - x)
+        width = _width(left, widest)
+        x = x + _smoothed(left, width)
+        if velocity is None:
+            v = v + _smoothed(left, 2 * width + 1, 1) / step
+    if velocity is not None:
+        left = np.nan_to_num(velocity - v)
+        v = v + _smoothed(left, _width(left, widest))
+    return Along(x, v, evidence.time, evidence.load[:, dof])
+
+
+def _width(values: Floats, widest: int) -> int:
+    """Samples of the longest parabolas that take no more than noise away."""
+    width = SMOOTHED_FEWEST_SAMPLES
+    allowed = SMOOTHED_LEFT_RATIO * float(np.std(values - _smoothed(values, width)))
+    while 2 * width + 1 <= widest and np.std(values - _smoothed(values, 2 * width + 1)) < allowed:
+        width = 2 * width + 1
+    return width
+
+
+def _smoothed(values: Floats, width: int, order: int = 0) -> Floats:
+    """Values, or their change from sample to sample, of the parabolas through `width` samples."""
     from scipy.signal import savgol_filter
 
-    step = float(np.median(np.diff(evidence.time)))
-    width = max(int(SMOOTHED_PERIOD_SHARE * period(evidence) / step) // 2 * 2 + 1, SMOOTHED_FEWEST_SAMPLES)
-    found = {"position": motion.position[:, dof].copy(), "velocity": motion.velocity[:, dof].copy()}
-    left = {}
-    for k, channel in enumerate(evidence.channels):
-        if channel.place == name and channel.family in found:
-            left[channel.family] = np.nan_to_num(evidence.measured[:, k] - found[channel.family])
-    if "position" in left:
-        found["position"] += savgol_filter(left["position"], width, 2)
-    if "velocity" in left:
-        found["velocity"] += savgol_filter(left["velocity"], width, 2)
-    elif "position" in left:
-        found["velocity"] += savgol_filter(left["position"], 2 * width + 1, 2, deriv=1, delta=step)
-    return Along(found["position"], found["velocity"], evidence.time, evidence.load[:, dof])
+    return np.asarray(savgol_filter(values, min(width, values.size // 2 * 2 - 1), 2, deriv=order))

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     PITCH_COUNT,
     SHAPE_POWERS,
     SHAPE_SCALES,
+    SWINGING_ANGLE,
     THRESHOLD_COUNT,
 )
 from rthm_core.compiled import Floats
@@ -38,6 +39,7 @@ class Shape(NamedTuple):
 
 BEYOND, WITHIN = "(p < w)", "(p < w) * (w < q)"
 EVEN = ("w**2", "abs(w)")
+PENDULUM = "w - sin(w)"
 ODD = ("w", "w**3", "w * abs(w)", "w**5")
 
 
@@ -52,10 +54,13 @@ def shapes_over(variable: str, at: Floats) -> Iterator[Shape]:
         yield from (Shape("exp(-w / p)", (one,), (0.3 * one,)) for one in _scales(at))
         return
     yield from map(Shape, (*ODD, *EVEN))
+    if variable == "x" and np.abs(at).max() > SWINGING_ANGLE:
+        yield Shape(PENDULUM)
     yield from (Shape("sign(w) * abs(w)**p", (power,), (0.2,)) for power in SHAPE_POWERS)
     for one in _scales(at):
         yield Shape("tanh(w / p)", (one,), (0.3 * one,))
         yield Shape("sign(w) * exp(-abs(w) / p)", (one,), (0.3 * one,))
+        yield Shape("w - p * sin(w / p)", (one,), (0.3 * one,))
         yield Shape("sign(w) * max(abs(w) - p, 0)", (one,), (0.3 * one,))
         yield from (Shape("exp(w / p) - 1", (side * one,), (0.3 * one,)) for side in (1.0, -1.0))
     yield from _bumps(at)

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from rthm_analysis.diagnosis.criteria.missing import FORMULA_GAIN_SHARE, TERM_SHARE_ABOVE_NOISE
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.missing import (
+    BEGINNING_LEFT_RATIO,
+    BEGINNINGS,
+    FORMULA_GAIN_SHARE,
+    PLAIN_LEFT_RATIO,
+    TERM_SHARE_ABOVE_NOISE,
+)
+from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit
-from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
+from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
+from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.polygon import polygon
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_term
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-from rthm_analysis.diagnosis.search.judging import reduced_chi2
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import is_identified
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
@@ -29,12 +43,47 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     whole = max((one.excess for one in missing.curves), default=0.0)
     ways = dict.fromkeys([terms, open_ended(missing.regression, terms)])
     found = [one for one in (_large(judged, base, some, whole) for some in ways) if one is not None]
+    if not any(one.at_noise for one in found):
+        followed = term_by_term(judged.physical, base)
+        found += filter(None, (with_formulas(judged, base, *one) for one in followed))
     for one in sorted(found, key=_left_out):
         if is_earned(judged, one, curve.held_out_share):
             return one
     bends = polygon(curve)
-    last = with_formulas(judged, base, [bends]) if bends is not None else None
+    last = with_formulas(judged, base, with_all(base.model, [bends]), [bends]) if bends is not None else None
     return last if last is not None and is_earned(judged, last, curve.held_out_share) else None
+
+
+def compose_best(judged: Judgement, curve: CurveFit | None) -> Judgement | None:
+    """The better one of the models with a formula for what acts from time to time, and for a free curve that
+    is told.
+    """
+    within = compose_within(judged)
+    if curve is None or (within is not None and within.at_noise):
+        return within
+    other = compose(judged, curve)
+    if within is None or other is None:
+        return within or other
+    return within if _left_out(within) < PLAIN_LEFT_RATIO * _left_out(other) else other
+
+
+def compose_within(judged: Judgement) -> Judgement | None:
+    """The model with a formula for a force that acts in an interval alone, judged; None where there is none,
+    or where it does not explain what unseen data show.
+    """
+    physical = judged.physical
+    found = None if judged.earned else acting(physical)
+    if found is None or found.interval[0] > physical.evidence.time[physical.train - 1]:
+        return None
+    physical.fitting.progress("looking for a force that acts from time to time")
+    regression, terms = acting_terms(physical, found, physical.train)
+    if not terms:
+        return None
+    model, terms = fitted_together(regression, terms)
+    guesses = [guess_of(one) for one in terms]
+    base = judged.physical.selection.base
+    after = with_formulas(judged, base, with_all(model, guesses), guesses)
+    return after if after is not None and is_earned(judged, after, 1.0) else None
 
 
 def _left_out(judged: Judgement) -> float:
@@ -53,25 +102,56 @@ def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: floa
 
 def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
     """The model with some terms, judged; None where it diverges, or there are none."""
-    return with_formulas(judged, base, [guess_of(one) for one in terms]) if terms else None
+    if not terms:
+        return None
+    model, terms = fitted_together(judged.told_missing.regression, terms)
+    guesses = [guess_of(one) for one in terms]
+    return with_formulas(judged, base, with_all(model, guesses), guesses)
 
 
-def with_formulas(judged: Judgement, base: Fitted, guesses: list[InitialGuess]) -> Judgement | None:
-    """The model with some formulas, judged; None where it diverges.
+def with_formulas(
+    judged: Judgement,
+    base: Fitted,
+    model: Model,
+    guesses: list[InitialGuess],
+    kinds: Sequence[list[FittedCandidate]] = (),
+) -> Judgement | None:
+    """A model with some formulas, of which `base` has none, judged; None where it diverges.
 
-    Effects whose values the recording does not tell beside the formulas are left out.
+    Before the formulas it has the effects of `base` and some `kinds`. Effects whose values the recording does
+    not tell beside the formulas are left out.
     """
     physical, selection = judged.physical, judged.physical.selection
-    physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
-    fitted = fit_terms(physical.fitting, with_all(base.model, guesses))
+    physical, fitted = _fitted(physical, base, model)
     if fitted is None:
         return None
-    rounds = [*(selection.rounds if judged.earned else ()), *rounds_of(guesses, fitted)]
+    before = selection.rounds if judged.earned and not judged.composed else kinds
+    rounds = [*before, *rounds_of(guesses, fitted)]
     with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
     vague = [i for i in range(len(rounds) - len(guesses)) if not is_identified(fitted, i)]
     with_formula = without_each(with_formula, vague) if vague else with_formula
     runs = judged.runs | {"explained": simulate_all(with_formula, with_formula.selection.best)}
     return Judgement(with_formula, runs, composed=True)
+
+
+def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, Fitted | None]:
+    """The fit of a model with formulas, and where free runs begin for it; None where it diverges.
+
+    A model in whose place another one is lost moves otherwise from the start: its own is estimated anew.
+    """
+    physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
+    if physical.fitting.reduced_chi2 < LOST_CHI2:
+        return physical, fit_terms(physical.fitting, model)
+    fitted, left = None, np.inf
+    for _ in range(BEGINNINGS):
+        there = beginning_as(physical, model)
+        there.fitting.reduced_chi2 = physical.fitting.reduced_chi2
+        again = fit_terms(there.fitting, model)
+        if again is None or reduced_chi2(there.fitting, again) > left:
+            break
+        physical, fitted, model = there, again, again.model
+        left = BEGINNING_LEFT_RATIO * reduced_chi2(there.fitting, again)
+    return physical, fitted
 
 
 def is_earned(before: Judgement, after: Judgement, share: float) -> bool:

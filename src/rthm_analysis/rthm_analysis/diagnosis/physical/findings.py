@@ -7,7 +7,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     RETUNED_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.missing.describe import described, told
-from rthm_analysis.diagnosis.physical.composing import compose
+from rthm_analysis.diagnosis.physical.composing import compose_best
 from rthm_analysis.diagnosis.physical.confirming import (
     because,
     confirmed,
@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_f
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
+from rthm_analysis.diagnosis.physical.kinds_beside import with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
@@ -139,7 +140,10 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
         rests = judged.physical.evidence.comes_to_rest
-        judged = (compose(judged, free) if free and not rests else None) or judged
+        composed = None if rests else compose_best(judged, free)
+        judged = judged if composed is None else with_kinds(composed)
+        if not judged.composed and (some := unconfirmed(judged, from_time_to_time=is_foretold(free))):
+            return judged, some
         if not judged.composed:
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve

@@ -10,7 +10,7 @@ from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
-from rthm_analysis.diagnosis.missing.formulas import composed
+from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together
 from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.beginning import Baseline
@@ -61,7 +61,9 @@ class FormulaFirst:
     def _find(self) -> tuple[Baseline, Selection] | None:
         fitting, retuned, noise = self.near.fitting, self.near.retuned, self.near.noise
         fitting.progress("looking for a formula of the missing force")
-        if (guesses := self._of_wires()) and (found := self._enough(guesses)) is not None:
+        if (guesses := self._of_wires()) and (
+            found := self._enough(guesses, self.near.retuned.model)
+        ) is not None:
             return found
         if (draft := draft_of(self.near)) is not None:
             fitting, retuned, noise = draft.fitting, draft.retuned, white_noise(noise.level)
@@ -79,7 +81,8 @@ class FormulaFirst:
         terms = terms if len(terms) == 2 and _belong_together(*terms) else terms[:1]
         if all(one.is_known for one in terms):
             return None
-        return self._enough([guess_of(one) for one in terms])
+        model, terms = fitted_together(left, terms)
+        return self._enough([guess_of(one) for one in terms], model)
 
     def _of_wires(self) -> list[InitialGuess]:
         """Terms of wires that their own forces say are no linear springs."""
@@ -91,9 +94,9 @@ class FormulaFirst:
         train = int(SAMPLED_TRAINED * samples)
         return terms_of([one for one in wires if foretold_share(one, train) is not None], samples)
 
-    def _enough(self, guesses: list[InitialGuess]) -> tuple[Baseline, Selection] | None:
-        """The model with some formulas, if it leaves nothing but noise."""
-        near = _fitted(self.near, with_all(self.near.retuned.model, guesses))
+    def _enough(self, guesses: list[InitialGuess], model: Model) -> tuple[Baseline, Selection] | None:
+        """A model with some formulas, if it leaves nothing but noise."""
+        near = _fitted(self.near, with_all(model, guesses))
         if near is None:
             return None
         apart = self.whole is not self.near

@@ -10,6 +10,8 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FIT_BUDGET,
     FORMULA_FIT_STEPS,
+    FORMULA_FITS,
+    FORMULA_LEFT_RATIO,
     INSTANT_MOVES,
     INSTANT_SAMPLES,
     INSTANT_TRIALS,
@@ -50,7 +52,7 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
     try:
         fitting.budget.allow(FORMULA_FIT_BUDGET)
         fitting.rebase(model)  # a force that was missing changes how initial states show
-        fitted = fitting.fit(model, most=FORMULA_FIT_STEPS, affordable=True)
+        fitted = _fitted(fitting, model)
         for key in _instants(fitted.model):
             for _ in range(INSTANT_MOVES):
                 moved = _moved(fitting, fitted.model, key)
@@ -59,6 +61,17 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
                 fitted = fitting.fit(moved, most=FORMULA_FIT_STEPS, affordable=True)
     except np.linalg.LinAlgError:
         return None
+    return fitted
+
+
+def _fitted(fitting: Fitting, model: Model) -> Fitted:
+    """Fit that goes on as long as it gains much: on a ridge every step is short."""
+    left = np.inf
+    for _ in range(FORMULA_FITS):
+        fitted = fitting.fit(model, most=FORMULA_FIT_STEPS, affordable=True)
+        if fitted.squares > FORMULA_LEFT_RATIO * left or fitting.budget.spent:
+            break
+        model, left = fitted.model, fitted.squares
     return fitted
 
 

@@ -22,6 +22,7 @@ from rthm_analysis.diagnosis.missing.describe import (
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.numbers import bare, percent
+from rthm_analysis.diagnosis.physical.acting import acting
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.polygon import is_polygon
 from rthm_analysis.diagnosis.physical.values import less_sure, values_of
@@ -88,7 +89,7 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     best = judged.physical.selection.best
     terms = [written_of(best, index, misfit=judged.misfit) for index in indices]
     end = float(physical.evidence.time[-1])
-    interval = (terms[0].interval(end) if len(terms) == 1 else None) or when(judged)
+    interval = (_until(judged, terms[0].interval(end)) if len(terms) == 1 else None) or when(judged)
     symmetry = symmetry_of(where, mean) if variable in ("x", "v") else "neither"
     is_table = any(is_polygon(one.text) for one in terms)
     text = None if is_table else sum_of(terms, with_std=False)
@@ -97,6 +98,15 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
         _words(judged, dof, [] if is_table else terms, depends_on, at, force), spread_over(over, force),
     )  # fmt: skip
+
+
+def _until(judged: Judgement, interval: tuple[float, float] | None) -> tuple[float, float] | None:
+    """An interval with the end that shows in the unseen part, where it lies there: no fit has seen it."""
+    physical = judged.physical
+    if interval is None or interval[1] < physical.evidence.time[physical.train - 1]:
+        return interval
+    found = acting(physical)
+    return (interval[0], found.interval[1]) if found and found.interval[1] > interval[0] else interval
 
 
 def _left(judged: Judgement, dof: str) -> Floats | float:

@@ -88,7 +88,7 @@ class Physical:
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges is known by its error
 def diagnose_physical(
-    evidence: Evidence, spec: Spec, before: Floats, progress: Callable[[str], None]
+    evidence: Evidence, spec: Spec, before: Floats, progress: Callable[[str], None], *, formula: bool = True
 ) -> Physical:
     """Find what the spec leaves out of motors, wires, plant and sensors.
 
@@ -100,6 +100,8 @@ def diagnose_physical(
         Command in steady state before the test, m.
     progress : callable
         Told what is being done, in words.
+    formula : bool
+        Whether a formula may be enough, where no kind is.
     """
     train = evidence.trained
     first = before if evidence.driven_by == "command" else np.empty(0)
@@ -113,7 +115,7 @@ def diagnose_physical(
     if (more := with_formula(drives, begun, evidence, spec, first)) is not None:
         drives, settled = more, more.model
         begun, *others = whitened(begin(seen, settled, first, train, progress))
-    begun, selection = chosen(begun, seen, settled, train, formula=not seen.comes_to_rest)
+    begun, selection = chosen(begun, seen, settled, train, formula=formula and not seen.comes_to_rest)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)
     if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):

@@ -7,29 +7,42 @@ from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
-from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
+from rthm_analysis.diagnosis.missing.formulas import composed, excess_of, open_ended
+from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.numbers import bare
+from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.written import Written
 from rthm_analysis.diagnosis.result import Described, Value
 
 
-def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
-    """The one term that explains most of what is left, if it does so in data left out of its fit."""
+def unconfirmed(judged: Judgement, *, from_time_to_time: bool = False) -> tuple[Described, ...]:
+    """The one term that explains most of a force that acts from time to time, or else of what is left, if it
+    does so in data left out of its fit.
+    """
     physical = judged.physical
-    model = judged.told_fit.model
-    physical.fitting.progress("asking what changed in the unseen part")
+    physical.fitting.progress("asking what changed")
     end = physical.evidence.time.size
-    regression = Regression(physical.experiment, physical.windows, physical.noise, model, end)
-    curves = free_curves(regression)
-    terms = composed(regression, curves, most=1)
-    if not terms or terms[0].gain < UNCONFIRMED_SHARE * max(one.excess for one in curves):
+    found = None if judged.earned else acting(physical)
+    if found is not None:
+        regression, terms = acting_terms(physical, found, end)
+    elif from_time_to_time:
+        return ()
+    else:
+        model = judged.told_fit.model
+        regression = Regression(physical.experiment, physical.windows, physical.noise, model, end)
+        terms = composed(regression, free_curves(regression), most=1)
+    whole = excess_of(regression)
+    if not terms or terms[0].gain < UNCONFIRMED_SHARE * whole:
         return ()
     without_end = open_ended(regression, terms)[0]
     is_open = without_end.gain > OPEN_ENDED_GAIN_SHARE * terms[0].gain
-    term, dofs = without_end if is_open else terms[0], model.spec.plant.dofs if model.spec.plant else ()
-    at = regression.along(dofs.index(term.dof))
+    return (_told(judged, regression, without_end if is_open else terms[0], whole),)
+
+
+def _told(judged: Judgement, regression: Regression, term: Term, whole: float) -> Described:
+    at = regression.along(regression.dof(term.dof))
     force = term.size * term.column(at)[:, 0]
     variables = tuple(name for name in at._fields if name in term.depends_on)
     variable = variables[0] if variables else "x"
@@ -37,18 +50,17 @@ def unconfirmed(judged: Judgement) -> tuple[Described, ...]:
     values = {name: Value(value, float("nan"), "") for name, value in term.numbers.items()}
     formula = Written(term.formula, values)
     interval = formula.interval(float(at.t[-1])) or when(judged)
-    share = term.gain / max(one.excess for one in curves)
     text = formula.told(with_std=False)
     on = enumerated(NAMES[name].format(dof=term.dof) for name in variables)
     since = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
+    late = interval is not None and interval[0] > at.t[judged.physical.train - 1]
+    shown = "the last third shows something" if late else "the recording shows something"
     words = (
-        f"Of a force at {term.dof} that depends on {on}, {law_of(text, variables)}, the last third shows "
-        f"something{since}; nothing confirms it: record longer."
+        f"Of a force at {term.dof} that depends on {on}, {law_of(text, variables)}, {shown}{since}; nothing "
+        f"confirms it: record longer."
     )
-    return (
-        Described(
-            "plant", term.dof, None, variables, symmetry_of(where, mean) if variable != "t" else "neither",
-            takes_energy(force, at), False, interval, text, domain_of(at, variables), share, 0.0, where, mean,
-            spread, words,
-        ),
+    symmetry = symmetry_of(where, mean) if variable != "t" else "neither"
+    return Described(
+        "plant", term.dof, None, variables, symmetry, takes_energy(force, at), False, interval, text,
+        domain_of(at, variables), term.gain / whole, 0.0, where, mean, spread, words,
     )  # fmt: skip

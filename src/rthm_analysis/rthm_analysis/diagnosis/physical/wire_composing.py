@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.physical.composing import is_earned, with_formulas
+from rthm_analysis.diagnosis.physical.formula_model import with_all
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_curves import beyond_springs, foretold_share
 from rthm_analysis.diagnosis.physical.wire_guesses import bends_of, terms_of
@@ -18,7 +19,7 @@ def compose_wires(judged: Judgement) -> Judgement | None:
         return None
     physical.fitting.progress("looking for a formula of the wires' forces")
     for guesses in (terms_of(wires, physical.train), bends_of(wires, physical.train)):
-        found = with_formulas(judged, base, guesses) if guesses else None
+        found = with_formulas(judged, base, with_all(base.model, guesses), guesses) if guesses else None
         if found is not None and is_earned(judged, found, 1.0):
             return found
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -190,8 +191,15 @@ class Model:
         return more.at(more.values)
 
     def name(self, index: int) -> str:
-        """Name of the section of an added effect."""
-        return f"{self.prefix}{index + 1}"
+        """Name of the section of an added effect, behind those of the same prefix that the spec has."""
+        return f"{self.prefix}{index + 1 + self._numbered}"
+
+    @cached_property
+    def _numbered(self) -> int:
+        """Highest number behind the prefix among the effects of the spec: one that was patched has some."""
+        names = (one.name for one in self.nominal.effects if one.name.startswith(self.prefix))
+        ends = (name.removeprefix(self.prefix) for name in names)
+        return max((int(end) for end in ends if end.isdecimal()), default=0)
 
     def effect_values(self, index: int) -> dict[str, float | str]:
         """Parameters of an added effect with their present values."""

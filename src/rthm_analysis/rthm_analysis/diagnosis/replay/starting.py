@@ -26,26 +26,29 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-def refined(evidence: Evidence, spec: Spec, runs: Windows, period: float) -> Windows:
-    """Runs of a plant under known forces that start where ever more of their first periods (s) fit best."""
+def refined(evidence: Evidence, spec: Spec, runs: Windows, period: float, *, bent: bool = False) -> Windows:
+    """Runs of a plant under known forces that start where ever more of their first periods (s) fit best.
+
+    A run of which the spec leaves more than noise there starts where it did, unless it may be `bent` to it.
+    """
     n = runs.state.shape[1] // 2
     size = (float(np.nanstd(evidence.measured[:, 0])) or 1.0) * np.repeat([1.0, 2.0 * np.pi / period], n)
     for periods in START_PERIODS:
-        runs = _fitted(evidence, spec, runs, _beginnings(evidence, runs, periods * period), size)
+        runs = _fitted(evidence, spec, runs, _beginnings(evidence, runs, periods * period), size, bent)
     return runs
 
 
-def _fitted(evidence: Evidence, spec: Spec, runs: Windows, parts: list[slice], size: Floats) -> Windows:
-    """Runs that start where their beginnings fit best, states having sizes (2 n,).
-
-    A run of which the spec leaves more than noise there starts where it did: it would be bent to the spec.
-    """
+def _fitted(
+    evidence: Evidence, spec: Spec, runs: Windows, parts: list[slice], size: Floats, bent: bool
+) -> Windows:
+    """Runs that start where their beginnings fit best, states having sizes (2 n,)."""
     seen, better = evidence.first(parts[-1].stop), runs
     experiment = Experiment(seen, np.empty(0), evidence.stamps_ns[runs.start])
     for _ in range(START_ROUNDS):
         better = _nearer(experiment, spec, better, parts, size)
     left = seen.measured - experiment.predicted(spec, better)
-    near = np.array([_is_noise(left[part]) for part in parts])
+    before = seen.measured - experiment.predicted(spec, runs) if bent else left
+    near = np.array([_is_noise(left[one]) or (bent and _is_less(left[one], before[one])) for one in parts])
     return runs.at(np.where(near[:, None], better.state, runs.state))
 
 
@@ -88,6 +91,10 @@ def _noise(left: Floats) -> Floats:
 def _is_noise(left: Floats) -> bool:
     """Whether errors are no larger than what they change by from sample to sample."""
     return bool(np.all(_mean_square(left) <= START_LEFT_RATIO**2 * _noise(left) ** 2))
+
+
+def _is_less(left: Floats, before: Floats) -> bool:
+    return bool(np.nansum(left**2) < np.nansum(before**2))
 
 
 def _mean_square(values: Floats) -> Floats:

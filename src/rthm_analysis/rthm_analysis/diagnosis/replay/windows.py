@@ -95,7 +95,7 @@ def windows(
     duration = evidence.longest
     length = None
     if short:
-        length = SHORT_WINDOW_PERIODS * period(evidence)
+        length = longer * SHORT_WINDOW_PERIODS * period(evidence)
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
     instants = [np.arange(a, b, length) if length else np.full(1, a) for a, b in evidence.spans]

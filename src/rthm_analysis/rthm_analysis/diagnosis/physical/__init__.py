@@ -26,6 +26,9 @@
 ``polygon``      a free curve itself as a law
 ``written``      a term of a formula with its values, in words
 ``formulated``   a formula as a finding
+``acting``       when a force acts that does not act all the time
+``term_by_term``  a formula in short runs, where a wrong model stays near
+``kinds_beside``  kinds of the library beside a formula
 ``unconfirmed``  what shows in the unseen part alone
 ``unforeseen``   a force that nothing foretells
 ``values``       what was found, with standard deviations

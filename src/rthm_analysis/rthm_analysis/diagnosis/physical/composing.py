@@ -10,6 +10,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNING_LEFT_RATIO,
     BEGINNINGS,
+    ENOUGH_GONE_SHARE,
     FORMULA_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
     TERM_SHARE_ABOVE_NOISE,
@@ -59,7 +60,7 @@ def compose_best(judged: Judgement, curve: CurveFit | None) -> Judgement | None:
     is told.
     """
     within = compose_within(judged)
-    if curve is None or (within is not None and within.at_noise):
+    if curve is None or (within is not None and within.gone > ENOUGH_GONE_SHARE):
         return within
     other = compose(judged, curve)
     if within is None or other is None:

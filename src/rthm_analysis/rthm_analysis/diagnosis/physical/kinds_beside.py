@@ -28,7 +28,8 @@ def with_kinds(judged: Judgement) -> Judgement:
     """
     physical, selection = judged.physical, judged.physical.selection
     alone = selection.formulas == len(selection.rounds)
-    if not alone or reduced_chi2(physical.fitting, selection.best) < LOST_CHI2:
+    lasting = not any("t" in one.law.depends_on for one in selection.best.model.added if one.law.written)
+    if not (alone and lasting) or reduced_chi2(physical.fitting, selection.best) < LOST_CHI2:
         return judged
     physical.fitting.progress("looking for kinds beside the formula")
     found = _found_beside(physical)

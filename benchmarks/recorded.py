@@ -29,7 +29,8 @@ What `rthm diagnose` says of measured recordings, made on {date} ({machine}) by
 `python -m benchmarks.recorded FOLDER --out docs/recorded`. Errors are those of a free run over the last
 third, which no fit has seen, over the standard deviation of the signal there; of the positioning axis (EMPS),
 which drifts for want of a spring, those of short runs, with which no model made by hand compares. The model
-made by hand is the physics that is known to be in the rig, fitted by somebody who knew it.
+made by hand is the physics that is known to be in the rig, fitted by somebody who knew it. Of several
+recordings of one rig, diagnosed together, the last is the unseen part.
 
 {titles}
 |---|---|---|---|---|---|---|---|---|
@@ -52,12 +53,20 @@ class Recorded:
         Whether it is the latter.
     columns
         How to import it; empty for a bag.
+    before
+        Recordings of the same rig that are diagnosed together with it: it confirms what they show.
     """
 
     path: str
     by_hand: float | None
     relative: bool = False
     columns: tuple[str, ...] = ()
+    before: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """As it is called in the table."""
+        return ", ".join([*self.before, self.path])
 
 
 AT_REST = 1e-3  # part of a signal's standard deviation below which it stands still
@@ -73,6 +82,7 @@ RECORDINGS = (
     Recorded("pendulum/small", 1.2e-3, columns=PENDULUM),
     Recorded("pendulum/mid", 0.020, True, PENDULUM),
     Recorded("pendulum/large", 0.20, True, PENDULUM),
+    Recorded("pendulum/mid", 0.0623, True, PENDULUM, ("pendulum/small", "pendulum/large")),
     Recorded("drone/multisine", 0.139, True, DRONE),
     Recorded("drone/steps", 0.128, True, DRONE),
 )
@@ -80,18 +90,20 @@ RECORDINGS = (
 
 def diagnosed(one: Recorded, folder: Path, scratch: Path) -> dict[str, Any]:
     """Return the diagnosis of a recording, and its CPU seconds."""
-    bag = folder / one.path
-    if one.columns:
-        bag = scratch / one.path.replace("/", "_")
-        subprocess.run(
-            [RTHM, "import", folder / f"{one.path}.csv", "--out", bag, *one.columns],
-            check=True,
-            capture_output=True,
-        )
+    bags = [_bag(path, one.columns, folder, scratch) for path in (*one.before, one.path)]
     begin = _cpu()
-    words = [RTHM, "diagnose", bag, "--spec", folder / f"{one.path}.yaml", "--json", "-"]
+    words = [RTHM, "diagnose", *bags, "--spec", folder / f"{one.path}.yaml", "--json", "-"]
     said = subprocess.run(words, capture_output=True, text=True, check=False)
-    return json.loads(said.stdout) | {"cpu": _cpu() - begin, "by_hand": _by_hand(one, bag)}
+    return json.loads(said.stdout) | {"cpu": _cpu() - begin, "by_hand": _by_hand(one, bags[-1])}
+
+
+def _bag(path: str, columns: tuple[str, ...], folder: Path, scratch: Path) -> Path:
+    """A recording as a bag, imported where it is none."""
+    bag = scratch / path.replace("/", "_") if columns else folder / path
+    if not bag.exists():
+        words = [RTHM, "import", folder / f"{path}.csv", "--out", bag, *columns]
+        subprocess.run(words, check=True, capture_output=True)
+    return bag
 
 
 def _by_hand(one: Recorded, bag: Path) -> str:
@@ -122,7 +134,7 @@ def row(one: Recorded, said: dict[str, Any]) -> str:
     keys = ("nominal", "retuned", "explained")
     errors = [f"{100.0 * fits[0][key]:.3g} %" if fits else "" for key in keys]
     noise = f"{100.0 * fits[0]['noise_floor']:.2g} %" if fits else ""
-    cells = [one.path, said["verdict"], ", ".join(named + curves), *errors, said["by_hand"], noise]
+    cells = [one.name, said["verdict"], ", ".join(named + curves), *errors, said["by_hand"], noise]
     return f"| {' | '.join(cells)} | {said['cpu']:.0f} |\n"
 
 
@@ -139,7 +151,7 @@ def main() -> int:
         for one in RECORDINGS:
             begin = time.perf_counter()
             said = diagnosed(one, options.folder, Path(scratch))
-            numbers[one.path] = {k: said[k] for k in ("verdict", "physics", "described", "retuned", "fits")}
+            numbers[one.name] = {k: said[k] for k in ("verdict", "physics", "described", "retuned", "fits")}
             lines.append(row(one, said))
             print(f"{lines[-1].strip()} {time.perf_counter() - begin:.0f} s", file=sys.stderr, flush=True)
     date = f"{datetime.now(UTC):%Y-%m-%d}"

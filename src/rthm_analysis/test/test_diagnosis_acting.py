@@ -27,7 +27,7 @@ def physical_of(seen: Evidence, spec: Spec) -> Physical:
 def test_a_cable_that_catches_for_a_while_is_told_with_its_interval(begin: float, end: float) -> None:
     seen = recorded(lambda t, x, v: -20.0 * max(x - 0.005, 0.0) if begin < t < end else 0.0)
     physical = physical_of(seen, plant())
-    found = acting(physical)
+    found = acting(physical, seen.time.size)
     assert found is not None and found.interval == pytest.approx((begin, end), abs=2.0)
     part = physical_part(physical)
     (one,) = part.described
@@ -36,8 +36,9 @@ def test_a_cable_that_catches_for_a_while_is_told_with_its_interval(begin: float
 
 
 def test_nothing_acts_in_an_interval_where_nothing_is_missing_or_something_always_is() -> None:
-    assert acting(physical_of(recorded(), plant())) is None
-    assert acting(physical_of(recorded(lambda t, x, v: -2.0 * math.tanh(x / 0.05)), plant())) is None
+    for law in (lambda t, x, v: 0.0, lambda t, x, v: -2.0 * math.tanh(x / 0.05)):
+        physical = physical_of(recorded(law), plant())
+        assert acting(physical, physical.evidence.time.size) is None
 
 
 def swinging(start: float, seed: int = 0) -> Evidence:

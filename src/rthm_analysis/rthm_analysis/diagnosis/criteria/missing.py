@@ -91,8 +91,8 @@ FORMULA_SIZE_UNCERTAINTY = 0.1
 PLAIN_LEFT_RATIO = 2.0
 """What a term without numbers of its own may leave, over what the best one leaves, to be taken instead."""
 
-SWINGING_ANGLE = 0.3
-"""Largest position from which it may be the angle of a pendulum, rad."""
+SWINGING_ANGLES = (0.3, 3.2)
+"""Largest position from which, and up to which, it may be the angle of a pendulum, rad."""
 
 BESIDE_GAIN_LEFT_SHARE = 0.3
 """Share of what other terms leave that a law of the load may leave that needs another gain of the load beside

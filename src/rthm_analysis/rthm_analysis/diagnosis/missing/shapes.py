@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     PITCH_COUNT,
     SHAPE_POWERS,
     SHAPE_SCALES,
-    SWINGING_ANGLE,
+    SWINGING_ANGLES,
     THRESHOLD_COUNT,
 )
 from rthm_core.compiled import Floats
@@ -54,7 +54,7 @@ def shapes_over(variable: str, at: Floats) -> Iterator[Shape]:
         yield from (Shape("exp(-w / p)", (one,), (0.3 * one,)) for one in _scales(at))
         return
     yield from map(Shape, (*ODD, *EVEN))
-    if variable == "x" and np.abs(at).max() > SWINGING_ANGLE:
+    if variable == "x" and SWINGING_ANGLES[0] < np.abs(at).max() < SWINGING_ANGLES[1]:
         yield Shape(PENDULUM)
     yield from (Shape("sign(w) * abs(w)**p", (power,), (0.2,)) for power in SHAPE_POWERS)
     for one in _scales(at):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.missing import OPEN_ENDED_GAIN_SHARE
 from rthm_analysis.diagnosis.criteria.verdict import (
     ACTING_FEWEST_QUIET,
     ACTING_RUN_RATIOS,
@@ -19,11 +20,12 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.missing.curves import Regression
-from rthm_analysis.diagnosis.missing.formulas import acting_within
+from rthm_analysis.diagnosis.missing.formulas import acting_within, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_core.compiled import Flags, Floats
 
 
@@ -34,21 +36,26 @@ class Acting(NamedTuple):
     interval: tuple[float, float]
 
 
-def acting(physical: Physical) -> Acting | None:
-    """When a force acts beside the nominal or the retuned model; None where it does throughout, or where
-    nobody can tell.
+def acting(physical: Physical, samples: int) -> Acting | None:
+    """When a force acts in the first samples, beside the nominal or the retuned model; None where it does
+    throughout, or where nobody can tell.
     """
-    found = [Acting(model, one) for model in _models(physical) for one in _intervals(physical, model)]
+    found = [
+        Acting(model, one) for model in _models(physical) for one in _intervals(physical, model, samples)
+    ]
     return min(found, key=lambda one: one.interval[1] - one.interval[0], default=None)
 
 
 def acting_terms(physical: Physical, found: Acting, samples: int) -> tuple[Regression, tuple[Term, ...]]:
-    """Terms of a force in its interval, from short runs of the first samples, and what they explain there."""
-    seen, whole = physical.evidence, physical.fitting
-    experiment = physical.experiment if samples == seen.time.size else whole.experiment
-    runs = windows(seen, found.model.spec, seen.driven_by == "command", short=True).first(samples)
-    regression = Regression(experiment, runs, physical.noise, found.model, samples)
-    return regression, acting_within(regression, found.interval)
+    """Terms of a force in its interval, from short runs of the first samples, and what they explain there;
+    without an end where that explains as much.
+    """
+    runs = _runs(physical, found.model, samples, 1.0)
+    regression = Regression(_experiment(physical, samples), runs, physical.noise, found.model, samples)
+    terms = acting_within(regression, found.interval)
+    without_end = open_ended(regression, terms)
+    is_open = all(a.gain > OPEN_ENDED_GAIN_SHARE * b.gain for a, b in zip(without_end, terms, strict=True))
+    return regression, without_end if is_open else terms
 
 
 def _models(physical: Physical) -> Iterator[Model]:
@@ -57,22 +64,30 @@ def _models(physical: Physical) -> Iterator[Model]:
         yield physical.selection.base.model
 
 
-def _intervals(physical: Physical, model: Model) -> Iterator[tuple[float, float]]:
-    """What the shortest runs say that say anything."""
+def _experiment(physical: Physical, samples: int) -> Experiment:
+    whole = samples == physical.evidence.time.size
+    return physical.experiment if whole else physical.fitting.experiment
+
+
+def _runs(physical: Physical, model: Model, samples: int, longer: float) -> Windows:
     seen = physical.evidence
+    return windows(seen, model.spec, seen.driven_by == "command", longer, short=True).first(samples)
+
+
+def _intervals(physical: Physical, model: Model, samples: int) -> Iterator[tuple[float, float]]:
+    """What the shortest runs say that say anything."""
+    time, noise = physical.evidence.time[:samples], physical.noise
     for longer in ACTING_RUN_RATIOS:
-        runs = windows(seen, model.spec, seen.driven_by == "command", longer, short=True)
-        fitting = Fitting(
-            physical.experiment, runs, physical.noise.sigma, model, colours=physical.noise.colours
-        )
+        runs = _runs(physical, model, samples, longer)
+        fitting = Fitting(_experiment(physical, samples), runs, noise.sigma, model, colours=noise.colours)
         loud = np.flatnonzero(_is_loud(fitting, fitting.projected(fitting.residual(model))))
         if not loud.size:
             continue
-        edges = np.append(runs.start, seen.time.size - 1)
+        edges = np.append(runs.start, samples - 1)
         begin, end = int(edges[loud[0]]), int(edges[loud[-1] + 1])
         quiet = runs.start.size - (loud[-1] + 1 - loud[0])
-        if quiet >= ACTING_FEWEST_QUIET and end - begin < LARGEST_INTERVAL_SHARE * seen.time.size:
-            yield float(seen.time[begin]), float(seen.time[end])
+        if quiet >= ACTING_FEWEST_QUIET and end - begin < LARGEST_INTERVAL_SHARE * samples:
+            yield float(time[begin]), float(time[end])
         return
 
 

@@ -73,8 +73,8 @@ def compose_within(judged: Judgement) -> Judgement | None:
     or where it does not explain what unseen data show.
     """
     physical = judged.physical
-    found = None if judged.earned else acting(physical)
-    if found is None or found.interval[0] > physical.evidence.time[physical.train - 1]:
+    found = None if judged.earned else acting(physical, physical.train)
+    if found is None:
         return None
     physical.fitting.progress("looking for a force that acts from time to time")
     regression, terms = acting_terms(physical, found, physical.train)

@@ -101,11 +101,14 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
 
 
 def _until(judged: Judgement, interval: tuple[float, float] | None) -> tuple[float, float] | None:
-    """An interval with the end that shows in the unseen part, where it lies there: no fit has seen it."""
+    """An interval with the end that shows in the unseen part, where it lies there: no fit has seen it.
+
+    Where the formula leaves nothing there, it goes on.
+    """
     physical = judged.physical
-    if interval is None or interval[1] < physical.evidence.time[physical.train - 1]:
+    if interval is None or judged.at_noise or interval[1] < physical.evidence.time[physical.train - 1]:
         return interval
-    found = acting(physical)
+    found = acting(physical, physical.evidence.time.size)
     return (interval[0], found.interval[1]) if found and found.interval[1] > interval[0] else interval
 
 

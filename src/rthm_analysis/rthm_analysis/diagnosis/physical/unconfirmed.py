@@ -24,7 +24,7 @@ def unconfirmed(judged: Judgement, *, from_time_to_time: bool = False) -> tuple[
     physical = judged.physical
     physical.fitting.progress("asking what changed")
     end = physical.evidence.time.size
-    found = None if judged.earned else acting(physical)
+    found = None if judged.earned else acting(physical, end)
     if found is not None:
         regression, terms = acting_terms(physical, found, end)
     elif from_time_to_time:

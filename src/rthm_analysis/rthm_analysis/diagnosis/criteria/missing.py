@@ -137,9 +137,10 @@ SWING_PERIODS = 2.0
 SWING_PEAKS = 3
 """Frequencies at which a swing is tried."""
 
-WITHIN_REFINED, WITHIN_STEPS, WITHIN_PLACES = 5, 80, 12
+WITHIN_REFINED, WITHIN_STEPS, WITHIN_PLACES, WITHIN_STEP_SHARE = 5, 80, 12, 0.05
 """Terms of a force that acts in an interval alone that are fitted to the recording itself, responses that may
-be computed for each, and places at which the interval is supposed to begin and to end."""
+be computed for each, places at which the interval is supposed to begin and to end, and how far it may be off
+there, over its length."""
 
 OPEN_ENDED_GAIN_SHARE = 0.97
 """Share of the gain of a term that ends with which the same term without an end is told of the unseen

@@ -12,6 +12,7 @@
 ``terms``     a factor that is known, and shapes over one or two variables
 ``swinging``  factors that swing with time
 ``formulas``  terms that explain as much as the best curve
+``within``    terms of a force that acts in an interval alone
 ============  ===================================================================================
 
 Along the recorded motion any force is a known load, whose size the response of the model tells by linear

@@ -14,7 +14,6 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
-    CURVE_KNOTS,
     PLAIN_LEFT_RATIO,
     PRODUCT_GAIN_RATIO,
     PRODUCT_GAIN_SHARE_OF_REST,
@@ -24,12 +23,9 @@ from rthm_analysis.diagnosis.criteria.missing import (
     SHAPES_REFINED,
     TERM_GAIN_SHARE,
     TERMS_OF_A_FORMULA,
-    WITHIN_PLACES,
-    WITHIN_REFINED,
-    WITHIN_STEPS,
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
-from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots, knots_over
+from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
 from rthm_analysis.diagnosis.missing.swinging import swinging
 from rthm_analysis.diagnosis.missing.terms import Term
@@ -72,7 +68,7 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
     ways: list[tuple[Term, ...]] = [(_best_plain(regression, term),)]
     if term.depends_on == ("load",):
         gain = _gain_of_load(regression, term.dof)
-        ways.append((gain, _best_plain(regression.beside(_response(regression, gain)), term)))
+        ways.append((gain, _best_plain(regression.beside(_response_of(regression, gain)), term)))
     return next((one for one in ways if whole - sum(part.gain for part in one) < allowed), (term,))
 
 
@@ -84,67 +80,7 @@ def _best_plain(regression: Regression, term: Term) -> Term:
         shapes = [one for one in shapes_over(over, knots_over(at, over)) if not one.numbers]
         found += [Term(term.dof, "1", ((over, one),)) for one in shapes if one.text not in ("1", "w")]
         found += [Term(term.dof, "sign(v)", (("v", Shape("1")),))] if over == "v" else []
-    return max((_refined(regression, one) for one in found), key=lambda one: one.gain)
-
-
-def acting_within(regression: Regression, interval: tuple[float, float]) -> tuple[Term, ...]:
-    """The term that explains most of a force that acts in an interval, s, alone; none where nothing does.
-
-    What it depends on there is looked for with the interval given: a force that comes and goes shows in no
-    curve over the motion of the whole recording.
-    """
-    assert regression.model.spec.plant is not None
-    found = []
-    for dof, name in enumerate(regression.model.spec.plant.dofs):
-        at = regression.along(dof)
-        inside = (at.t > interval[0]) & (at.t < interval[1])
-        step = (interval[1] - interval[0]) / max(int(np.count_nonzero(inside)), 1)
-        steps = (max(0.05 * (interval[1] - interval[0]), step),) * 2
-        gate = Term(name, "1", (("t", Shape(WITHIN, interval, steps)),))
-        for carrier, variable in (("1", "x"), ("1", "v"), ("sign(v)", "v"), ("1", "load")):
-            values = at._asdict()[variable]
-            if not np.any(values):
-                continue
-            own = replace(gate, carrier=carrier)
-            places = knots(values[inside], CURVE_KNOTS) if carrier == "1" else np.empty(0)
-            fit = regression.fit(feature_of(at, Curve(own.with_values, variable, places)), dof, name, at)
-            shown = [] if fit is None else _shown_by(fit)
-            found += [replace(own, shapes=(*gate.shapes, *one.shapes), gain=one.gain) for one in shown]
-    found.sort(key=lambda one: -one.gain)
-    plain = [one for one in found if len(one.within) == len(interval)]
-    best = dict.fromkeys([*plain[:WITHIN_REFINED], *found[:WITHIN_REFINED]])
-    refined = [_refined(regression, one, WITHIN_STEPS) for one in best]
-    return tuple(_elsewhere(regression, one) for one in _fewest_numbers(regression, refined))
-
-
-def _elsewhere(regression: Regression, term: Term) -> Term:
-    """The term with its interval begun or ended where that explains more: no slope leads there."""
-    begin, end = term.within[:2]
-    shares = np.linspace(0.0, 1.0, WITHIN_PLACES + 2)[1:-1]
-    for which in (1, 0):
-        ways = [term]
-        for share in shares:
-            moved = list(term.within)
-            moved[which] = begin + share * (end - begin)
-            ways.append(_refined(regression, term.moved(moved), 0))
-        term = max(ways, key=lambda one: one.gain)
-    return _refined(regression, term, WITHIN_STEPS)
-
-
-def excess_of(regression: Regression) -> float:
-    """Squared error above the noise that a model leaves, in units of the noise."""
-    nothing = regression.normal(np.empty((0, regression.left.size)))
-    return 0.0 if nothing is None else float(nothing.left_out().sum() - nothing.count.sum())
-
-
-def _fewest_numbers(regression: Regression, terms: list[Term]) -> tuple[Term, ...]:
-    """The term with the fewest numbers that leaves hardly more than the best one; none of none."""
-    if not terms:
-        return ()
-    whole = excess_of(regression)
-    allowed = PLAIN_LEFT_RATIO * max(whole - max(one.gain for one in terms), 0.0)
-    good = [one for one in terms if whole - one.gain <= max(allowed, CURVE_GAIN)]
-    return (min(good or terms, key=lambda one: (len(one.within), -one.gain)),)
+    return max((fitted_to(regression, one) for one in found), key=lambda one: one.gain)
 
 
 def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
@@ -154,9 +90,9 @@ def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, .
     found = list(terms)
     for index, term in enumerate(terms):
         if any(over == "t" and shape.text == WITHIN for over, shape in term.shapes):
-            others = [_response(regression, one) for one in found if one is not term]
+            others = [_response_of(regression, one) for one in found if one is not term]
             beside_others = regression.beside(np.vstack(others)) if others else regression
-            found[index] = _refined(beside_others, _without_end(term))
+            found[index] = fitted_to(beside_others, _without_end(term))
     return tuple(found)
 
 
@@ -166,7 +102,7 @@ def fitted_together(regression: Regression, terms: tuple[Term, ...]) -> tuple[Mo
     A model that lacks a force has made up for it by other values.
     """
     model = regression.model
-    normal = regression.normal(np.vstack([_response(regression, one) for one in terms]))
+    normal = regression.normal(np.vstack([_response_of(regression, one) for one in terms]))
     if normal is None:
         return model, terms
     first, values = regression.known.shape[0], model.values
@@ -186,7 +122,7 @@ def _without_end(term: Term) -> Term:
 
 
 def _gain_of_load(regression: Regression, dof: str) -> Term:
-    return _refined(regression, Term(dof, "1", (("load", Shape("w")),)))
+    return fitted_to(regression, Term(dof, "1", (("load", Shape("w")),)))
 
 
 def _composed(
@@ -194,28 +130,28 @@ def _composed(
 ) -> list[Term]:
     """Terms behind some that are given."""
     terms = [*given]
-    columns = [_response(regression, one) for one in given]
+    columns = [_response_of(regression, one) for one in given]
     if given:
         curves = beside(curves, regression, np.vstack(columns))
     whole = max((one.excess for one in curves), default=0.0)
     least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
     while curves and len(terms) < most and not (terms and regression.spent):
-        candidates = [one for curve in curves for one in _shown_by(curve)]
+        candidates = [one for curve in curves for one in shown_by(curve)]
         candidates += [] if terms else swinging(regression)
         best = sorted(candidates, key=lambda one: -one.gain)[:tried]
         more = regression.beside(np.vstack(columns)) if columns else regression
-        refined = [_refined(more, one) for one in best if one.gain > least]
+        refined = [fitted_to(more, one) for one in best if one.gain > least]
         found = max(refined, key=lambda one: one.gain, default=None)
         if found is None or found.gain < least:
             break
         left = max(one.excess for one in curves) - found.gain
         if left > PRODUCT_LEAST_LEFT:
-            products = [_refined(more, one) for one in _products(more, found, left)]
+            products = [fitted_to(more, one) for one in _products(more, found, left)]
             found = max([found, *products], key=lambda one: one.gain)
         terms.append(found)
         if len(terms) == most:
             break
-        columns.append(_response(regression, found))
+        columns.append(_response_of(regression, found))
         curves = beside(curves, regression, np.vstack(columns))
     return terms
 
@@ -238,17 +174,17 @@ def _products(regression: Regression, term: Term, left: float) -> list[Term]:
         if fit is None or fit.gain < least:
             continue
         kept = tuple(one for one in own.shapes if one[1].text != "1")
-        shown = sorted(_shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED]
+        shown = sorted(shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED]
         found += [replace(own, shapes=(*kept, *one.shapes), gain=one.gain) for one in shown]
     return found
 
 
-def _response(regression: Regression, term: Term) -> Floats:
+def _response_of(regression: Regression, term: Term) -> Floats:
     dof = regression.dof(term.dof)
     return regression.response(term.column(regression.along(dof)), dof)
 
 
-def _shown_by(fit: CurveFit) -> list[Term]:
+def shown_by(fit: CurveFit) -> list[Term]:
     """The best shapes of each curve of a feature, with the gain that each has within the curve."""
     if fit.normal is None or fit.feature.straight:
         return []
@@ -303,13 +239,13 @@ def _left_out_gain(normal: Normal, base: Normal, columns: slice, vector: Floats)
     return float(base.left_out().sum() - normal.within(directions).left_out().sum())
 
 
-def _refined(regression: Regression, term: Term, most: int = REFINING_STEPS) -> Term:
+def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) -> Term:
     """The term with the numbers of its shape, and its size, fitted to the recording."""
     from scipy.optimize import minimize
 
     def with_size(numbers: Floats) -> Term:
         moved = term.moved(numbers)
-        normal = regression.normal(_response(regression, moved))
+        normal = regression.normal(_response_of(regression, moved))
         if normal is None:
             return replace(moved, gain=-np.inf)
         base = normal.leading(normal.prior.shape[0] - 1)

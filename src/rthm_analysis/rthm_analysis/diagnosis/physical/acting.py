@@ -20,8 +20,9 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.missing.curves import Regression
-from rthm_analysis.diagnosis.missing.formulas import acting_within, open_ended
+from rthm_analysis.diagnosis.missing.formulas import open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_analysis.diagnosis.missing.within import acting_within
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model

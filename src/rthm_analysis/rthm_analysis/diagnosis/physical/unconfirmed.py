@@ -7,8 +7,9 @@ from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
-from rthm_analysis.diagnosis.missing.formulas import composed, excess_of, open_ended
+from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_analysis.diagnosis.missing.within import excess_of
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.locating import when

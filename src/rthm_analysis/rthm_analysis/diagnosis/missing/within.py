@@ -1,0 +1,86 @@
+"""Terms of a force that acts in an interval alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.missing import (
+    CURVE_GAIN,
+    CURVE_KNOTS,
+    PLAIN_LEFT_RATIO,
+    WITHIN_PLACES,
+    WITHIN_REFINED,
+    WITHIN_STEP_SHARE,
+    WITHIN_STEPS,
+)
+from rthm_analysis.diagnosis.missing.curves import Regression
+from rthm_analysis.diagnosis.missing.features import NOTHING, Curve, feature_of, knots
+from rthm_analysis.diagnosis.missing.formulas import fitted_to, shown_by
+from rthm_analysis.diagnosis.missing.shapes import WITHIN, Shape
+from rthm_analysis.diagnosis.missing.terms import Term
+
+
+def acting_within(regression: Regression, interval: tuple[float, float]) -> tuple[Term, ...]:
+    """The term that explains most of a force that acts in an interval, s, alone; none where nothing does.
+
+    What it depends on there is looked for with the interval given: a force that comes and goes shows in no
+    curve over the motion of the whole recording.
+    """
+    assert regression.model.spec.plant is not None
+    dofs = regression.model.spec.plant.dofs
+    found = [one for dof, name in enumerate(dofs) for one in _of_dof(regression, interval, dof, name)]
+    found.sort(key=lambda one: -one.gain)
+    plain = [one for one in found if len(one.within) == len(interval)]
+    best = dict.fromkeys([*plain[:WITHIN_REFINED], *found[:WITHIN_REFINED]])
+    refined = [fitted_to(regression, one, WITHIN_STEPS) for one in best]
+    return tuple(_elsewhere(regression, one) for one in _fewest_numbers(regression, refined))
+
+
+def _of_dof(regression: Regression, interval: tuple[float, float], dof: int, name: str) -> Iterator[Term]:
+    """Terms that act on a dof in an interval, with the gain that each has within its free curve."""
+    at = regression.along(dof)
+    inside = (at.t > interval[0]) & (at.t < interval[1])
+    step = WITHIN_STEP_SHARE * (interval[1] - interval[0])
+    gate = Term(name, "1", (("t", Shape(WITHIN, interval, (step, step))),))
+    for carrier, variable in (("1", "x"), ("1", "v"), ("sign(v)", "v"), ("1", "load")):
+        values = at._asdict()[variable]
+        if not np.any(values[inside]):
+            continue
+        own = replace(gate, carrier=carrier)
+        places = knots(values[inside], CURVE_KNOTS) if carrier == "1" else NOTHING
+        fit = regression.fit(feature_of(at, Curve(own.with_values, variable, places)), dof, name, at)
+        shown = [] if fit is None else shown_by(fit)
+        yield from (replace(own, shapes=(*gate.shapes, *one.shapes), gain=one.gain) for one in shown)
+
+
+def _elsewhere(regression: Regression, term: Term) -> Term:
+    """The term with its interval begun or ended where that explains more: no slope leads there."""
+    begin, end = term.within[:2]
+    shares = np.linspace(0.0, 1.0, WITHIN_PLACES + 2)[1:-1]
+    for which in (1, 0):
+        ways = [term]
+        for share in shares:
+            moved = list(term.within)
+            moved[which] = begin + share * (end - begin)
+            ways.append(fitted_to(regression, term.moved(moved), 0))
+        term = max(ways, key=lambda one: one.gain)
+    return fitted_to(regression, term, WITHIN_STEPS)
+
+
+def excess_of(regression: Regression) -> float:
+    """Squared error above the noise that a model leaves, in units of the noise."""
+    nothing = regression.normal(np.empty((0, regression.left.size)))
+    return 0.0 if nothing is None else float(nothing.left_out().sum() - nothing.count.sum())
+
+
+def _fewest_numbers(regression: Regression, terms: list[Term]) -> tuple[Term, ...]:
+    """The term with the fewest numbers that leaves hardly more than the best one; none of none."""
+    if not terms:
+        return ()
+    whole = excess_of(regression)
+    allowed = PLAIN_LEFT_RATIO * max(whole - max(one.gain for one in terms), 0.0)
+    good = [one for one in terms if whole - one.gain <= max(allowed, CURVE_GAIN)]
+    return (min(good or terms, key=lambda one: (len(one.within), -one.gain)),)

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import CURVE_BINS
+from rthm_analysis.diagnosis.criteria.missing import CURVE_BINS, LIKELY_APART_SAMPLES
 from rthm_analysis.diagnosis.missing.binned import binned
+from rthm_analysis.diagnosis.missing.likely import apart_from_starts
+from rthm_analysis.diagnosis.missing.motion import along
+from rthm_analysis.diagnosis.replay.experiment import Motion
+from rthm_analysis.diagnosis.replay.windows import Windows
+
+from .plain import NOISE, recorded
 
 
 def test_averages_bring_a_law_out_of_noise_that_hides_it() -> None:
@@ -28,3 +34,20 @@ def test_a_variable_that_stands_still_has_one_average() -> None:
     at, mean, _, share = binned(np.full(500, 0.3), np.linspace(0.0, 1.0, 500))
     np.testing.assert_allclose((at, mean), ([0.3], [0.5]))
     assert share < 1e-12
+
+
+def test_a_model_that_is_lost_says_nothing_of_the_motion() -> None:
+    seen = recorded(duration=12.0)
+    nothing = np.empty((seen.time.size, 0))
+    lost = 3.0 * np.sin(2.0 * seen.time)[:, None]
+    at = along(seen, Motion(lost, 2.0 * lost, nothing, nothing), 0, "x1")
+    left = np.stack([at.x, at.v], axis=1) - seen.measured
+    assert np.all(np.std(left, axis=0) < 1.2 * np.array(NOISE))
+
+
+def test_samples_around_the_starts_of_free_runs_judge_no_curve() -> None:
+    runs = Windows(np.array([0, 500, 1000]), np.zeros((3, 2)), 1.0)
+    inside = apart_from_starts(runs, 1500)
+    assert inside.size > 1300
+    assert np.abs(inside[:, None] - runs.start).min() >= LIKELY_APART_SAMPLES
+    assert apart_from_starts(Windows(np.arange(0, 1500, 20), np.zeros((75, 2)), 0.1), 1500).size == 1500

@@ -33,7 +33,7 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         if residual is None or not np.isfinite(residual[2]).all():
             continue
         at = along(experiment.evidence, motion, dof, name)
-        inside = _inside(windows, at.t.size)
+        inside = apart_from_starts(windows, at.t.size)
         asked = inside[:: max(inside.size // LIKELY_SAMPLES, 1)]
         known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked]
         left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in features(at)]
@@ -41,8 +41,8 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
     return found
 
 
-def _inside(windows: Windows, samples: int) -> Integers:
-    """Samples apart from where free runs begin: what a model leaves jumps there."""
+def apart_from_starts(windows: Windows, samples: int) -> Integers:
+    """Samples apart from where free runs begin: what a model leaves jumps there. All where these are few."""
     near = np.arange(-LIKELY_APART_SAMPLES, LIKELY_APART_SAMPLES)
     jumps = (windows.start[:, None] + near).ravel()
     inside = np.setdiff1d(np.arange(samples), jumps)

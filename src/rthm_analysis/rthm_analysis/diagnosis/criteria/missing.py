@@ -71,8 +71,9 @@ TERMS_OF_A_FORMULA = 3
 TERM_GAIN_SHARE = 0.03
 """Share of the mismatch that each term of a formula must explain beside those before it."""
 
-TERM_LEFT_RATIO = 0.7
-"""What a further term of a formula may leave in short runs, over what was left before it."""
+TERM_LEFT_RATIO, PLAIN_TERM_LEFT_RATIO = 0.7, 0.92
+"""What a further term of a formula may leave in short runs, over what was left before it, and one without
+numbers of its own."""
 
 LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
 """Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the

@@ -16,6 +16,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FIT_STEPS,
     LONGER_RUNS_RATIOS,
+    PLAIN_TERM_LEFT_RATIO,
     TERM_LEFT_RATIO,
     TERMS_OF_A_FORMULA,
 )
@@ -42,6 +43,11 @@ class Composed(NamedTuple):
     model: Model
     guesses: list[InitialGuess]
 
+    @property
+    def allowed_ratio(self) -> float:
+        """What its last law may leave, over what was left before."""
+        return PLAIN_TERM_LEFT_RATIO if len(self.guesses[-1].free) == 1 else TERM_LEFT_RATIO
+
 
 def term_by_term(physical: Physical, base: Fitted) -> Iterator[Composed]:
     """Models with one term more each, as short runs of the training part show them, fitted in ever longer
@@ -56,7 +62,7 @@ def term_by_term(physical: Physical, base: Fitted) -> Iterator[Composed]:
         before = fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
         more = _next(fitting, physical.noise, model)
         better = fit_terms(fitting, more.model) if more is not None else None
-        if more is None or better is None or reduced_chi2(fitting, better) > TERM_LEFT_RATIO * before:
+        if more is None or better is None or reduced_chi2(fitting, better) > more.allowed_ratio * before:
             return
         fitted, model, guesses = better, better.model, [*guesses, *more.guesses]
         yield Composed(_in_longer_runs(physical, model), guesses)

@@ -79,15 +79,16 @@ LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
 """Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the
 other."""
 
-BEGINNINGS, BEGINNING_LEFT_RATIO = 6, 0.98
+BEGINNINGS, BEGINNING_LEFT_RATIO = 8, 0.995
 """How often the start of a free run and the values of a formula are estimated by turns, and what each turn
 may leave of what was left before to go on."""
 
 ENOUGH_GONE_SHARE = 0.95
 """Share of the mismatch on unseen data that a force which acts for a while must explain to end the search."""
 
-FORMULA_SIZE_UNCERTAINTY = 0.1
-"""Standard deviation of the size of a term, over that size, while kinds are looked for beside it."""
+FORMULA_SIZE_UNCERTAINTY, BESIDE_FIT_BUDGET = 0.1, 1e8
+"""Standard deviation of the size of a term, over that size, while kinds are looked for beside it, and the
+work that the fit of both may take: steps of replays."""
 
 PLAIN_LEFT_RATIO = 2.0
 """What a term without numbers of its own may leave, over what the best one leaves, to be taken instead."""

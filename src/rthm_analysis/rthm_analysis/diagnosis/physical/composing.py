@@ -11,6 +11,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNING_LEFT_RATIO,
     BEGINNINGS,
     ENOUGH_GONE_SHARE,
+    FORMULA_FITS,
     FORMULA_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
     TERM_SHARE_ABOVE_NOISE,
@@ -147,7 +148,7 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
     for _ in range(BEGINNINGS):
         there = beginning_as(physical, model)
         there.fitting.reduced_chi2 = physical.fitting.reduced_chi2
-        again = fit_terms(there.fitting, model)
+        again = fit_terms(there.fitting, model, FORMULA_FITS)
         if again is None or reduced_chi2(there.fitting, again) > left:
             break
         physical, fitted, model = there, again, again.model

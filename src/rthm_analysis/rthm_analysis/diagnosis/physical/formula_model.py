@@ -10,7 +10,6 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FIT_BUDGET,
     FORMULA_FIT_STEPS,
-    FORMULA_FITS,
     FORMULA_LEFT_RATIO,
     INSTANT_MOVES,
     INSTANT_SAMPLES,
@@ -43,8 +42,8 @@ def with_all(model: Model, guesses: Iterable[InitialGuess]) -> Model:
     return model
 
 
-def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
-    """Fit of a model with terms; None where it diverges.
+def fit_terms(fitting: Fitting, model: Model, times: int = 1) -> Fitted | None:
+    """Fit of a model with terms, gone on with so many times where that gains much; None where it diverges.
 
     Between two steps of a replay an instant at which a term begins or ends changes nothing, so no slope leads
     to it: it is looked for by itself, among the samples around it.
@@ -52,7 +51,7 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
     try:
         fitting.budget.allow(FORMULA_FIT_BUDGET)
         fitting.rebase(model)  # a force that was missing changes how initial states show
-        fitted = _fitted(fitting, model)
+        fitted = _fitted(fitting, model, times)
         for key in _instants(fitted.model):
             for _ in range(INSTANT_MOVES):
                 moved = _moved(fitting, fitted.model, key)
@@ -64,10 +63,10 @@ def fit_terms(fitting: Fitting, model: Model) -> Fitted | None:
     return fitted
 
 
-def _fitted(fitting: Fitting, model: Model) -> Fitted:
+def _fitted(fitting: Fitting, model: Model, times: int) -> Fitted:
     """Fit that goes on as long as it gains much: on a ridge every step is short."""
     left = np.inf
-    for _ in range(FORMULA_FITS):
+    for _ in range(times):
         fitted = fitting.fit(model, most=FORMULA_FIT_STEPS, affordable=True)
         if fitted.squares > FORMULA_LEFT_RATIO * left or fitting.budget.spent:
             break

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from rthm_analysis.diagnosis.criteria.missing import FORMULA_SIZE_UNCERTAINTY
+from rthm_analysis.diagnosis.criteria.missing import BESIDE_FIT_BUDGET, FORMULA_SIZE_UNCERTAINTY
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.physical.composing import with_formulas
 from rthm_analysis.diagnosis.physical.confirming import confirmed
@@ -37,6 +37,7 @@ def with_kinds(judged: Judgement) -> Judgement:
         return judged
     kinds = [tried[0].start.having(_values(found, i)) for i, tried in enumerate(found.selection.rounds)]
     terms = [tried[0].start.having(_values(physical, i, found)) for i, tried in enumerate(selection.rounds)]
+    physical.fitting.budget.allow(BESIDE_FIT_BUDGET)
     base = _without_effects(selection.base.model, found.selection.best.model)
     both = with_formulas(
         judged, selection.base, with_all(base, [*kinds, *terms]), terms, found.selection.rounds

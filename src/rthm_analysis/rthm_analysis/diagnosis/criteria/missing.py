@@ -79,9 +79,8 @@ LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
 """Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the
 other."""
 
-BEGINNINGS, BEGINNING_LEFT_RATIO = 8, 0.995
-"""How often the start of a free run and the values of a formula are estimated by turns, and what each turn
-may leave of what was left before to go on."""
+BEGINNINGS = 10
+"""How often the start of a free run and the values of a formula are estimated by turns, while that gains."""
 
 ENOUGH_GONE_SHARE = 0.95
 """Share of the mismatch on unseen data that a force which acts for a while must explain to end the search."""

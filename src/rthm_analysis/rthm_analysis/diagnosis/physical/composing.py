@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
-    BEGINNING_LEFT_RATIO,
     BEGINNINGS,
     ENOUGH_GONE_SHARE,
     FORMULA_FITS,
@@ -149,10 +148,10 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
         there = beginning_as(physical, model)
         there.fitting.reduced_chi2 = physical.fitting.reduced_chi2
         again = fit_terms(there.fitting, model, FORMULA_FITS)
-        if again is None or reduced_chi2(there.fitting, again) > left:
+        if again is None or reduced_chi2(there.fitting, again) >= left:
             break
         physical, fitted, model = there, again, again.model
-        left = BEGINNING_LEFT_RATIO * reduced_chi2(there.fitting, again)
+        left = reduced_chi2(there.fitting, again)
     return physical, fitted
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
+    OPEN_ENDED_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
     PRODUCT_GAIN_RATIO,
     PRODUCT_GAIN_SHARE_OF_REST,
@@ -94,6 +95,13 @@ def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, .
             beside_others = regression.beside(np.vstack(others)) if others else regression
             found[index] = fitted_to(beside_others, _without_end(term))
     return tuple(found)
+
+
+def without_needless_end(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
+    """The terms without an end where each then explains as much."""
+    found = open_ended(regression, terms)
+    is_open = all(a.gain > OPEN_ENDED_GAIN_SHARE * b.gain for a, b in zip(found, terms, strict=True))
+    return found if is_open else terms
 
 
 def fitted_together(regression: Regression, terms: tuple[Term, ...]) -> tuple[Model, tuple[Term, ...]]:

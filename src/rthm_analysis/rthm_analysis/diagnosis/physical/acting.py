@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import OPEN_ENDED_GAIN_SHARE
 from rthm_analysis.diagnosis.criteria.verdict import (
     ACTING_FEWEST_QUIET,
     ACTING_RUN_RATIOS,
@@ -20,7 +19,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.missing.curves import Regression
-from rthm_analysis.diagnosis.missing.formulas import open_ended
+from rthm_analysis.diagnosis.missing.formulas import without_needless_end
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.missing.within import acting_within
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -53,10 +52,7 @@ def acting_terms(physical: Physical, found: Acting, samples: int) -> tuple[Regre
     """
     runs = _runs(physical, found.model, samples, 1.0)
     regression = Regression(_experiment(physical, samples), runs, physical.noise, found.model, samples)
-    terms = acting_within(regression, found.interval)
-    without_end = open_ended(regression, terms)
-    is_open = all(a.gain > OPEN_ENDED_GAIN_SHARE * b.gain for a, b in zip(without_end, terms, strict=True))
-    return regression, without_end if is_open else terms
+    return regression, without_needless_end(regression, acting_within(regression, found.interval))
 
 
 def _models(physical: Physical) -> Iterator[Model]:

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
-from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression
 from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
@@ -78,12 +78,7 @@ def compose_within(judged: Judgement) -> Judgement | None:
         return None
     physical.fitting.progress("looking for a force that acts from time to time")
     regression, terms = acting_terms(physical, found, physical.train)
-    if not terms:
-        return None
-    model, terms = fitted_together(regression, terms)
-    guesses = [guess_of(one) for one in terms]
-    base = judged.physical.selection.base
-    after = with_formulas(judged, base, with_all(model, guesses), guesses)
+    after = _with(judged, physical.selection.base, regression, terms)
     return after if after is not None and is_earned(judged, after, 1.0) else None
 
 
@@ -94,18 +89,21 @@ def _left_out(judged: Judgement) -> float:
 
 def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float) -> Judgement | None:
     """The model with some terms, judged, with the large ones alone where it leaves more than the noise."""
-    found = _with(judged, base, terms)
+    regression = judged.told_missing.regression
+    found = _with(judged, base, regression, terms)
     if found is None or found.at_noise:
         return found
     large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
-    return _with(judged, base, large) if len(large) < len(terms) else found
+    return _with(judged, base, regression, large) if len(large) < len(terms) else found
 
 
-def _with(judged: Judgement, base: Fitted, terms: tuple[Term, ...]) -> Judgement | None:
-    """The model with some terms, judged; None where it diverges, or there are none."""
+def _with(
+    judged: Judgement, base: Fitted, regression: Regression, terms: tuple[Term, ...]
+) -> Judgement | None:
+    """The model with some terms of a regression, judged; None where it diverges, or there are none."""
     if not terms:
         return None
-    model, terms = fitted_together(judged.told_missing.regression, terms)
+    model, terms = fitted_together(regression, terms)
     guesses = [guess_of(one) for one in terms]
     return with_formulas(judged, base, with_all(model, guesses), guesses)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rthm_analysis.diagnosis.criteria.missing import OPEN_ENDED_GAIN_SHARE, UNCONFIRMED_SHARE
+from rthm_analysis.diagnosis.criteria.missing import UNCONFIRMED_SHARE
 from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import NAMES, domain_of, law_of, symmetry_of, takes_energy
-from rthm_analysis.diagnosis.missing.formulas import composed, open_ended
+from rthm_analysis.diagnosis.missing.formulas import composed, without_needless_end
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.missing.within import excess_of
 from rthm_analysis.diagnosis.numbers import bare
@@ -37,9 +37,8 @@ def unconfirmed(judged: Judgement, *, from_time_to_time: bool = False) -> tuple[
     whole = excess_of(regression)
     if not terms or terms[0].gain < UNCONFIRMED_SHARE * whole:
         return ()
-    without_end = open_ended(regression, terms)[0]
-    is_open = without_end.gain > OPEN_ENDED_GAIN_SHARE * terms[0].gain
-    return (_told(judged, regression, without_end if is_open else terms[0], whole),)
+    terms = terms if found is not None else without_needless_end(regression, terms)
+    return (_told(judged, regression, terms[0], whole),)
 
 
 def _told(judged: Judgement, regression: Regression, term: Term, whole: float) -> Described:

@@ -75,6 +75,12 @@ TERM_LEFT_RATIO, PLAIN_TERM_LEFT_RATIO = 0.7, 0.92
 """What a further term of a formula may leave in short runs, over what was left before it, and one without
 numbers of its own."""
 
+PLAIN_LAWS_TOGETHER, PLAIN_SETS_KEPT = 4, 8
+PLAIN_LAWS_ALIKE, SAME_LAW_CORRELATION, SAME_LEFT_RATIO = 0.9999, 1.0 - 1e-9, 1.03
+"""Plain laws that explain a force together, sets of each size that are gone on with, correlations from which
+a recording does not tell two laws apart, and from which they are one but for rounding, and what a set may
+leave, over what the best one leaves, to do as well."""
+
 LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
 """Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the
 other."""
@@ -89,8 +95,9 @@ FORMULA_SIZE_UNCERTAINTY, BESIDE_FIT_BUDGET = 0.1, 1e8
 """Standard deviation of the size of a term, over that size, while kinds are looked for beside it, and the
 work that the fit of both may take: steps of replays."""
 
-PLAIN_LEFT_RATIO = 2.0
-"""What a term without numbers of its own may leave, over what the best one leaves, to be taken instead."""
+PLAIN_LEFT_RATIO, PLAIN_GAIN_SHARE = 2.0, 0.8
+"""What a term without numbers of its own may leave, over what the best one leaves, and share of the gain of
+that which it must have, to be taken instead."""
 
 SWINGING_ANGLES = (0.3, 3.2)
 """Largest position from which, and up to which, it may be the angle of a pendulum, rad."""

@@ -312,7 +312,7 @@ class Fitting:
             sums = self.sums(model, self.projected(residual, bases), columns)
             if not len(model.parameters):
                 break
-            before = best
+            before, from_here = best, (model, residual, bases)
             for _ in range(6):
                 trial = model.at(moved(model, sums, damping))
                 trial_residual = self.residual(trial)
@@ -332,6 +332,8 @@ class Fitting:
             if self.reduced_chi2 > POOR_FIT_CHI2:
                 bases = self._bases_of(model, residual, started=started)
                 best = self._cost(model, residual, bases)
+                if best > before:  # initial states do not explain there what they did here
+                    (model, residual, bases), best, damping = from_here, before, 100.0 * damping
         sums = self.sums(model, self.projected(residual, bases), columns)
         return Fitted(model, best, sums, residual, settled)
 

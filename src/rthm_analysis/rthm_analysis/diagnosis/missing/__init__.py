@@ -11,6 +11,7 @@
 ``shapes``    the grammar: shapes over one variable, and where a fit of each may begin
 ``terms``     a factor that is known, and shapes over one or two variables
 ``swinging``  factors that swing with time
+``plain``     laws without numbers of their own that explain it together
 ``formulas``  terms that explain as much as the best curve
 ``within``    terms of a force that acts in an interval alone
 ============  ===================================================================================

@@ -210,7 +210,7 @@ class Regression:
 
         def held_together(stiffness: float) -> CurveFit:
             stiff = whole.stiffened(feature.roughness, stiffness)
-            sizes, inverse = _solved(*stiff.total)
+            sizes, inverse = solved(*stiff.total)
             after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
             return CurveFit(
                 name,
@@ -266,7 +266,7 @@ class Normal:
     @property
     def sizes(self) -> Floats:
         """Sizes (p,) that fit best."""
-        return _solved(*self.total)[0]
+        return solved(*self.total)[0]
 
     def leading(self, count: int) -> Normal:
         """Those of the first sizes alone."""
@@ -295,7 +295,7 @@ class Normal:
         hessian, gradient = self.total
         errors = []
         for h, g, s in zip(self.hessian, self.gradient, self.squares, strict=True):
-            size, _ = _solved(hessian - h, gradient - g)
+            size, _ = solved(hessian - h, gradient - g)
             errors.append(s - 2.0 * size @ g + size @ h @ size)
         return np.array(errors)
 
@@ -334,7 +334,7 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Float
     )
 
 
-def _solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
+def solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
     """Sizes and covariance for noise of power 1; what the data do not reach has size 0."""
     diagonal = np.diag(hessian)
     reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(initial=0.0)

@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
     OPEN_ENDED_GAIN_SHARE,
+    PLAIN_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
     PRODUCT_GAIN_RATIO,
     PRODUCT_GAIN_SHARE_OF_REST,
@@ -27,6 +28,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
+from rthm_analysis.diagnosis.missing.plain import plain_laws
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
 from rthm_analysis.diagnosis.missing.swinging import swinging
 from rthm_analysis.diagnosis.missing.terms import Term
@@ -65,7 +67,8 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
     A law of the load may need another gain of the load beside it: it then is two terms.
     """
     whole = max(one.excess for one in curves)
-    allowed = PLAIN_LEFT_RATIO * max(whole - term.gain, 0.0)
+    left = max(whole - term.gain, 0.0)
+    allowed = min(PLAIN_LEFT_RATIO * left, left + (1.0 - PLAIN_GAIN_SHARE) * term.gain)
     ways: list[tuple[Term, ...]] = [(_best_plain(regression, term),)]
     if term.depends_on == ("load",):
         gain = _gain_of_load(regression, term.dof)
@@ -75,13 +78,9 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
 
 def _best_plain(regression: Regression, term: Term) -> Term:
     """The best term without numbers of its own, over one of the variables of another."""
-    dof, found = regression.dof(term.dof), [Term(term.dof, "1", (("x", Shape("1")),))]
-    at = regression.along(dof)
-    for over in term.depends_on:
-        shapes = [one for one in shapes_over(over, knots_over(at, over)) if not one.numbers]
-        found += [Term(term.dof, "1", ((over, one),)) for one in shapes if one.text not in ("1", "w")]
-        found += [Term(term.dof, "sign(v)", (("v", Shape("1")),))] if over == "v" else []
-    return max((fitted_to(regression, one) for one in found), key=lambda one: one.gain)
+    at = regression.along(regression.dof(term.dof))
+    laws = plain_laws(term.dof, at, [one for one in term.depends_on if one != "t"])
+    return max((fitted_to(regression, one) for one in laws), key=lambda one: one.gain)
 
 
 def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:

@@ -174,19 +174,23 @@ def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
 
 
 def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
-    """Fit of what the spec calls uncertain, the data counting the less the further they stay away.
-
-    Where nothing known drives the plant, its mass is taken as it is.
-    """
+    """Fit of what the spec calls uncertain, the data counting the less the further they stay away."""
     fitting.progress("retuning what is uncertain")
     fitting.reduced_chi2 = reduced_chi2(fitting, nominal)
-    model, forced = nominal.model, fitting.experiment.evidence.is_forced
-    unsure = [p for p in uncertain(model.nominal) if forced or p.key != "plant.mass"]
-    retuned = best_of_starts(fitting, replace(model, parameters=(*model.parameters, *unsure)))
+    retuned = best_of_starts(fitting, with_unsure(fitting.experiment.evidence, nominal.model))
     near = fitted_near(fitting, retuned)
     if near is not retuned and reduced_chi2(fitting, near) < NEAR_NOISE_CHI2:
         fitting.rebase(near.model)
     return near
+
+
+def with_unsure(seen: Evidence, model: Model) -> Model:
+    """A nominal model with what its spec calls uncertain as parameters.
+
+    Where nothing known drives the plant, its mass is taken as it is.
+    """
+    unsure = [p for p in uncertain(model.nominal) if seen.is_forced or p.key != "plant.mass"]
+    return replace(model, parameters=(*model.parameters, *unsure))
 
 
 def fitted_near(fitting: Fitting, found: Fitted) -> Fitted:

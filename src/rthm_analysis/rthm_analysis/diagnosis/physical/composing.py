@@ -9,10 +9,12 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNINGS,
+    CURVE_GAIN,
     ENOUGH_GONE_SHARE,
     FORMULA_FITS,
     FORMULA_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
+    SAME_LEFT_RATIO,
     TERM_SHARE_ABOVE_NOISE,
 )
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
@@ -47,7 +49,7 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     if not any(one.at_noise for one in found):
         followed = term_by_term(judged.physical, base)
         found += filter(None, (with_formulas(judged, base, *one) for one in followed))
-    for one in sorted(found, key=_left_out):
+    for one in sorted(found, key=_price):
         if is_earned(judged, one, curve.held_out_share):
             return one
     bends = polygon(curve)
@@ -85,6 +87,16 @@ def compose_within(judged: Judgement) -> Judgement | None:
 def _left_out(judged: Judgement) -> float:
     """What a model leaves of the data that were left out of its fit, in units of the noise."""
     return float(judged.physical.selection.best.left_out.sum())
+
+
+def _price(judged: Judgement) -> float:
+    """What a model leaves, the dearer the more laws it has, and the more numbers within them: each has to be
+    worth its place.
+    """
+    rounds = judged.physical.selection.rounds
+    within = sum(len(tried[0].start.free) - 1 for tried in rounds)
+    left = _left_out(judged) - judged.physical.fitting.expected
+    return max(left, CURVE_GAIN) * PLAIN_LEFT_RATIO**within * SAME_LEFT_RATIO ** len(rounds)
 
 
 def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float) -> Judgement | None:
@@ -127,7 +139,8 @@ def with_formulas(
     before = selection.rounds if judged.earned and not judged.composed else kinds
     rounds = [*before, *rounds_of(guesses, fitted)]
     with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
-    vague = [i for i in range(len(rounds) - len(guesses)) if not is_identified(fitted, i)]
+    kinds_alone = len(rounds) - with_formula.selection.formulas
+    vague = [i for i in range(kinds_alone) if not is_identified(fitted, i)]
     with_formula = without_each(with_formula, vague) if vague else with_formula
     runs = judged.runs | {"explained": simulate_all(with_formula, with_formula.selection.best)}
     return Judgement(with_formula, runs, composed=True)

@@ -27,7 +27,7 @@ def with_kinds(judged: Judgement) -> Judgement:
     none, or unseen data do not confirm them.
     """
     physical, selection = judged.physical, judged.physical.selection
-    alone = selection.formulas == len(selection.rounds)
+    alone = selection.formulas == len(selection.rounds) == 1
     lasting = not any("t" in one.law.depends_on for one in selection.best.model.added if one.law.written)
     if not (alone and lasting) or reduced_chi2(physical.fitting, selection.best) < LOST_CHI2:
         return judged

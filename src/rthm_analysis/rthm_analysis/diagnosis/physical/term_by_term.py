@@ -26,9 +26,11 @@ from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, plainest
 from rthm_analysis.diagnosis.missing.likely import likely
-from rthm_analysis.diagnosis.physical.beginning import fitting_of
+from rthm_analysis.diagnosis.missing.plain import plain_sets
+from rthm_analysis.diagnosis.physical.beginning import fitting_of, with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, with_all
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
+from rthm_analysis.diagnosis.physical.named_laws import guesses_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.starting import refined
@@ -56,8 +58,12 @@ def term_by_term(physical: Physical, base: Fitted) -> Iterator[Composed]:
     if reduced_chi2(physical.fitting, base) < LOST_CHI2:
         return
     fitting = _in_runs(physical, 1.0)
-    fitted, model = fitting.fit(base.model), _as_specified(base.model)
+    model = _as_specified(physical, base.model)
+    fitted = fitting.fit(model)
     guesses: list[InitialGuess] = []
+    fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
+    for plain in _plain(fitting, physical.noise, model):
+        yield Composed(_in_longer_runs(physical, plain.model), plain.guesses)
     while len(guesses) < TERMS_OF_A_FORMULA and not at_noise(fitting, fitted):
         before = fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
         more = _next(fitting, physical.noise, model)
@@ -68,8 +74,11 @@ def term_by_term(physical: Physical, base: Fitted) -> Iterator[Composed]:
         yield Composed(_in_longer_runs(physical, model), guesses)
 
 
-def _as_specified(model: Model) -> Model:
-    """A model with the values that the spec states: a fit has bent them to make up for what is missing."""
+def _as_specified(physical: Physical, base: Model) -> Model:
+    """A model with the values that the spec states, and with what it calls uncertain: a fit has bent them, or
+    chosen among them, to make up for what is missing.
+    """
+    model = base if base.added else with_unsure(physical.evidence, physical.nominal.model)
     return model.at(np.array([p.prior[0] if p.prior else p.value for p in model.parameters]))
 
 
@@ -107,6 +116,20 @@ def _next(fitting: Fitting, noise: Noise, model: Model) -> Composed | None:
     model, terms = fitted_together(left, plainest(left, curves, *terms))
     guesses = [guess_of(one) for one in terms]
     return Composed(with_all(model, guesses), guesses)
+
+
+def _plain(fitting: Fitting, noise: Noise, model: Model) -> Iterator[Composed]:
+    """Models with plain laws that short runs show together, one more each, fitted there."""
+    samples = fitting.experiment.evidence.time.size
+    left = Regression(fitting.experiment, fitting.windows, noise, model, samples)
+    for some in plain_sets(left):
+        beside, terms = fitted_together(left, some)
+        guesses = guesses_of(left, model, terms)
+        if not guesses[-1].added.law.written:
+            continue
+        fitted = fit_terms(fitting, with_all(beside, guesses))
+        if fitted is not None:
+            yield Composed(fitted.model, guesses)
 
 
 def _in_longer_runs(physical: Physical, model: Model) -> Model:

@@ -121,6 +121,7 @@ class Regression:
         self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
         reduced_chi2 = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
         self.motion = self.experiment.motion(model.spec, windows)
+        self._along = self._along_each()
         self.motion_forces = self._motion_forces()
         self.known = self._known(far=reduced_chi2 > POOR_FIT_CHI2)
         self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
@@ -138,14 +139,26 @@ class Regression:
 
     def along(self, dof: int) -> Along:
         """Motion of a dof along the recording."""
+        return self._along[dof]
+
+    def _along_each(self) -> list[Along]:
         assert self.model.spec.plant is not None
-        return along(self.experiment.evidence, self.motion, dof, self.model.spec.plant.dofs[dof])
+        dofs = enumerate(self.model.spec.plant.dofs)
+        return [along(self.experiment.evidence, self.motion, dof, name) for dof, name in dofs]
 
     def beside(self, columns: Floats) -> Regression:
         """The same with further forces whose responses (q, s k) are known and whose sizes are free."""
         more = copy(self)
-        more.known = np.vstack([self.known, columns])
+        more.known = np.vstack([self.known, columns * self.scales_of(columns)[:, None]])
         return more
+
+    def scales_of(self, responses: Floats) -> Floats:
+        """Factors (q,) that make responses as large as those that are known: terms of different units then
+        weigh alike.
+        """
+        known, own = (np.linalg.norm(rows, axis=1) for rows in (self.known, responses))
+        usual = float(known.max(initial=0.0)) or 1.0
+        return np.asarray(np.where(own > 0.0, usual / np.where(own > 0.0, own, 1.0), 1.0))
 
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
@@ -155,9 +168,10 @@ class Regression:
 
     def _response_to_forces(self, forces: Floats) -> Floats:
         """The same of forces (p, s, n) on all dofs."""
-        size = CURVE_TRIAL_FORCE_RATIO * self.force_scale
+        trial = CURVE_TRIAL_FORCE_RATIO * self.force_scale
 
         def one(force: Floats) -> Floats:
+            size = trial / (float(np.abs(force).max()) or 1.0)
             predicted = self.experiment.under(size * force).predicted(self.model.spec, self.fitting.windows)
             return (self.here - self.fitting.errors(predicted)) / size
 
@@ -173,15 +187,16 @@ class Regression:
         pulling = [i for i in range(columns.shape[0]) if np.any(self.motion_forces[:, :, i])]
         if far and pulling:
             forces = self.motion_forces[:, :, pulling].transpose(2, 0, 1)
-            scale = np.abs(forces).max(axis=(1, 2), keepdims=True)
-            columns[pulling] = self._response_to_forces(forces / scale) * scale[:, :, 0]
+            columns[pulling] = self._response_to_forces(forces)
         return columns
 
     def _motion_forces(self) -> Floats:
         """Change (s, n, q) of the forces of dampers and springs of the plant with each parameter."""
         assert self.model.spec.plant is not None
-        dofs = [self.along(dof) for dof in range(len(self.model.spec.plant.dofs))]
-        x, v = (np.stack(rows, axis=1) for rows in ([one.x for one in dofs], [one.v for one in dofs]))
+        x, v = (
+            np.stack(rows, axis=1)
+            for rows in ([one.x for one in self._along], [one.v for one in self._along])
+        )
         changes = [_changed(self.model, i) for i in range(len(self.model.parameters))]
         found = [-(v @ damping.T + x @ stiffness.T) for damping, stiffness in changes]
         return np.stack(found, axis=2) if found else np.empty((*x.shape, 0))

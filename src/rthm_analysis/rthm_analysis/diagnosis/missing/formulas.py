@@ -6,6 +6,7 @@ algebra alone. The best ones are then fitted to the recording itself, term by te
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -80,7 +81,7 @@ def _best_plain(regression: Regression, term: Term) -> Term:
     """The best term without numbers of its own, over one of the variables of another."""
     at = regression.along(regression.dof(term.dof))
     laws = plain_laws(term.dof, at, [one for one in term.depends_on if one != "t"])
-    return max((fitted_to(regression, one) for one in laws), key=lambda one: one.gain)
+    return max(each_fitted_to(regression, laws), key=lambda one: one.gain)
 
 
 def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
@@ -109,12 +110,14 @@ def fitted_together(regression: Regression, terms: tuple[Term, ...]) -> tuple[Mo
     A model that lacks a force has made up for it by other values.
     """
     model = regression.model
-    normal = regression.normal(np.vstack([_response_of(regression, one) for one in terms]))
+    responses = np.vstack([_response_of(regression, one) for one in terms])
+    scales = regression.scales_of(responses)
+    normal = regression.normal(responses * scales[:, None])
     if normal is None:
         return model, terms
     first, values = regression.known.shape[0], model.values
     values[:first] += normal.sizes[:first]
-    sizes = zip(terms, normal.sizes[first:], strict=True)
+    sizes = zip(terms, normal.sizes[first:] * scales, strict=True)
     return model.at(values), tuple(replace(one, size=float(size)) for one, size in sizes)
 
 
@@ -147,13 +150,13 @@ def _composed(
         candidates += [] if terms else swinging(regression)
         best = sorted(candidates, key=lambda one: -one.gain)[:tried]
         more = regression.beside(np.vstack(columns)) if columns else regression
-        refined = [fitted_to(more, one) for one in best if one.gain > least]
+        refined = each_fitted_to(more, [one for one in best if one.gain > least])
         found = max(refined, key=lambda one: one.gain, default=None)
         if found is None or found.gain < least:
             break
         left = max(one.excess for one in curves) - found.gain
         if left > PRODUCT_LEAST_LEFT:
-            products = [fitted_to(more, one) for one in _products(more, found, left)]
+            products = each_fitted_to(more, _products(more, found, left))
             found = max([found, *products], key=lambda one: one.gain)
         terms.append(found)
         if len(terms) == most:
@@ -246,18 +249,26 @@ def _left_out_gain(normal: Normal, base: Normal, columns: slice, vector: Floats)
     return float(base.left_out().sum() - normal.within(directions).left_out().sum())
 
 
+def each_fitted_to(regression: Regression, terms: Iterable[Term], most: int = REFINING_STEPS) -> list[Term]:
+    """The terms with the numbers of their shapes, and their sizes, each fitted to the recording by itself."""
+    allowed = 0 if regression.spent else most
+    return regression.fitting.cores.each_in_parts(lambda one: fitted_to(regression, one, allowed), terms)
+
+
 def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) -> Term:
     """The term with the numbers of its shape, and its size, fitted to the recording."""
     from scipy.optimize import minimize
 
     def with_size(numbers: Floats) -> Term:
         moved = term.moved(numbers)
-        normal = regression.normal(_response_of(regression, moved))
+        response = _response_of(regression, moved)
+        scales = regression.scales_of(response)
+        normal = regression.normal(response * scales[:, None])
         if normal is None:
             return replace(moved, gain=-np.inf)
         base = normal.leading(normal.prior.shape[0] - 1)
         gain = float(base.left_out().sum() - normal.left_out().sum())
-        return replace(moved, size=float(normal.sizes[-1]), gain=gain)
+        return replace(moved, size=float(normal.sizes[-1] * scales[-1]), gain=gain)
 
     start = np.array(term.within)
     best = with_size(start)
@@ -267,8 +278,6 @@ def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) ->
 
     def loss(numbers: Floats) -> float:
         key = tuple(map(float, numbers))
-        if key not in tried and regression.spent:
-            return 0.0
         if key not in tried:
             tried[key] = with_size(numbers)
         return -max(tried[key].gain, 0.0)

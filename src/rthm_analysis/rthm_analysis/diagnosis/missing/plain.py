@@ -66,7 +66,8 @@ def plain_sets(regression: Regression, most: int = PLAIN_LAWS_TOGETHER) -> list[
         own = plain_laws(name, at)
         responses.append(regression.response(np.hstack([one.column(at) for one in own]), dof))
         laws += own
-    normal = regression.normal(np.vstack(responses))
+    rows = np.vstack(responses)
+    normal = regression.normal(rows * regression.scales_of(rows)[:, None])
     if normal is None:
         return []
     sets = list(_best_sets(normal, laws, most))

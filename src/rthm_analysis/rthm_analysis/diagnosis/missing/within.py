@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 )
 from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.features import NOTHING, Curve, feature_of, knots
-from rthm_analysis.diagnosis.missing.formulas import fitted_to, shown_by
+from rthm_analysis.diagnosis.missing.formulas import each_fitted_to, fitted_to, shown_by
 from rthm_analysis.diagnosis.missing.shapes import WITHIN, Shape
 from rthm_analysis.diagnosis.missing.terms import Term
 
@@ -35,7 +35,7 @@ def acting_within(regression: Regression, interval: tuple[float, float]) -> tupl
     found.sort(key=lambda one: -one.gain)
     plain = [one for one in found if len(one.within) == len(interval)]
     best = dict.fromkeys([*plain[:WITHIN_REFINED], *found[:WITHIN_REFINED]])
-    refined = [fitted_to(regression, one, WITHIN_STEPS) for one in best]
+    refined = each_fitted_to(regression, best, WITHIN_STEPS)
     return tuple(_elsewhere(regression, one) for one in _fewest_numbers(regression, refined))
 
 
@@ -61,13 +61,13 @@ def _elsewhere(regression: Regression, term: Term) -> Term:
     begin, end = term.within[:2]
     shares = np.linspace(0.0, 1.0, WITHIN_PLACES + 2)[1:-1]
     for which in (1, 0):
-        ways = [term]
-        for share in shares:
-            moved = list(term.within)
-            moved[which] = begin + share * (end - begin)
-            ways.append(fitted_to(regression, term.moved(moved), 0))
-        term = max(ways, key=lambda one: one.gain)
+        ways = [term.moved(_with(term.within, which, begin + share * (end - begin))) for share in shares]
+        term = max([term, *each_fitted_to(regression, ways, 0)], key=lambda one: one.gain)
     return fitted_to(regression, term, WITHIN_STEPS)
+
+
+def _with(numbers: tuple[float, ...], which: int, value: float) -> tuple[float, ...]:
+    return (*numbers[:which], value, *numbers[which + 1 :])
 
 
 def excess_of(regression: Regression) -> float:

@@ -23,11 +23,11 @@ from rthm_analysis.diagnosis.replay.windows import Windows
 from .plain import NOISE, plant, recorded
 
 
-def _regression(law: Callable[[float, float, float], float]) -> Regression:
-    seen = recorded(law, force=6.0)
+def _regression(law: Callable[[float, float, float], float], scale: float = 1.0) -> Regression:
+    seen = recorded(law, force=6.0 * scale, noise=lambda rng, count: scale * rng.normal(size=(count, 2)))
     begin = Windows(np.array([0]), np.zeros((1, 2)), None)
     experiment = Experiment(seen, np.empty(0))
-    return Regression(experiment, begin, white_noise(np.array(NOISE)), Model(plant()), seen.time.size)
+    return Regression(experiment, begin, white_noise(scale * np.array(NOISE)), Model(plant()), seen.time.size)
 
 
 @pytest.mark.parametrize(
@@ -49,6 +49,14 @@ def test_laws_that_act_together_are_found_together(
     guesses = guesses_of(regression, model, terms)
     assert sum(not one.added.law.written for one in guesses) == kinds
     assert all(one.added.law.written for one in guesses[kinds:])
+
+
+def test_a_law_of_tiny_motions_is_found_as_well() -> None:
+    regression = _regression(lambda t, x, v: -9.0e24 * x**5, scale=1e-6)
+    ((term,),) = plain_sets(regression)
+    assert term.factors == "x**5"
+    _, (fitted,) = fitted_together(regression, (term,))
+    assert fitted.size == pytest.approx(-9.0e24, rel=0.02)
 
 
 def test_noise_is_no_law() -> None:

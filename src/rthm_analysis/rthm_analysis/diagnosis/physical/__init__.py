@@ -28,6 +28,7 @@
 ``formulated``   a formula as a finding
 ``acting``       when a force acts that does not act all the time
 ``term_by_term``  a formula in short runs, where a wrong model stays near
+``inseparable``  what no recording of a motion tells apart
 ``named_laws``   plain laws as kinds of the library
 ``kinds_beside``  kinds of the library beside a formula
 ``unconfirmed``  what shows in the unseen part alone

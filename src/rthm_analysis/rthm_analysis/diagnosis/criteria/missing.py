@@ -95,9 +95,10 @@ FORMULA_SIZE_UNCERTAINTY, BESIDE_FIT_BUDGET = 0.1, 1e8
 """Standard deviation of the size of a term, over that size, while kinds are looked for beside it, and the
 work that the fit of both may take: steps of replays."""
 
-PLAIN_LEFT_RATIO, PLAIN_GAIN_SHARE = 2.0, 0.8
-"""What a term without numbers of its own may leave, over what the best one leaves, and share of the gain of
-that which it must have, to be taken instead."""
+PLAIN_LEFT_RATIO, PLAIN_GAIN_SHARE, PLAIN_ALLOWED_SHARE = 2.0, 0.8, 0.01
+"""What a term without numbers of its own may leave, over what the best one leaves, share of the gain of that
+which it must have, to be taken instead, and share of that gain which it may leave in any case: a motion that
+is not quite that of a model costs as much."""
 
 SWINGING_ANGLES = (0.3, 3.2)
 """Largest position from which, and up to which, it may be the angle of a pendulum, rad."""
@@ -187,9 +188,6 @@ LIKELY_SAMPLES = 8000
 LIKELY_APART_SAMPLES = 2 * RESIDUAL_PARABOLA_SAMPLES
 """Free curves that are asked before the long search, of all that the residual force was compared with,
 samples that are compared, and how far they are from where free runs begin: half the longest parabola."""
-
-EARLY_SHAPES_REFINED = 2
-"""Shapes of a term that are fitted to the recording itself before the long search."""
 
 LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""

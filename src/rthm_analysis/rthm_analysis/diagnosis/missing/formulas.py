@@ -16,6 +16,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     BESIDE_GAIN_LEFT_SHARE,
     CURVE_GAIN,
     OPEN_ENDED_GAIN_SHARE,
+    PLAIN_ALLOWED_SHARE,
     PLAIN_GAIN_SHARE,
     PLAIN_LEFT_RATIO,
     PRODUCT_GAIN_RATIO,
@@ -44,19 +45,20 @@ def composed(
     regression: Regression,
     curves: list[CurveFit],
     most: int = TERMS_OF_A_FORMULA,
-    tried: int = SHAPES_REFINED,
+    *,
+    plain: bool = True,
 ) -> tuple[Term, ...]:
     """Terms, `most` of them at most, that explain the missing force together, the one that explains most
     first; none where the free curves show no shape.
 
-    `tried` shapes are fitted to the recording itself for each term. A law of the load is also sought beside
-    another gain of the load, as a law of the motion is beside another mass, damping and stiffness.
+    Laws without numbers of their own are preferred where `plain` says so. A law of the load is also sought
+    beside another gain of the load, as a law of the motion is beside another mass, damping and stiffness.
     """
-    terms = _composed(regression, curves, [], most, tried)
+    terms = _composed(regression, curves, [], most, plain=plain)
     gain = next((_gain_of_load(regression, one.dof) for one in terms if one.depends_on == ("load",)), None)
     if gain is None or most < 2:
         return tuple(terms)
-    beside_gain = _composed(regression, curves, [gain], most, tried)
+    beside_gain = _composed(regression, curves, [gain], most, plain=plain)
     whole = max(one.excess for one in curves)
     left, other = (whole - sum(one.gain for one in some) for some in (terms, beside_gain))
     return tuple(beside_gain if other < BESIDE_GAIN_LEFT_SHARE * left - CURVE_GAIN else terms)
@@ -68,8 +70,7 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
     A law of the load may need another gain of the load beside it: it then is two terms.
     """
     whole = max(one.excess for one in curves)
-    left = max(whole - term.gain, 0.0)
-    allowed = min(PLAIN_LEFT_RATIO * left, left + (1.0 - PLAIN_GAIN_SHARE) * term.gain)
+    allowed = _allowed_beside(term, whole)
     ways: list[tuple[Term, ...]] = [(_best_plain(regression, term),)]
     if term.depends_on == ("load",):
         gain = _gain_of_load(regression, term.dof)
@@ -136,7 +137,7 @@ def _gain_of_load(regression: Regression, dof: str) -> Term:
 
 
 def _composed(
-    regression: Regression, curves: list[CurveFit], given: list[Term], most: int, tried: int
+    regression: Regression, curves: list[CurveFit], given: list[Term], most: int, *, plain: bool
 ) -> list[Term]:
     """Terms behind some that are given."""
     terms = [*given]
@@ -148,22 +149,42 @@ def _composed(
     while curves and len(terms) < most and not (terms and regression.spent):
         candidates = [one for curve in curves for one in shown_by(curve)]
         candidates += [] if terms else swinging(regression)
-        best = sorted(candidates, key=lambda one: -one.gain)[:tried]
+        best = sorted(candidates, key=lambda one: -one.gain)[:SHAPES_REFINED]
         more = regression.beside(np.vstack(columns)) if columns else regression
         refined = each_fitted_to(more, [one for one in best if one.gain > least])
         found = max(refined, key=lambda one: one.gain, default=None)
+        excess = max(one.excess for one in curves)
         if found is None or found.gain < least:
             break
-        left = max(one.excess for one in curves) - found.gain
-        if left > PRODUCT_LEAST_LEFT:
-            products = each_fitted_to(more, _products(more, found, left))
+        if excess - found.gain > PRODUCT_LEAST_LEFT:
+            products = each_fitted_to(more, _products(more, found, excess - found.gain))
             found = max([found, *products], key=lambda one: one.gain)
+        found = _plain_instead(more, curves[0], found, excess) if plain else found
         terms.append(found)
         if len(terms) == most:
             break
         columns.append(_response_of(regression, found))
         curves = beside(curves, regression, np.vstack(columns))
     return terms
+
+
+def _plain_instead(regression: Regression, curve: CurveFit, term: Term, excess: float) -> Term:
+    """A plain law over the variables of a curve, where it leaves hardly more than a term; else the term.
+
+    Between its knots a free curve is straight, so that it shows a high power badly.
+    """
+    over = [one for one in curve.feature.depends_on if one != "t"]
+    plain = each_fitted_to(regression, plain_laws(curve.dof, curve.at, over, products=True))
+    best = max(plain, key=lambda one: one.gain)
+    allowed = max(_allowed_beside(term, excess), CURVE_GAIN)
+    return best if best.gain > term.gain or (term.within and excess - best.gain < allowed) else term
+
+
+def _allowed_beside(term: Term, excess: float) -> float:
+    """What a law without numbers of its own may leave of an excess, to be taken instead of a term."""
+    left = max(excess - term.gain, 0.0)
+    most = min(PLAIN_LEFT_RATIO * left, left + (1.0 - PLAIN_GAIN_SHARE) * term.gain)
+    return max(most, left + PLAIN_ALLOWED_SHARE * term.gain)
 
 
 def _products(regression: Regression, term: Term, left: float) -> list[Term]:

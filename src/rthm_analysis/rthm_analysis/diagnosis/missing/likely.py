@@ -20,7 +20,8 @@ from rthm_core.spec import Spec
 
 
 def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, frozenset[int]]:
-    """Numbers of the features, in their order, that explain most of the residual force of each dof.
+    """Numbers of the features, in their order, that explain most of the residual force of each dof, and of
+    those over its position or its velocity alone.
 
     The force is differentiated from what is left of the motion, so its noise is large: it ranks curves and
     judges none. A dof without a position has no entry.
@@ -36,8 +37,10 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         inside = apart_from_starts(windows, at.t.size)
         asked = inside[:: max(inside.size // LIKELY_SAMPLES, 1)]
         known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked]
-        left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in features(at)]
-        found[name] = frozenset(np.argsort(left)[:LIKELY_CURVES].tolist())
+        every = list(features(at))
+        left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in every]
+        of_motion = [i for i, one in enumerate(every) if one.depends_on in (("x",), ("v",))]
+        found[name] = frozenset([*np.argsort(left)[:LIKELY_CURVES].tolist(), *of_motion])
     return found
 
 

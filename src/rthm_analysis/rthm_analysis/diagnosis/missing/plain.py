@@ -35,6 +35,9 @@ PLAIN_SHAPES = {
 }
 """Shapes over each variable; of those that do as well, the first is taken."""
 
+PLAIN_PRODUCTS = [(carrier, text) for carrier in ("v", "sign(v)") for text in ("w**2", "abs(w)", "w")]
+"""Factors, and shapes over the position."""
+
 
 class _Set(NamedTuple):
     """Numbers of some laws, and the squared error that they leave of data left out of their fit."""
@@ -43,14 +46,20 @@ class _Set(NamedTuple):
     left: float
 
 
-def plain_laws(dof: str, at: Along, over: Sequence[str] = ("x", "v", "load")) -> list[Term]:
-    """Plain laws of a dof over some variables, none that is like another one along the recording."""
+def plain_laws(
+    dof: str, at: Along, over: Sequence[str] = ("x", "v", "load"), *, products: bool = False
+) -> list[Term]:
+    """Plain laws of a dof over some variables, none that is like another one along the recording; maybe with
+    dampers and friction that grow with the position.
+    """
     found = [Term(dof, "1", (("x", Shape("1")),))]
     for one in over:
         shapes = [text for text in PLAIN_SHAPES[one] if text != PENDULUM or _may_be_angle(at.x)]
         found += [Term(dof, "1", ((one, Shape(text)),)) for text in shapes]
     if "v" in over:
         found.append(Term(dof, "sign(v)", (("v", Shape("1")),)))
+    if products and {"x", "v"} <= set(over):
+        found += [Term(dof, carrier, (("x", Shape(text)),)) for carrier, text in PLAIN_PRODUCTS]
     return _unlike(found, at)
 
 

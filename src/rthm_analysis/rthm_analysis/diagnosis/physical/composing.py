@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -42,11 +42,14 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     """
     missing, base = judged.told_missing, judged.told_fit
     judged.physical.fitting.progress("looking for a formula of the missing force")
-    terms = composed(missing.regression, missing.curves)
     whole = max((one.excess for one in missing.curves), default=0.0)
-    ways = dict.fromkeys([terms, open_ended(missing.regression, terms)])
-    found = [one for one in (_large(judged, base, some, whole) for some in ways) if one is not None]
-    if not any(one.at_noise for one in found):
+    found: list[Judgement] = []
+    for some in _ways(missing.regression, missing.curves):
+        one = _large(judged, base, some, whole)
+        found += [one] if one is not None else []
+        if one is not None and one.at_noise:
+            break
+    else:
         followed = term_by_term(judged.physical, base)
         found += filter(None, (with_formulas(judged, base, *one) for one in followed))
     for one in sorted(found, key=_price):
@@ -55,6 +58,17 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     bends = polygon(curve)
     last = with_formulas(judged, base, with_all(base.model, [bends]), [bends]) if bends is not None else None
     return last if last is not None and is_earned(judged, last, curve.held_out_share) else None
+
+
+def _ways(regression: Regression, curves: list[CurveFit]) -> Iterator[tuple[Term, ...]]:
+    """Terms that may be the missing force: plain ones, without an end, and any."""
+    told: set[tuple[Term, ...]] = set()
+    for plain in (True, False):
+        terms = composed(regression, curves, plain=plain)
+        for some in (terms, open_ended(regression, terms)):
+            if some not in told:
+                yield some
+            told.add(some)
 
 
 def compose_best(judged: Judgement, curve: CurveFit | None) -> Judgement | None:

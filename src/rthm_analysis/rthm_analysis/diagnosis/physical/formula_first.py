@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rthm_analysis.diagnosis.criteria.missing import EARLY_SHAPES_REFINED, LOAD_LAW_SHARE, SAMPLED_TRAINED
+from rthm_analysis.diagnosis.criteria.missing import LOAD_LAW_SHARE, SAMPLED_TRAINED
 from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
@@ -71,14 +71,15 @@ class FormulaFirst:
         left = Regression(fitting.experiment, fitting.windows, noise, retuned.model, samples)
         among = likely(self.near.fitting.experiment, self.near.fitting.windows, self.near.retuned.model.spec)
         curves = free_curves(left, among)
-        found = self._by_terms(left, curves)
+        plain = _terms(left, curves, plain=True)
+        found = self._by_terms(left, plain)
+        if found is None and (others := _terms(left, curves, plain=False)) != plain:
+            found = self._by_terms(left, others)
         if found is None and _is_of_load(curves):
             return self.near, Selection(self.near.retuned, self.near.retuned)
         return found
 
-    def _by_terms(self, left: Regression, curves: list[CurveFit]) -> tuple[Baseline, Selection] | None:
-        terms = composed(left, curves, most=2, tried=EARLY_SHAPES_REFINED)
-        terms = terms if len(terms) == 2 and _belong_together(*terms) else terms[:1]
+    def _by_terms(self, left: Regression, terms: tuple[Term, ...]) -> tuple[Baseline, Selection] | None:
         if all(one.is_known for one in terms):
             return None
         model, terms = fitted_together(left, terms)
@@ -109,9 +110,21 @@ class FormulaFirst:
         return None
 
 
+def _terms(left: Regression, curves: list[CurveFit], *, plain: bool) -> tuple[Term, ...]:
+    """One term, or two that are one law."""
+    terms = composed(left, curves, most=2, plain=plain)
+    return terms if len(terms) == 2 and _belong_together(*terms) else terms[:1]
+
+
 def _belong_together(one: Term, other: Term) -> bool:
-    """Whether two terms are one law: with a constant, or both of the load alone."""
-    return other.is_constant or one.depends_on == other.depends_on == ("load",)
+    """Whether two terms are one law: with a constant, both of the load alone, or without numbers of their
+    own.
+    """
+    return (
+        other.is_constant
+        or one.depends_on == other.depends_on == ("load",)
+        or not (one.within or other.within)
+    )
 
 
 def _is_of_load(curves: list[CurveFit]) -> bool:

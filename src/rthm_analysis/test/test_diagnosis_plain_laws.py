@@ -10,8 +10,8 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import white_noise
-from rthm_analysis.diagnosis.missing.curves import Regression
-from rthm_analysis.diagnosis.missing.formulas import fitted_together
+from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
+from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together
 from rthm_analysis.diagnosis.missing.plain import plain_laws, plain_sets
 from rthm_analysis.diagnosis.physical.beginning import with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import guess_of, with_all
@@ -57,6 +57,23 @@ def test_a_law_of_tiny_motions_is_found_as_well() -> None:
     assert term.factors == "x**5"
     _, (fitted,) = fitted_together(regression, (term,))
     assert fitted.size == pytest.approx(-9.0e24, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("law", "factors"),
+    [
+        (lambda t, x, v: -0.1 * v**3, "v**3"),
+        (lambda t, x, v: -0.4 * np.sign(v) * max(abs(v) - 0.5, 0.0), "sign(v) * max(abs(v) - b, 0)"),
+    ],
+)
+def test_a_law_has_no_more_numbers_than_it_needs(
+    law: Callable[[float, float, float], float], factors: str
+) -> None:
+    regression = _regression(law)
+    over_v = [one for one in free_curves(regression) if one.feature.depends_on == ("v",)]
+    first, *_ = composed(regression, over_v, plain=False)
+    plainer, *_ = composed(regression, over_v)
+    assert plainer.factors == factors and len(plainer.within) <= len(first.within)
 
 
 def test_noise_is_no_law() -> None:

@@ -6,6 +6,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
     RETUNED_LEFT_SHARE,
 )
+from rthm_analysis.diagnosis.enumerated import enumerated
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.composing import compose_best
 from rthm_analysis.diagnosis.physical.confirming import (
@@ -80,7 +81,9 @@ def physical_part(physical: Physical) -> Part:
         force = (*force, *motors_described(judged.physical))
     physical = judged.physical
     runs = judged.runs if judged.earned else judged.runs | {"explained": judged.runs["retuned"]}
-    retuned = _determined(less_sure(retuned_values(physical), judged.misfit))
+    values = less_sure(retuned_values(physical), judged.misfit)
+    retuned = _determined(values)
+    fitted = values if judged.earned else retuned
     left = not judged.settled
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces, vague = _named(physical, judged)
@@ -102,13 +105,14 @@ def physical_part(physical: Physical) -> Part:
             *force_curve(physical, runs["explained"].predicted, physics),
             *wire_curve(physical, physics),
         ),
-        changes={name: one.value for name, one in retuned.items()} if keeps else {},
+        changes={name: one.value for name, one in fitted.items()} if keeps else {},
         effects=(*_effects(physical, judged), *(rounded_section(one) for one in rounded)),
         unexplained=(*driven, *(_left_over(physical, judged) if left else ())),
         notes=(
             *physical.evidence.notes,
             *_on_the_load(physical),
             *inseparable(physics),
+            *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),
             *filter(None, [physical.fitting.budget.note]),
         ),
         described=force,
@@ -122,6 +126,14 @@ def physical_part(physical: Physical) -> Part:
 def _determined(retuned: dict[str, Retuned]) -> dict[str, Retuned]:
     """Those values that the recording determines."""
     return {name: one for name, one in retuned.items() if one.std < max(abs(one.value), abs(one.nominal))}
+
+
+def _undetermined(values: dict[str, Retuned]) -> tuple[str, ...]:
+    """Other values of the model that was found, none of which the recording determines by itself."""
+    if not values:
+        return ()
+    told = enumerated(f"{name} {bare(one.value)} {one.unit}".rstrip() for name, one in values.items())
+    return (f"Beside what was found the model has {told}: the recording does not determine that by itself.",)
 
 
 def _helps(judged: Judgement) -> bool:

@@ -15,10 +15,11 @@ from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together
 from rthm_analysis.diagnosis.missing.plain import plain_laws, plain_sets
 from rthm_analysis.diagnosis.physical.beginning import with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import guess_of, with_all
-from rthm_analysis.diagnosis.physical.named_laws import guesses_of
+from rthm_analysis.diagnosis.physical.named_laws import guesses_of, repeats
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 from .plain import NOISE, plant, recorded
 
@@ -78,6 +79,15 @@ def test_a_law_has_no_more_numbers_than_it_needs(
 
 def test_noise_is_no_law() -> None:
     assert not plain_sets(_regression(lambda t, x, v: 0.0))
+
+
+def test_a_law_that_a_model_has_is_no_term_beside_it() -> None:
+    regression = _regression(lambda t, x, v: 0.0)
+    terms = plain_laws("x1", regression.along(0))
+    drag = EffectInstance("plant", "quadratic_drag", "x1", {"coefficient": 2.0})
+    model = InitialGuess(drag, ("coefficient",), ("coefficient",)).added_to(regression.model)
+    assert [one.factors for one in terms if repeats(regression, model, one)] == ["v * abs(v)"]
+    assert not any(repeats(regression, regression.model, one) for one in terms)
 
 
 def test_laws_that_are_one_along_a_recording_are_asked_once() -> None:

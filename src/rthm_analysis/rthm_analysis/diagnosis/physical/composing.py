@@ -26,6 +26,7 @@ from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.judged import simulate_all
+from rthm_analysis.diagnosis.physical.named_laws import repeats
 from rthm_analysis.diagnosis.physical.polygon import polygon
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_term
@@ -127,6 +128,7 @@ def _with(
     judged: Judgement, base: Fitted, regression: Regression, terms: tuple[Term, ...]
 ) -> Judgement | None:
     """The model with some terms of a regression, judged; None where it diverges, or there are none."""
+    terms = tuple(one for one in terms if not repeats(regression, base.model, one))
     if not terms:
         return None
     model, terms = fitted_together(regression, terms)

@@ -28,6 +28,14 @@ def guesses_of(regression: Regression, model: Model, terms: Iterable[Term]) -> l
     return sorted(found, key=lambda one: one.added.law.written)
 
 
+def repeats(regression: Regression, model: Model, term: Term) -> bool:
+    """Whether a term is the law of a kind that a model has already: both would only cancel each other."""
+    at = regression.along(regression.dof(term.dof))
+    there = {one.kind for one in model.added if one.block == "plant" and one.place == term.dof}
+    laws = (law for law in _plain_kinds() if law.kind in there)
+    return any(_ratio(term, at, model, law) is not None for law in laws)
+
+
 def _plain_kinds() -> list[type[Effect]]:
     """Kinds of the plant that have a single number."""
     return [one for one in shipped("plant") if len(one.parameters) == 1 and not one.written]
@@ -35,15 +43,22 @@ def _plain_kinds() -> list[type[Effect]]:
 
 def _kind_of(term: Term, at: Along, model: Model, law: type[Effect]) -> InitialGuess | None:
     """A kind with the size at which its force is that of a law; None where it has another shape, or sign."""
+    (key,), ratio = law.parameters, _ratio(term, at, model, law)
+    if ratio is None:
+        return None
+    size = ratio * term.size
+    one = EffectInstance("plant", law.kind, term.dof, {key: size})
+    low, high = one.bounds(key, {key: size})
+    return InitialGuess(one, (key,), (key,), {key: abs(size)}) if low < size < high else None
+
+
+def _ratio(term: Term, at: Along, model: Model, law: type[Effect]) -> float | None:
+    """Number of a kind for a term of size 1; None where their forces are not one law along the recording."""
     (key,) = law.parameters
-    unit = EffectInstance("plant", law.kind, term.dof, {key: 1.0})
-    asked = InitialGuess(unit, (key,), (key,)).added_to(model)
+    unit = InitialGuess(EffectInstance("plant", law.kind, term.dof, {key: 1.0}), (key,), (key,))
+    asked = unit.added_to(model)
     force = law_forces(asked, [len(asked.added) - 1], at.t, at.x, at.v, at.load)
     column = term.column(at)[:, 0]
     along = float(force @ column)
-    if abs(along) < SAME_LAW_CORRELATION * np.linalg.norm(force) * np.linalg.norm(column) or along == 0.0:
-        return None
-    size = term.size * float(column @ column) / along
-    low, high = unit.bounds(key, {key: size})
-    one = EffectInstance("plant", law.kind, term.dof, {key: size})
-    return InitialGuess(one, (key,), (key,), {key: abs(size)}) if low < size < high else None
+    alike = abs(along) >= SAME_LAW_CORRELATION * np.linalg.norm(force) * np.linalg.norm(column)
+    return float(column @ column) / along if along and alike else None

@@ -30,7 +30,7 @@ from rthm_analysis.diagnosis.missing.plain import plain_sets
 from rthm_analysis.diagnosis.physical.beginning import fitting_of, with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, with_all
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
-from rthm_analysis.diagnosis.physical.named_laws import guesses_of
+from rthm_analysis.diagnosis.physical.named_laws import guesses_of, repeats
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.starting import refined
@@ -122,7 +122,10 @@ def _plain(fitting: Fitting, noise: Noise, model: Model) -> Iterator[Composed]:
     """Models with plain laws that short runs show together, one more each, fitted there."""
     samples = fitting.experiment.evidence.time.size
     left = Regression(fitting.experiment, fitting.windows, noise, model, samples)
-    for some in plain_sets(left):
+    for found in plain_sets(left):
+        some = tuple(one for one in found if not repeats(left, model, one))
+        if not some:
+            continue
         beside, terms = fitted_together(left, some)
         guesses = guesses_of(left, model, terms)
         if not guesses[-1].added.law.written:

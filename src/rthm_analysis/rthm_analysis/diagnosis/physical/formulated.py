@@ -82,7 +82,9 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     at = along(physical.evidence, motion, best.model.spec.plant.dofs.index(dof), dof)
     force = law_forces(best.model, indices, at.t, at.x, at.v, at.load)
     among = {name for index in indices for name in best.model.added[index].law.depends_on}
-    depends_on = _telling_first(tuple(name for name in at._fields if name in among), at, force)
+    depends_on = tuple(name for name in at._fields if name in among)
+    if _is_mostly_of_load(depends_on, at, force):
+        depends_on = ("load", *depends_on[:-1])
     variable = depends_on[0] if depends_on else "x"
     over = at._asdict()[variable]
     where, mean, spread, _ = binned(over, force + _left(judged, dof))
@@ -100,11 +102,10 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     )  # fmt: skip
 
 
-def _telling_first(depends_on: tuple[str, ...], at: Along, force: Floats) -> tuple[str, ...]:
-    """The variables of a force, the one first over which it is most of a line; time only by itself."""
-    shares = {name: binned(at._asdict()[name], force)[3] for name in depends_on if name != "t"}
-    best = max(shares, key=lambda name: shares[name], default=None)
-    return depends_on if best is None else (best, *(name for name in depends_on if name != best))
+def _is_mostly_of_load(depends_on: tuple[str, ...], at: Along, force: Floats) -> bool:
+    """Whether the load tells more of a force than its other variables do: it is then drawn over the load."""
+    shares = [binned(at._asdict()[name], force)[3] for name in depends_on]
+    return "load" in depends_on and shares[-1] == max(shares)
 
 
 def _until(judged: Judgement, interval: tuple[float, float] | None) -> tuple[float, float] | None:

@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together
 from rthm_analysis.diagnosis.missing.plain import plain_laws, plain_sets
 from rthm_analysis.diagnosis.physical.beginning import with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import guess_of, with_all
-from rthm_analysis.diagnosis.physical.named_laws import guesses_of, repeats
+from rthm_analysis.diagnosis.physical.named_laws import guesses_of, without_repeated
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -86,8 +86,10 @@ def test_a_law_that_a_model_has_is_no_term_beside_it() -> None:
     terms = plain_laws("x1", regression.along(0))
     drag = EffectInstance("plant", "quadratic_drag", "x1", {"coefficient": 2.0})
     model = InitialGuess(drag, ("coefficient",), ("coefficient",)).added_to(regression.model)
-    assert [one.factors for one in terms if repeats(regression, model, one)] == ["v * abs(v)"]
-    assert not any(repeats(regression, regression.model, one) for one in terms)
+    assert [one.factors for one in terms if one not in without_repeated(regression, model, terms)] == [
+        "v * abs(v)"
+    ]
+    assert without_repeated(regression, regression.model, terms) == tuple(terms)
 
 
 def test_laws_that_are_one_along_a_recording_are_asked_once() -> None:

@@ -149,10 +149,10 @@ class Regression:
     def beside(self, columns: Floats) -> Regression:
         """The same with further forces whose responses (q, s k) are known and whose sizes are free."""
         more = copy(self)
-        more.known = np.vstack([self.known, columns * self.scales_of(columns)[:, None]])
+        more.known = np.vstack([self.known, columns * self._scales_of(columns)[:, None]])
         return more
 
-    def scales_of(self, responses: Floats) -> Floats:
+    def _scales_of(self, responses: Floats) -> Floats:
         """Factors (q,) that make responses as large as those that are known: terms of different units then
         weigh alike.
         """
@@ -252,6 +252,13 @@ class Regression:
         if not np.isfinite(columns).all():
             return None
         return _normal(columns, self.left, self.train, self.precision)
+
+    def normal_of_any_unit(self, responses: Floats) -> tuple[Normal | None, Floats]:
+        """Normal equations as `normal`, of responses that weigh alike; and the factors (q,) that turn their
+        sizes into those of the responses that were given.
+        """
+        scales = self._scales_of(responses)
+        return self.normal(responses * scales[:, None]), scales
 
     def _response_to(self, feature: Feature, dof: int) -> Floats:
         """Response to a feature; kept, as the same features are asked again beside others."""

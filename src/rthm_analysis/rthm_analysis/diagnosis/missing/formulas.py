@@ -112,8 +112,7 @@ def fitted_together(regression: Regression, terms: tuple[Term, ...]) -> tuple[Mo
     """
     model = regression.model
     responses = np.vstack([_response_of(regression, one) for one in terms])
-    scales = regression.scales_of(responses)
-    normal = regression.normal(responses * scales[:, None])
+    normal, scales = regression.normal_of_any_unit(responses)
     if normal is None:
         return model, terms
     first, values = regression.known.shape[0], model.values
@@ -282,9 +281,7 @@ def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) ->
 
     def with_size(numbers: Floats) -> Term:
         moved = term.moved(numbers)
-        response = _response_of(regression, moved)
-        scales = regression.scales_of(response)
-        normal = regression.normal(response * scales[:, None])
+        normal, scales = regression.normal_of_any_unit(_response_of(regression, moved))
         if normal is None:
             return replace(moved, gain=-np.inf)
         base = normal.leading(normal.prior.shape[0] - 1)

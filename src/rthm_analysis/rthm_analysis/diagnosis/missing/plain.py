@@ -75,8 +75,7 @@ def plain_sets(regression: Regression, most: int = PLAIN_LAWS_TOGETHER) -> list[
         own = plain_laws(name, at)
         responses.append(regression.response(np.hstack([one.column(at) for one in own]), dof))
         laws += own
-    rows = np.vstack(responses)
-    normal = regression.normal(rows * regression.scales_of(rows)[:, None])
+    normal, _ = regression.normal_of_any_unit(np.vstack(responses))
     if normal is None:
         return []
     sets = list(_best_sets(normal, laws, most))

@@ -26,7 +26,7 @@ from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.judged import simulate_all
-from rthm_analysis.diagnosis.physical.named_laws import repeats
+from rthm_analysis.diagnosis.physical.named_laws import without_repeated
 from rthm_analysis.diagnosis.physical.polygon import polygon
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_term
@@ -63,13 +63,13 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
 
 def _ways(regression: Regression, curves: list[CurveFit]) -> Iterator[tuple[Term, ...]]:
     """Terms that may be the missing force: plain ones, without an end, and any."""
-    told: set[tuple[Term, ...]] = set()
+    tried: set[tuple[Term, ...]] = set()
     for plain in (True, False):
         terms = composed(regression, curves, plain=plain)
         for some in (terms, open_ended(regression, terms)):
-            if some not in told:
+            if some not in tried:
                 yield some
-            told.add(some)
+            tried.add(some)
 
 
 def compose_best(judged: Judgement, curve: CurveFit | None) -> Judgement | None:
@@ -128,8 +128,7 @@ def _with(
     judged: Judgement, base: Fitted, regression: Regression, terms: tuple[Term, ...]
 ) -> Judgement | None:
     """The model with some terms of a regression, judged; None where it diverges, or there are none."""
-    terms = tuple(one for one in terms if not repeats(regression, base.model, one))
-    if not terms:
+    if not (terms := without_repeated(regression, base.model, terms)):
         return None
     model, terms = fitted_together(regression, terms)
     guesses = [guess_of(one) for one in terms]

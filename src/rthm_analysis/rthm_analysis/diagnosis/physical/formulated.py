@@ -104,8 +104,10 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
 
 def _is_mostly_of_load(depends_on: tuple[str, ...], at: Along, force: Floats) -> bool:
     """Whether the load tells more of a force than its other variables do: it is then drawn over the load."""
-    shares = [binned(at._asdict()[name], force)[3] for name in depends_on]
-    return "load" in depends_on and shares[-1] == max(shares)
+    if "load" not in depends_on:
+        return False
+    shares = {name: binned(at._asdict()[name], force)[3] for name in depends_on}
+    return shares["load"] == max(shares.values())
 
 
 def _until(judged: Judgement, interval: tuple[float, float] | None) -> tuple[float, float] | None:

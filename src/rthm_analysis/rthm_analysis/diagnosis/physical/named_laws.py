@@ -28,8 +28,12 @@ def guesses_of(regression: Regression, model: Model, terms: Iterable[Term]) -> l
     return sorted(found, key=lambda one: one.added.law.written)
 
 
-def repeats(regression: Regression, model: Model, term: Term) -> bool:
-    """Whether a term is the law of a kind that a model has already: both would only cancel each other."""
+def without_repeated(regression: Regression, model: Model, terms: Iterable[Term]) -> tuple[Term, ...]:
+    """The terms but those that are the law of a kind which a model has already: both would only cancel."""
+    return tuple(one for one in terms if not _repeats(regression, model, one))
+
+
+def _repeats(regression: Regression, model: Model, term: Term) -> bool:
     at = regression.along(regression.dof(term.dof))
     there = {one.kind for one in model.added if one.block == "plant" and one.place == term.dof}
     laws = (law for law in _plain_kinds() if law.kind in there)

@@ -30,7 +30,7 @@ from rthm_analysis.diagnosis.missing.plain import plain_sets
 from rthm_analysis.diagnosis.physical.beginning import fitting_of, with_unsure
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, with_all
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
-from rthm_analysis.diagnosis.physical.named_laws import guesses_of, repeats
+from rthm_analysis.diagnosis.physical.named_laws import guesses_of, without_repeated
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.starting import refined
@@ -105,10 +105,15 @@ def _in_runs(physical: Physical, longer: float) -> Fitting:
     return _fitting_in(physical, runs)
 
 
+def _left_by(model: Model, fitting: Fitting, noise: Noise) -> Regression:
+    """What a model leaves of all samples of the runs."""
+    samples = fitting.experiment.evidence.time.size
+    return Regression(fitting.experiment, fitting.windows, noise, model, samples)
+
+
 def _next(fitting: Fitting, noise: Noise, model: Model) -> Composed | None:
     """A model with one more law, of a term or two, of which these begin; None where there is none."""
-    samples = fitting.experiment.evidence.time.size
-    left = Regression(fitting.experiment, fitting.windows, noise, model, samples)
+    left = _left_by(model, fitting, noise)
     curves = free_curves(left, likely(fitting.experiment, fitting.windows, model.spec))
     terms = composed(left, curves, most=1)
     if not terms:
@@ -120,11 +125,9 @@ def _next(fitting: Fitting, noise: Noise, model: Model) -> Composed | None:
 
 def _plain(fitting: Fitting, noise: Noise, model: Model) -> Iterator[Composed]:
     """Models with plain laws that short runs show together, one more each, fitted there."""
-    samples = fitting.experiment.evidence.time.size
-    left = Regression(fitting.experiment, fitting.windows, noise, model, samples)
+    left = _left_by(model, fitting, noise)
     for found in plain_sets(left):
-        some = tuple(one for one in found if not repeats(left, model, one))
-        if not some:
+        if not (some := without_repeated(left, model, found)):
             continue
         beside, terms = fitted_together(left, some)
         guesses = guesses_of(left, model, terms)

@@ -137,6 +137,14 @@ PITCH_COUNT = 40
 """Pitches of forces that come back with the position that are tried at first, from 25 in the range to half of
 one."""
 
+PITCH_BINS, PITCH_BINS_MOST = 4, 2000
+PITCH_BIN_SAMPLES = 8
+PITCH_RANGE_SHARE = 0.01
+"""Even bins of the position in a pitch that is looked for in the residual force, at least, and in the range, at
+most; samples of each of them, on average; and share of the samples on either side that are left out, as ends
+are seldom reached.
+"""
+
 SWING_HIGHEST_RATIO = 4.0
 """Highest frequency of a stiffness or damping that swings, over that of the motion."""
 
@@ -144,7 +152,7 @@ SWING_PERIODS = 2.0
 """Periods of a swing that a recording must hold."""
 
 SWING_PEAKS = 3
-"""Frequencies at which a swing is tried."""
+"""Frequencies at which a swing is tried, and pitches at which a force is."""
 
 WITHIN_REFINED, WITHIN_STEPS, WITHIN_PLACES, WITHIN_STEP_SHARE = 5, 80, 12, 0.05
 """Terms of a force that acts in an interval alone that are fitted to the recording itself, responses that may

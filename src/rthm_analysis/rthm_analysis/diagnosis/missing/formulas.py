@@ -32,7 +32,7 @@ from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression,
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
 from rthm_analysis.diagnosis.missing.plain import plain_laws
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
-from rthm_analysis.diagnosis.missing.swinging import swinging
+from rthm_analysis.diagnosis.missing.swinging import recurring, swinging
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_core.effects.formula import evaluated
@@ -147,7 +147,7 @@ def _composed(
     least = max(CURVE_GAIN, TERM_GAIN_SHARE * whole)
     while curves and len(terms) < most and not (terms and regression.spent):
         candidates = [one for curve in curves for one in shown_by(curve)]
-        candidates += [] if terms else swinging(regression)
+        candidates += [] if terms else [*swinging(regression), *recurring(regression)]
         best = sorted(candidates, key=lambda one: -one.gain)[:SHAPES_REFINED]
         more = regression.beside(np.vstack(columns)) if columns else regression
         refined = each_fitted_to(more, [one for one in best if one.gain > least])

@@ -38,6 +38,7 @@ class Shape(NamedTuple):
 
 
 BEYOND, WITHIN = "(p < w)", "(p < w) * (w < q)"
+WAVE = "sin(2 * pi * w / p + q)"
 EVEN = ("w**2", "abs(w)")
 PENDULUM = "w - sin(w)"
 ODD = ("w", "w**3", "w * abs(w)", "w**5")
@@ -117,4 +118,4 @@ def _waves(at: Floats, finest: float) -> Iterator[Shape]:
     span = float(at[-1] - at[0])
     for pitch in np.geomspace(max(3.0 * finest, span / 25.0), 2.0 * span, PITCH_COUNT):
         for phase in np.linspace(-np.pi, np.pi, 8, endpoint=False):
-            yield Shape("sin(2 * pi * w / p + q)", (float(pitch), float(phase)), (0.03 * pitch, 0.4))
+            yield Shape(WAVE, (float(pitch), float(phase)), (0.03 * pitch, 0.4))

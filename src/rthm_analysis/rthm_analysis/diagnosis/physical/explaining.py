@@ -58,6 +58,8 @@ def chosen(
                 return begun, found
     first = FormulaFirst(begun, near or begun) if formula else None
     explained, selection = _by_effects(begun, near, draft, first)
+    if first is not None and not at_noise(explained.fitting, selection.best):
+        first.ask()
     if first is not None and first.found is not None:
         there, found = first.found
         return there, replace(found, limits=selection.limits)

@@ -51,12 +51,20 @@ class FormulaFirst:
     def is_enough(self, left: float) -> bool:
         """Whether a search that leaves so much (reduced chi-squared) may end, as a formula leaves nothing.
 
+        It is asked once, and only where much is left.
+        """
+        if left > NEAR_NOISE_CHI2:
+            self.ask()
+        return self.found is not None
+
+    def ask(self) -> None:
+        """Ask, unless it was asked before.
+
         Not where somebody has declared laws of his own: he asks for their names.
         """
-        if left > NEAR_NOISE_CHI2 and not self._asked and not own_laws("plant"):
+        if not self._asked and not own_laws("plant"):
             self._asked = True
             self.found = self._find()
-        return self.found is not None
 
     def _find(self) -> tuple[Baseline, Selection] | None:
         fitting, retuned, noise = self.near.fitting, self.near.retuned, self.near.noise

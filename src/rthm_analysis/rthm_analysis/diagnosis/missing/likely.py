@@ -20,8 +20,9 @@ from rthm_core.spec import Spec
 
 
 def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, frozenset[int]]:
-    """Numbers of the features, in their order, that explain most of the residual force of each dof, and of
-    those over its position or its velocity alone.
+    """Numbers of the features, in their order, that explain most of the residual force of each dof, of those
+    over its position or its velocity alone, and of the curves behind a straight line over time, which shows no
+    shape.
 
     The force is differentiated from what is left of the motion, so its noise is large: it ranks curves and
     judges none. A dof without a position has no entry.
@@ -39,8 +40,9 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked]
         every = list(features(at))
         left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in every]
-        of_motion = [i for i, one in enumerate(every) if one.depends_on in (("x",), ("v",))]
-        found[name] = frozenset([*np.argsort(left)[:LIKELY_CURVES].tolist(), *of_motion])
+        best = np.argsort(left)[:LIKELY_CURVES].tolist()
+        besides = {("x",), ("v",), *(every[i].depends_on for i in best if every[i].straight)}
+        found[name] = frozenset([*best, *(i for i, one in enumerate(every) if one.depends_on in besides)])
     return found
 
 

@@ -110,8 +110,8 @@ it."""
 FORMULA_GAIN_SHARE = 0.9
 """Share of what the best free curve explains that a formula must explain to take its place."""
 
-SHAPES_REFINED = 4
-"""Shapes of a term that are fitted to the recording itself, of all that were compared with the curves."""
+SHAPES_REFINED = 5
+"""Forms of a term that are fitted to the recording itself, of all that were compared with the curves."""
 
 REFINING_STEPS = 40
 """Responses that may be computed to find the numbers within a shape."""
@@ -123,6 +123,9 @@ was left before to go on."""
 
 THRESHOLD_COUNT = 11
 """Places within the range of a variable at which something is supposed to begin or end at first."""
+
+BUMP_PLACES = 25
+"""Places over the range of a variable at which a bell is supposed to be at first."""
 
 SHAPE_SCALES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 """Scales of shapes that are tried at first, over the largest size of their variable."""
@@ -188,14 +191,18 @@ TERM_SHARE_ABOVE_NOISE = 0.1
 INSTANT_SAMPLES = 3.0
 INSTANT_TRIALS = 14
 INSTANT_MOVES = 5
-"""Samples around the instant at which a term begins or ends among which it is looked for, trials, and how
-often it is looked for again around what was found."""
+"""Samples on either side of the instant at which a term begins or ends among which it is looked for, trials, and
+how often it is looked for again around what was found."""
 
 LIKELY_CURVES = 5
 LIKELY_SAMPLES = 8000
 LIKELY_APART_SAMPLES = 2 * RESIDUAL_PARABOLA_SAMPLES
 """Free curves that are asked before the long search, of all that the residual force was compared with,
 samples that are compared, and how far they are from where free runs begin: half the longest parabola."""
+
+AHEAD_LEFT_SHARE = 0.01
+"""Share of what the best single kind leaves that a formula may leave beside the noise to end the search for
+kinds."""
 
 LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""

@@ -6,7 +6,7 @@ effort on them. All sums of squares are in units of the noise.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -156,6 +156,11 @@ class Fitting:
         """Squared error of a model as it stands, in units of the noise; inf where it diverges."""
         residual = self.residual(model)
         return self._cost(model, residual, self._bases_of(model, residual))
+
+    def squares_near(self, model: Model, others: Sequence[Model]) -> list[float]:
+        """The same of others that are so near that initial states do with them what they do with it."""
+        bases = self._bases_of(model, self.residual(model))
+        return self.cores.each(lambda one: self._cost(one, self.residual(one), bases), others)
 
     def rebase(self, model: Model) -> None:
         """Take the sensitivities to the initial states at a model that is nearer to the recording."""

@@ -64,6 +64,11 @@ def composed(
     return tuple(beside_gain if other < BESIDE_GAIN_LEFT_SHARE * left - CURVE_GAIN else terms)
 
 
+def has_plain(terms: Iterable[Term]) -> bool:
+    """Whether some have no numbers of their own: else nothing else is found where plain laws are not preferred."""
+    return any(not one.within for one in terms)
+
+
 def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tuple[Term, ...]:
     """A term without numbers of its own that leaves hardly more than another, else that one.
 
@@ -148,7 +153,7 @@ def _composed(
     while curves and len(terms) < most and not (terms and regression.spent):
         candidates = [one for curve in curves for one in shown_by(curve)]
         candidates += [] if terms else [*swinging(regression), *recurring(regression)]
-        best = sorted(candidates, key=lambda one: -one.gain)[:SHAPES_REFINED]
+        best = _best_of_each_form(candidates)[:SHAPES_REFINED]
         more = regression.beside(np.vstack(columns)) if columns else regression
         refined = each_fitted_to(more, [one for one in best if one.gain > least])
         found = max(refined, key=lambda one: one.gain, default=None)
@@ -158,6 +163,8 @@ def _composed(
         if excess - found.gain > PRODUCT_LEAST_LEFT:
             products = each_fitted_to(more, _products(more, found, excess - found.gain))
             found = max([found, *products], key=lambda one: one.gain)
+            others = each_fitted_to(more, _with_another_first(more, found))
+            found = max([found, *others], key=lambda one: one.gain)
         found = _plain_instead(more, curves[0], found, excess) if plain else found
         terms.append(found)
         if len(terms) == most:
@@ -165,6 +172,14 @@ def _composed(
         columns.append(_response_of(regression, found))
         curves = beside(curves, regression, np.vstack(columns))
     return terms
+
+
+def _best_of_each_form(terms: Iterable[Term]) -> list[Term]:
+    """The best term of each form, the best first: others of a form end where the best does."""
+    found: dict[str, Term] = {}
+    for one in sorted(terms, key=lambda one: -one.gain):
+        found.setdefault(one.formula, one)
+    return list(found.values())
 
 
 def _plain_instead(regression: Regression, curve: CurveFit, term: Term, excess: float) -> Term:
@@ -209,6 +224,19 @@ def _products(regression: Regression, term: Term, left: float) -> list[Term]:
     return found
 
 
+def _with_another_first(regression: Regression, product: Term) -> list[Term]:
+    """A product of two shapes with others in the place of the first, which was chosen without the second."""
+    if len(product.shapes) < 2:
+        return []
+    (over, _), second = product.shapes
+    dof = regression.dof(product.dof)
+    at = regression.along(dof)
+    curve = Curve(replace(product, shapes=(second,)).with_values, over, knots_over(at, over))
+    fit = regression.fit(feature_of(at, curve), dof, product.dof, at)
+    shown = sorted(shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED] if fit else []
+    return [replace(product, shapes=(*one.shapes, second), gain=one.gain) for one in shown]
+
+
 def _response_of(regression: Regression, term: Term) -> Floats:
     dof = regression.dof(term.dof)
     return regression.response(term.column(regression.along(dof)), dof)
@@ -225,10 +253,15 @@ def shown_by(fit: CurveFit) -> list[Term]:
         knots = curve.knots if curve.knots.size else np.zeros(1)
         vectors = np.stack([_at_knots(one, knots) for one in shapes], axis=1)
         gains = _gains(fit.normal, first, columns, vectors)
-        for index in np.argsort(-gains)[:SHAPES_REFINED]:
-            if gains[index] > CURVE_GAIN:
-                gain = _left_out_gain(fit.normal, base, columns, vectors[:, index])
-                found.append(Term(fit.dof, curve.carrier, ((curve.over, shapes[index]),), gain=gain))
+        forms: set[str] = set()
+        for index in np.argsort(-gains):
+            if len(forms) == SHAPES_REFINED or gains[index] < CURVE_GAIN:
+                break
+            if shapes[index].text in forms:
+                continue
+            forms.add(shapes[index].text)
+            gain = _left_out_gain(fit.normal, base, columns, vectors[:, index])
+            found.append(Term(fit.dof, curve.carrier, ((curve.over, shapes[index]),), gain=gain))
     return found
 
 

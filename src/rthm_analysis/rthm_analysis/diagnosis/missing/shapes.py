@@ -10,6 +10,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
     BEYOND_SHARES,
+    BUMP_PLACES,
     PITCH_COUNT,
     SHAPE_POWERS,
     SHAPE_SCALES,
@@ -39,6 +40,7 @@ class Shape(NamedTuple):
 
 BEYOND, WITHIN = "(p < w)", "(p < w) * (w < q)"
 WAVE = "sin(2 * pi * w / p + q)"
+POLES = ("1 / (w - p)", "1 / (w - p) + 1 / p", "1 / (w - p)**2", "1 / (w - p)**2 - 1 / p**2")
 EVEN = ("w**2", "abs(w)")
 PENDULUM = "w - sin(w)"
 ODD = ("w", "w**3", "w * abs(w)", "w**5")
@@ -96,7 +98,7 @@ def _thresholds(at: Floats) -> Iterator[Shape]:
 
 def _bumps(at: Floats) -> Iterator[Shape]:
     """Bells, and what pulls to a place or away from it."""
-    for place in _inner(at)[::2]:
+    for place in np.linspace(at[0], at[-1], BUMP_PLACES).tolist():
         for width in _scales(at)[1:4]:
             numbers, steps = (place, width), (0.3 * width, 0.3 * width)
             yield Shape("exp(-((w - p) / q)**2)", numbers, steps)
@@ -104,13 +106,13 @@ def _bumps(at: Floats) -> Iterator[Shape]:
 
 
 def _poles(at: Floats) -> Iterator[Shape]:
-    """What grows beyond all bounds out of the range, as the pull of a magnet, and is zero at rest."""
+    """What grows beyond all bounds out of the range, as the pull of a magnet; as it is, or zero at rest."""
     low, high = float(at[0]), float(at[-1])
     for share in BEYOND_SHARES:
         beyond = share * (high - low)
         for pole in (high + beyond, low - beyond):
-            yield Shape("1 / (w - p) + 1 / p", (pole,), (0.3 * beyond,))
-            yield Shape("1 / (w - p)**2 - 1 / p**2", (pole,), (0.3 * beyond,))
+            for text in POLES:
+                yield Shape(text, (pole,), (0.3 * beyond,))
 
 
 def _waves(at: Floats, finest: float) -> Iterator[Shape]:

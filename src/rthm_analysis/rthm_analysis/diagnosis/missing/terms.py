@@ -92,8 +92,10 @@ class Term:
     @property
     def formula(self) -> str:
         """The whole, with the numbers a, b and so on."""
-        factors = self.factors
-        return NUMBERS[0] if factors == "1" else f"{NUMBERS[0]} * {factors}"
+        size, factors = NUMBERS[0], self.factors
+        if factors == "1":
+            return size
+        return f"{size} {factors[2:]}" if factors.startswith("1 / ") else f"{size} * {factors}"
 
     @property
     def within(self) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     ENOUGH_GONE_SHARE,
     FORMULA_FITS,
     FORMULA_GAIN_SHARE,
+    FORMULA_LEFT_RATIO,
     PLAIN_LEFT_RATIO,
     SAME_LEFT_RATIO,
     TERM_SHARE_ABOVE_NOISE,
@@ -20,7 +21,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression
-from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, open_ended
+from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, has_plain, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
@@ -46,7 +47,7 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     whole = max((one.excess for one in missing.curves), default=0.0)
     found: list[Judgement] = []
     for some in _ways(missing.regression, missing.curves):
-        one = _large(judged, base, some, whole)
+        one = _large(judged, base, some, whole, curve.held_out_share)
         found += [one] if one is not None else []
         if one is not None and one.at_noise:
             break
@@ -63,13 +64,11 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
 
 def _ways(regression: Regression, curves: list[CurveFit]) -> Iterator[tuple[Term, ...]]:
     """Terms that may be the missing force: plain ones, without an end, and any."""
-    tried: set[tuple[Term, ...]] = set()
-    for plain in (True, False):
-        terms = composed(regression, curves, plain=plain)
-        for some in (terms, open_ended(regression, terms)):
-            if some not in tried:
-                yield some
-            tried.add(some)
+    terms = composed(regression, curves)
+    for some in (terms, composed(regression, curves, plain=False)) if has_plain(terms) else (terms,):
+        yield some
+        if (others := open_ended(regression, some)) != some:
+            yield others
 
 
 def compose_best(judged: Judgement, curve: CurveFit | None) -> Judgement | None:
@@ -114,11 +113,15 @@ def _price(judged: Judgement) -> float:
     return max(left, CURVE_GAIN) * PLAIN_LEFT_RATIO**within * SAME_LEFT_RATIO ** len(rounds)
 
 
-def _large(judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float) -> Judgement | None:
-    """The model with some terms, judged, with the large ones alone where it leaves more than the noise."""
+def _large(
+    judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float, share: float
+) -> Judgement | None:
+    """The model with some terms, judged, with the large ones alone where it is earned and leaves more than the
+    noise.
+    """
     regression = judged.told_missing.regression
     found = _with(judged, base, regression, terms)
-    if found is None or found.at_noise:
+    if found is None or found.at_noise or not is_earned(judged, found, share):
         return found
     large = tuple(one for one in terms if one.gain > TERM_SHARE_ABOVE_NOISE * whole)
     return _with(judged, base, regression, large) if len(large) < len(terms) else found
@@ -169,15 +172,17 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
     physical.fitting.reduced_chi2 = reduced_chi2(physical.fitting, base)
     if physical.fitting.reduced_chi2 < LOST_CHI2:
         return physical, fit_terms(physical.fitting, model)
-    fitted, left = None, np.inf
+    fitted, left = None, physical.fitting.reduced_chi2
     for _ in range(BEGINNINGS):
         there = beginning_as(physical, model)
         there.fitting.reduced_chi2 = physical.fitting.reduced_chi2
         again = fit_terms(there.fitting, model, FORMULA_FITS)
-        if again is None or reduced_chi2(there.fitting, again) >= left:
+        if again is None or (leaves := reduced_chi2(there.fitting, again)) >= left:
             break
-        physical, fitted, model = there, again, again.model
-        left = reduced_chi2(there.fitting, again)
+        gains = leaves < FORMULA_LEFT_RATIO * left
+        physical, fitted, model, left = there, again, again.model, leaves
+        if not gains:
+            break
     return physical, fitted
 
 

@@ -5,12 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rthm_analysis.diagnosis.criteria.missing import LOAD_LAW_SHARE, SAMPLED_TRAINED
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
+from rthm_analysis.diagnosis.criteria.missing import (
+    AHEAD_LEFT_SHARE,
+    FORMULA_FITS,
+    LOAD_LAW_SHARE,
+    SAMPLED_TRAINED,
+)
 from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
-from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together
+from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, has_plain
 from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.beginning import Baseline
@@ -47,15 +55,23 @@ class FormulaFirst:
     near: Baseline
     found: tuple[Baseline, Selection] | None = None
     _asked: bool = field(default=False, repr=False)
+    _left: float = field(default=np.inf, repr=False)
 
     def is_enough(self, left: float) -> bool:
         """Whether a search that leaves so much (reduced chi-squared) may end, as a formula leaves nothing.
 
-        It is asked once, and only where much is left.
+        It is asked once, and only where much is left. A formula that leaves next to nothing of it ends the
+        search, too: what it leaves is looked for beside it.
         """
         if left > NEAR_NOISE_CHI2:
             self.ask()
+        if self.found is None and self._left < POOR_FIT_CHI2 and self._left - 1.0 < AHEAD_LEFT_SHARE * left:
+            self.found = self._nothing
         return self.found is not None
+
+    @property
+    def _nothing(self) -> tuple[Baseline, Selection]:
+        return self.near, Selection(self.near.retuned, self.near.retuned)
 
     def ask(self) -> None:
         """Ask, unless it was asked before.
@@ -81,10 +97,10 @@ class FormulaFirst:
         curves = free_curves(left, among)
         plain = _terms(left, curves, plain=True)
         found = self._by_terms(left, plain)
-        if found is None and (others := _terms(left, curves, plain=False)) != plain:
-            found = self._by_terms(left, others)
+        if found is None and has_plain(plain):
+            found = self._by_terms(left, _terms(left, curves, plain=False))
         if found is None and _is_of_load(curves):
-            return self.near, Selection(self.near.retuned, self.near.retuned)
+            return self._nothing
         return found
 
     def _by_terms(self, left: Regression, terms: tuple[Term, ...]) -> tuple[Baseline, Selection] | None:
@@ -110,6 +126,7 @@ class FormulaFirst:
             return None
         apart = self.whole is not self.near
         whole = _fitted(self.whole, near.fitted.model) if apart else None
+        self._left = min(self._left, (whole or near).left)
         for begun, one in ((self.whole, whole), (self.near, near)):
             if one is not None and one.at_noise:
                 begun.fitting.rebase(one.fitted.model)
@@ -142,10 +159,11 @@ def _is_of_load(curves: list[CurveFit]) -> bool:
 
 
 class _Try(NamedTuple):
-    """A fit, and whether it leaves nothing but noise."""
+    """A fit, whether it leaves nothing but noise, and the reduced chi-squared that it leaves."""
 
     fitted: Fitted
     at_noise: bool
+    left: float
 
 
 def _fitted(begun: Baseline, model: Model) -> _Try | None:
@@ -154,6 +172,10 @@ def _fitted(begun: Baseline, model: Model) -> _Try | None:
     before, fitting.reduced_chi2 = fitting.reduced_chi2, 1.0
     with fitting.based_on(begun.retuned.model):
         fitted = fit_terms(fitting, model)
-        found = None if fitted is None else _Try(fitted, at_noise(fitting, fitted))
+        if fitted is not None and NEAR_NOISE_CHI2 < reduced_chi2(fitting, fitted) < POOR_FIT_CHI2:
+            fitted = fit_terms(fitting, fitted.model, FORMULA_FITS) or fitted
+        found = None
+        if fitted is not None:
+            found = _Try(fitted, at_noise(fitting, fitted), reduced_chi2(fitting, fitted))
     fitting.reduced_chi2 = before
     return found

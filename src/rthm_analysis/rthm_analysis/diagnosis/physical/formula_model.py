@@ -84,23 +84,16 @@ def _instants(model: Model) -> list[str]:
 
 
 def _moved(fitting: Fitting, model: Model, key: str) -> Model:
-    """The model with an instant where it leaves least."""
-    from scipy.optimize import minimize_scalar
-
+    """The model with an instant where it leaves least, of some around it."""
     index = [p.key for p in model.parameters].index(key)
     values, step = model.values, float(np.median(np.diff(fitting.experiment.evidence.time)))
 
     def at(instant: float) -> Model:
         return model.at(np.concatenate([values[:index], [instant], values[index + 1 :]]))
 
-    reach = INSTANT_SAMPLES * step
-    found = minimize_scalar(
-        lambda instant: fitting.squares(at(instant)),
-        bounds=(values[index] - reach, values[index] + reach),
-        method="bounded",
-        options={"xatol": 0.02 * step, "maxiter": INSTANT_TRIALS},
-    )
-    return at(float(found.x)) if found.fun < fitting.squares(model) else model
+    apart = step * np.linspace(-INSTANT_SAMPLES, INSTANT_SAMPLES, INSTANT_TRIALS)
+    tried = [model, *map(at, values[index] + apart)]
+    return tried[int(np.argmin(fitting.squares_near(model, tried)))]
 
 
 def rounds_of(guesses: Iterable[InitialGuess], fitted: Fitted) -> list[list[FittedCandidate]]:

@@ -43,6 +43,10 @@ SEARCH_MOST_EFFECTS = 3
 GIVEN_UP_LEFT_SHARE = 0.3
 """Share of a mismatch above the noise, left by what was found, from which the search is given up."""
 
+VALUES_LEFT_SHARE = 0.8
+"""Share of a mismatch that is left by all other values of mass, damping, stiffness and wire from which no
+effects are looked for beside them."""
+
 IMITATOR_GIVEN_UP_CHI2 = 30.0
 """Reduced chi-squared from which kinds that can imitate others, and do not, are given up."""
 

@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     FINISHING_GAIN,
     FINISHING_STEPS,
     NEAR_NOISE_CHI2,
+    VALUES_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2, NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
@@ -56,8 +57,9 @@ def chosen(
             found = _beyond_plain(fitting, plain)
             if at_noise(fitting, found.best):
                 return begun, found
-    first = FormulaFirst(begun, near or begun) if formula else None
+    first, used = FormulaFirst(begun, near or begun) if formula else None, fitting.budget.used
     explained, selection = _by_effects(begun, near, draft, first)
+    affords_another = fitting.budget.left > fitting.budget.used - used
     if first is not None and not at_noise(explained.fitting, selection.best):
         first.ask()
     if first is not None and first.found is not None:
@@ -65,7 +67,7 @@ def chosen(
         return there, replace(found, limits=selection.limits)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
         reached = at_noise(fitting, selection.best)
-        if not (hopeless and reached):
+        if affords_another and not (hopeless and reached):
             plain = plain or plain_fit(fitting, begun, freed_near)
             selection = _plainer(fitting, selection, plain, reached=reached)
     if selection.imitates and reduced_chi2(explained.fitting, selection.best) > NOISE_FLOOR_RATIO**2:
@@ -155,7 +157,9 @@ def _plainer(fitting: Fitting, selection: Selection, plain: Fitted, *, reached: 
     `reached` says whether the selection leaves nothing but noise.
     """
     ahead = merit(selection.best) < merit(plain) - DISTINGUISHING_GAIN
-    if fitting.budget.spent or (ahead and (reached or is_lost(fitting, selection))):
+    left, before = reduced_chi2(fitting, plain), reduced_chi2(fitting, selection.base)
+    explains_little = left > max(POOR_FIT_CHI2, VALUES_LEFT_SHARE * before)
+    if fitting.budget.spent or explains_little or (ahead and (reached or is_lost(fitting, selection))):
         fitting.reduced_chi2 = reduced_chi2(fitting, selection.best)
         return selection
     found = _beyond_plain(fitting, plain)

@@ -44,6 +44,11 @@ class Budget:
         self.limit = max(self.limit, self.used + more)
 
     @property
+    def left(self) -> float:
+        """Steps that may still be simulated; below zero where it is spent."""
+        return self.limit - self.used
+
+    @property
     def spent(self) -> bool:
         """Whether no further question should be asked."""
         return self.used > self.limit

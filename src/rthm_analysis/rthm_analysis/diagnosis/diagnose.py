@@ -106,7 +106,7 @@ def _physical(several: Sequence[Alone], say: Callable[[str], None]) -> Physical:
     parts, spec = several[0].parts, several[0].spec
     before = command_before(parts, spec)
     names = [one.recording.name for one in several]
-    evidence = one_after_the_other([one.evidence for one in several], names, before)
+    evidence = one_after_the_other([one.evidence for one in several], names, before).until_rest()
     return diagnose_physical(evidence, as_run(parts, spec), before, say)
 
 

@@ -143,10 +143,9 @@ one."""
 PITCH_BINS, PITCH_BINS_MOST = 4, 2000
 PITCH_BIN_SAMPLES = 8
 PITCH_RANGE_SHARE = 0.01
-"""Even bins of the position in a pitch that is looked for in the residual force, at least, and in the range, at
-most; samples of each of them, on average; and share of the samples on either side that are left out, as ends
-are seldom reached.
-"""
+"""Even bins of the position in a pitch that is looked for in the residual force, at least, and in the whole
+range, at most; samples of each of them, on average; and share of the samples on either side that are left
+out, as ends are seldom reached."""
 
 SWING_HIGHEST_RATIO = 4.0
 """Highest frequency of a stiffness or damping that swings, over that of the motion."""
@@ -191,8 +190,8 @@ TERM_SHARE_ABOVE_NOISE = 0.1
 INSTANT_SAMPLES = 3.0
 INSTANT_TRIALS = 14
 INSTANT_MOVES = 5
-"""Samples on either side of the instant at which a term begins or ends among which it is looked for, trials, and
-how often it is looked for again around what was found."""
+"""Samples on either side of the instant at which a term begins or ends among which it is looked for, trials,
+and how often it is looked for again around what was found."""
 
 LIKELY_CURVES = 5
 LIKELY_SAMPLES = 8000

@@ -21,7 +21,7 @@ from rthm_core.spec import Spec
 
 def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, frozenset[int]]:
     """Numbers of the features, in their order, that explain most of the residual force of each dof, of those
-    over its position or its velocity alone, and of the curves behind a straight line over time, which shows no
+    over its position or its velocity alone, and of the curves behind a straight line over time: that shows no
     shape.
 
     The force is differentiated from what is left of the motion, so its noise is large: it ranks curves and

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNINGS,
     CURVE_GAIN,

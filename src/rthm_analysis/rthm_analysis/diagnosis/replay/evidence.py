@@ -14,9 +14,10 @@ from rthm_analysis.diagnosis.criteria.replay import (
     REST_MOST_SHARE,
     STRAY_COMMANDS_SHARE,
 )
+from rthm_analysis.diagnosis.criteria.samples import REST_KEPT_RATIO, REST_LEAST_KEPT_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
-from rthm_analysis.diagnosis.replay.resting import rests
+from rthm_analysis.diagnosis.replay.resting import rest_begin, rests
 from rthm_analysis.recording import Recording, hold
 from rthm_core.clock import NS
 from rthm_core.link import Link
@@ -137,6 +138,21 @@ class Evidence:
         """
         motion = [i for i, one in enumerate(self.channels) if one.family in ("position", "velocity")]
         return all(rests(self.measured[:, i], self.trained) for i in motion)
+
+    def until_rest(self) -> Evidence:
+        """The same without most of the rest that it ends in, where nothing moves in the unseen part: the last
+        third of the motion then confirms what the others show. All of it where there are several recordings,
+        or too little moves.
+        """
+        if len(self.begins) > 1 or not self.comes_to_rest:
+            return self
+        motion = [i for i, one in enumerate(self.channels) if one.family in ("position", "velocity")]
+        begin = max(rest_begin(self.measured[:, i], self.trained) for i in motion)
+        kept = int(REST_KEPT_RATIO * begin)
+        if kept < REST_LEAST_KEPT_SAMPLES:
+            return self
+        note = f"Nothing moves after {self.time[begin]:.3g} s: of the rest, little is used."
+        return replace(self.first(kept), notes=(*self.notes, note))
 
     def rates(self, values: Floats) -> Floats:
         """Rates (s,) of some values (s,) in each recording by itself."""

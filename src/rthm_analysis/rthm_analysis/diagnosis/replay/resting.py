@@ -27,3 +27,12 @@ def rests(values: Floats, begin: int) -> bool:
         return False
     noise = max(fast_noise(known), lattice(values) or 0.0)
     return bool(known.std() <= REST_NOISE_RATIO * noise)
+
+
+def rest_begin(values: Floats, known: int) -> int:
+    """First sample from which on a signal (s,) rests, where it does from a `known` one."""
+    low, high = 0, known
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if rests(values, middle) else (middle, high)
+    return high

@@ -65,7 +65,7 @@ def composed(
 
 
 def has_plain(terms: Iterable[Term]) -> bool:
-    """Whether some have no numbers of their own: else the same are found where plain laws are not preferred."""
+    """Whether some have no numbers of their own: else the same are found if plain laws are not preferred."""
     return any(not one.within for one in terms)
 
 

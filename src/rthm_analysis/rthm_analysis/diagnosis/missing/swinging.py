@@ -42,8 +42,8 @@ def swinging(regression: Regression) -> Iterator[Term]:
 
 
 def recurring(regression: Regression) -> Iterator[Term]:
-    """A force that comes back with the position, as between teeth or magnets, at the pitches that the residual
-    force shows most: finer ones than a free curve can show.
+    """A force that comes back with the position, as between teeth or magnets, at the pitches that the
+    residual force shows most: finer ones than a free curve can show.
     """
     for dof, name, force in _residual_forces(regression):
         x = regression.along(dof).x

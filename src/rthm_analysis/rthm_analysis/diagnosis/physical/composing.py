@@ -114,8 +114,8 @@ def _price(judged: Judgement) -> float:
 def _large(
     judged: Judgement, base: Fitted, terms: tuple[Term, ...], whole: float, share: float
 ) -> Judgement | None:
-    """The model with some terms, judged, with the large ones alone where it is earned and leaves more than the
-    noise.
+    """The model with some terms, judged, with the large ones alone where it is earned and leaves more than
+    the noise.
     """
     regression = judged.told_missing.regression
     found = _with(judged, base, regression, terms)

@@ -13,11 +13,11 @@ import sys
 import tarfile
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from benchmarks.rigs import RTHM, virtual_bag
 
@@ -48,12 +48,24 @@ HIDDEN: dict[str, dict[str, Any]] = {
     "dry friction, drag and a cubic spring": hidden(friction=FRICTION, drag=DRAG, spring=SPRING),
     "hysteresis": hidden(loops=LOOPS),
     "backlash of the wire": hidden(wire=WIRE),
-    "a swinging stiffness (no library)": hidden(
-        swing=on_plant("parametric_spring", stiffness=0.8, frequency=2.2)
-    ),
-    "friction in one place (no library)": hidden(rub=on_plant("rubbing_place", force=0.06, width=0.03)),
 }
 """What is hidden in the plant or its wire."""
+
+UNLISTED_KINDS: dict[str, dict[str, float]] = {
+    "parametric_spring": {"stiffness": 0.8, "frequency": 2.2},
+    "fading_spring": {"stiffness": 0.8, "begin": 9.0},
+    "drifting_spring": {"rate": 0.0033},
+    "cogging": {"force": 0.03, "pitch": 0.03},
+    "magnet": {"strength": 0.01, "place": 0.7},
+    "rubbing_place": {"force": 0.06, "width": 0.03},
+    "damped_place": {"damping": 0.4, "begin": 0.05, "end": 0.2},
+    "seal": {"force": 0.08, "begin": 15.0, "end": 25.0},
+    "van_der_pol": {"coefficient": 4.7},
+    "wind": {"force": 0.02},
+}
+"""Laws of no library (`unlisted`), with their parameters; they are hidden in a test under a known load."""
+
+LOAD = {"kind": "multisine", "rms": 1.0, "low": 0.8, "high": 7.0, "count": 12, "seed": 4}
 
 COMPARED = ("nothing", "dry friction of 0.03 N")
 """What another version of the code is timed with, too."""
@@ -78,11 +90,32 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(words)
 
 
-def recording(spec: Spec, folder: Path, duration: float) -> Path:
-    """Bag of a run of the node graph in simulated time."""
+class Case(NamedTuple):
+    """A test as specified, and what is hidden in it: changes of its spec."""
+
+    name: str
+    nominal: Spec
+    changes: dict[str, Any]
+
+
+def cases() -> Iterator[Case]:
+    """Everything that is timed: kinds of the library in a free decay, others under a known load."""
+    nominal = shipped_spec(NOMINAL)
+    for name, changes in HIDDEN.items():
+        yield Case(name, nominal, changes)
+    nominal = apply(nominal, {"load": {"plant": LOAD}})
+    for kind, parameters in UNLISTED_KINDS.items():
+        changes = {"effects_from": [str(UNLISTED)]} | hidden(unlisted=on_plant(kind, **parameters))
+        yield Case(f"{kind.replace('_', ' ')} (no library)", nominal, changes)
+
+
+def recorded(case: Case, folder: Path, duration: float) -> tuple[Path, Path]:
+    """Bag of a run of the node graph in simulated time, and the spec with which it is diagnosed."""
     folder.mkdir()
-    (folder / "spec.yaml").write_text(write_spec(spec), encoding="utf-8")
-    return virtual_bag(folder / "spec.yaml", duration)
+    true, nominal = folder / "true.yaml", folder / "nominal.yaml"
+    true.write_text(write_spec(apply(case.nominal, case.changes)), encoding="utf-8")
+    nominal.write_text(write_spec(case.nominal), encoding="utf-8")
+    return virtual_bag(true, duration), nominal
 
 
 def sources_of(commit: str, folder: Path) -> str:
@@ -93,11 +126,11 @@ def sources_of(commit: str, folder: Path) -> str:
     return os.pathsep.join(str(package) for package in sorted((folder / "src").iterdir()))
 
 
-def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, float, str]:
+def diagnosed(bag: Path, spec: Path, environment: Mapping[str, str]) -> tuple[float, float, str]:
     """Wall and CPU time in s of the whole command, start and reading included, and what it found."""
     begin, before = time.perf_counter(), children_cpu()
     done = subprocess.run(
-        [*RTHM, "diagnose", str(bag), "--spec", NOMINAL, "--json", "-"],
+        [*RTHM, "diagnose", str(bag), "--spec", str(spec), "--json", "-"],
         capture_output=True,
         text=True,
         check=False,
@@ -106,7 +139,8 @@ def diagnosed(bag: Path, environment: Mapping[str, str]) -> tuple[float, float, 
     seconds, cpu = time.perf_counter() - begin, children_cpu() - before
     said = json.loads(done.stdout)
     names = ", ".join(f"{one['block']} {one['kind']}" for one in said["physics"])
-    return seconds, cpu, names or said["verdict"]
+    formulas = ", ".join(f"`{one['formula']}`" for one in said["described"] if one["formula"])
+    return seconds, cpu, names or formulas or said["verdict"]
 
 
 def children_cpu() -> float:
@@ -127,13 +161,13 @@ def measured(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
     }
     load_effects([UNLISTED])
     rows: list[dict[str, Any]] = []
-    for number, (name, changes) in enumerate(HIDDEN.items()):
-        true = apply(shipped_spec(NOMINAL), {"effects_from": [str(UNLISTED)]} | changes)
-        bag = recording(true, folder / str(number), options.duration)
+    for number, case in enumerate(cases()):
+        name = case.name
+        bag, spec = recorded(case, folder / str(number), options.duration)
         there = codes if name in COMPARED else {"today": codes["today"]}
-        firsts = {code: diagnosed(bag, environment) for code, environment in there.items()}
+        firsts = {code: diagnosed(bag, spec, environment) for code, environment in there.items()}
         rounds = [
-            {code: diagnosed(bag, environment) for code, environment in there.items()}
+            {code: diagnosed(bag, spec, environment) for code, environment in there.items()}
             for _ in range(options.rounds if name in COMPARED else OTHER_ROUNDS)
         ]
         for code, (seconds, _, found) in firsts.items():
@@ -153,7 +187,8 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         "# Time of a diagnosis",
         "",
         f"{header['date']}, {header['machine']}; `rthm diagnose` of {header['duration']:g} s of {NOMINAL}, "
-        "time of the whole command: start, reading, every kind tried. First use: nothing is compiled.",
+        "time of the whole command: start, reading, every kind tried. First use: nothing is compiled. What is in "
+        "no library acts in a test under a known load, the others in a free decay.",
         *(["Another version of the code was timed in turn with today's."] if beside else []),
         f"Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time{beside}`.",
         "",

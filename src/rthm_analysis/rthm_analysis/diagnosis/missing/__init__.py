@@ -10,7 +10,7 @@
 ``describe``  what was found in words: on what, when, which way, where it was seen
 ``shapes``    the grammar: shapes over one variable, and where a fit of each may begin
 ``terms``     a factor that is known, and shapes over one or two variables
-``swinging``  factors that swing with time
+``recurring`` factors that swing with time, and forces that recur along the way
 ``plain``     laws without numbers of their own that explain it together
 ``formulas``  terms that explain as much as the best curve
 ``within``    terms of a force that acts in an interval alone

@@ -31,8 +31,8 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
 from rthm_analysis.diagnosis.missing.plain import plain_laws
+from rthm_analysis.diagnosis.missing.recurring import recurring, swinging
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over
-from rthm_analysis.diagnosis.missing.swinging import recurring, swinging
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_core.effects.formula import evaluated

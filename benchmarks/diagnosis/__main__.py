@@ -187,8 +187,8 @@ def markdown(header: dict[str, Any], rows: list[dict[str, Any]]) -> str:
         "# Time of a diagnosis",
         "",
         f"{header['date']}, {header['machine']}; `rthm diagnose` of {header['duration']:g} s of {NOMINAL}, "
-        "time of the whole command: start, reading, every kind tried. First use: nothing is compiled. What is in "
-        "no library acts in a test under a known load, the others in a free decay.",
+        "time of the whole command: start, reading, every kind tried. First use: nothing is compiled. What "
+        "is in no library acts in a test under a known load, the others in a free decay.",
         *(["Another version of the code was timed in turn with today's."] if beside else []),
         f"Again: `python -m benchmarks.diagnosis --out docs/diagnosis_time{beside}`.",
         "",

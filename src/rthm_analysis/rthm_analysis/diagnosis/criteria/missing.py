@@ -7,6 +7,10 @@ CURVE_GAIN = 25.0
 """Gain in squared error, in units of the noise, that a curve must bring both cross-validated and on unseen
 data: five standard deviations of chance."""
 
+MASS_LEFT_RATIO = 0.5
+"""What a force over the acceleration may leave, over what others leave, to be told: a slow motion accelerates as
+it is displaced."""
+
 SIMPLER_CURVE_LEFT_RATIO = 4.0
 """Mismatch that a curve over fewer variables may leave, over what the best one leaves."""
 

@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_GAIN,
     CURVE_UNSEEN_SHARE,
     DISSIPATED_SHARE,
+    MASS_LEFT_RATIO,
     SIMPLER_CURVE_GAIN_SHARE,
     SIMPLER_CURVE_LEFT_RATIO,
     SYMMETRIC_SHARE,
@@ -27,6 +28,7 @@ VARIABLE_UNITS = {"x": "m", "v": "m/s", "a": "m/s^2", "t": "s", "u": "m", "comma
 NAMES = {
     "x": "the position of {dof}",
     "v": "the velocity of {dof}",
+    "a": "the acceleration of {dof}",
     "t": "time",
     "load": "the known load",
 }
@@ -47,7 +49,7 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     confirmed = [one for one in curves if is_confirmed(one)]
     if not confirmed:
         return None
-    best = max(confirmed, key=lambda one: one.gain)
+    best = max(confirmed, key=_gain_beyond_position)
     left = max(SIMPLER_CURVE_LEFT_RATIO * (best.excess - best.gain), CURVE_GAIN)
     good = [
         one
@@ -57,11 +59,21 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     return min([best, *good], key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
+def is_of_mass(one: CurveFit | None) -> bool:
+    """Whether a curve is over the acceleration, as the force of a mass that changes is."""
+    return one is not None and "a" in one.feature.depends_on
+
+
+def _gain_beyond_position(one: CurveFit) -> float:
+    """Gain of a curve, less where it is over the acceleration: that is nearly the position of a slow motion."""
+    left = max(one.excess - one.gain, 0.0)
+    return one.excess - left / MASS_LEFT_RATIO if is_of_mass(one) else one.gain
+
+
 def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bool) -> Described:
     """A free curve as a finding, maybe beside kinds that were named."""
     variable = one.feature.depends_on[0]
-    values = one.at._asdict()
-    at, force, std = _drawn(one, values[variable])
+    at, force, std = _drawn(one, getattr(one.at, variable))
     takes = takes_energy(one.force, one.at)
     domain = domain_of(one.at, one.feature.depends_on)
     symmetry = symmetry_of(at, force) if variable in ("x", "v") else "neither"
@@ -81,7 +93,7 @@ def _drawn(one: CurveFit, over: Floats) -> tuple[Floats, Floats, Floats]:
 
 def domain_of(at: Along, depends_on: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Range of each variable but time in which a force was seen."""
-    seen = {name: values for name, values in at._asdict().items() if name in depends_on and name != "t"}
+    seen = {name: getattr(at, name) for name in depends_on if name != "t"}
     return {name: (float(values.min()), float(values.max())) for name, values in seen.items()}
 
 
@@ -129,8 +141,15 @@ def _words(
     energy = " It takes energy out." if takes else ""
     size = bare(one.largest, 2)
     share = percent(min(one.held_out_share, 1.0))
+    mass = f" {_mass_of(one)}" if is_of_mass(one) else ""
     return (
         f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
-        f"{energy} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "
+        f"{energy}{mass} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "
         "library fits it beyond doubt."
     )
+
+
+def _mass_of(one: CurveFit) -> str:
+    """What a force over the acceleration is: a mass that changes."""
+    first, last = (bare(-float(size), 2) for size in (one.sizes[0], one.sizes[-1]))
+    return f"So acts a mass that changes: beyond the spec's it is {first} kg at first and {last} kg at last."

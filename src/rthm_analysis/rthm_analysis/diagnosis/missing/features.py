@@ -90,7 +90,8 @@ class Feature:
 def features(at: Along) -> Iterator[Feature]:
     """Curves over one variable, surfaces over motion, coefficients that change with time.
 
-    What grows steadily with time is told by straight lines: they alone say what follows.
+    What grows steadily with time is told by straight lines: they alone say what follows. A mass that changes
+    with time is no law, so that its force is described and has no formula.
     """
     variables = at._asdict()
     x, v, t, load = at
@@ -114,6 +115,10 @@ def features(at: Along) -> Iterator[Feature]:
     yield feature("v t", Curve("v", "t", slow), Curve("sign(v)", "t", slow))
     yield feature("x t", Curve("x", "t", line), straight=True)
     yield feature("v t", Curve("v", "t", line), Curve("sign(v)", "t", line), straight=True)
+    for knots_in_time in (slow, line):
+        of_mass = Curve("a", "t", knots_in_time)
+        shapes = at.a[:, None] * hats(t, knots_in_time)
+        yield Feature(("a", "t"), shapes, knots_in_time is line, (of_mass,), judges=False)
     if np.any(load):
         yield feature("load", Curve("1", "load", over_load))
         yield feature("x load", Curve("x", "load", over_load), judges=False)

@@ -37,9 +37,12 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         at = along(experiment.evidence, motion, dof, name)
         inside = apart_from_starts(windows, at.t.size)
         asked = inside[:: max(inside.size // LIKELY_SAMPLES, 1)]
-        known = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked]
+        known, force = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked], residual[2][asked]
         every = list(features(at))
-        left = [_left(np.hstack([known, one.shapes[asked]]), residual[2][asked]) for one in every]
+        left = [
+            np.inf if "a" in one.depends_on else _left(np.hstack([known, one.shapes[asked]]), force)
+            for one in every
+        ]
         best = np.argsort(left)[:LIKELY_CURVES].tolist()
         besides = {("x",), ("v",), *(every[i].depends_on for i in best if every[i].straight)}
         found[name] = frozenset([*best, *(i for i, one in enumerate(every) if one.depends_on in besides)])

@@ -25,6 +25,12 @@ class Along(NamedTuple):
     t: Floats
     load: Floats
 
+    @property
+    def a(self) -> Floats:
+        """Acceleration (s,), m/s^2, with a little of the noise of the rates."""
+        step = float(np.median(np.diff(self.t)))
+        return _smoothed(self.v, SMOOTHED_FEWEST_SAMPLES, 1) / step
+
 
 def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
     """Motion of a dof as recorded, with the rates of the model where the recording has none.

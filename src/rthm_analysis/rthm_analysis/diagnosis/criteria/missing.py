@@ -8,8 +8,8 @@ CURVE_GAIN = 25.0
 data: five standard deviations of chance."""
 
 MASS_LEFT_RATIO = 0.5
-"""What a force over the acceleration may leave, over what others leave, to be told: a slow motion accelerates as
-it is displaced."""
+"""What a force over the acceleration may leave, over what others leave, to be told: a slow motion accelerates
+as it is displaced."""
 
 SIMPLER_CURVE_LEFT_RATIO = 4.0
 """Mismatch that a curve over fewer variables may leave, over what the best one leaves."""

@@ -65,7 +65,7 @@ def is_of_mass(one: CurveFit | None) -> bool:
 
 
 def _gain_beyond_position(one: CurveFit) -> float:
-    """Gain of a curve, less where it is over the acceleration: that is nearly the position of a slow motion."""
+    """Gain of a curve, less where it is over the acceleration, which goes with the position."""
     left = max(one.excess - one.gain, 0.0)
     return one.excess - left / MASS_LEFT_RATIO if is_of_mass(one) else one.gain
 

@@ -23,8 +23,8 @@ from .plain import NOISE, plant, recorded
 Law = Callable[[float, float, float], float]
 
 
-def _regression(law: Law, force: float = 0.6) -> Regression:
-    seen = recorded(law, force=force)
+def _regression(law: Law, force: float = 0.6, duration: float = 24.0) -> Regression:
+    seen = recorded(law, duration, force=force)
     begin = Windows(np.array([0]), np.zeros((1, 2)), None)
     experiment = Experiment(seen, np.empty(0))
     return Regression(experiment, begin, white_noise(np.array(NOISE)), Model(plant()), seen.time.size)
@@ -44,6 +44,11 @@ def test_a_pitch_finer_than_any_curve_is_seen_in_the_residual_force() -> None:
 
 def test_noise_recurs_at_no_pitch() -> None:
     assert all(one.gain < 30.0 for one in recurring(_regression(lambda t, x, v: 0.0)))
+
+
+def test_a_few_samples_show_no_pitch() -> None:
+    regression = _regression(lambda t, x, v: 0.0, duration=1.5)
+    assert not list(recurring(regression))
 
 
 @pytest.mark.parametrize(

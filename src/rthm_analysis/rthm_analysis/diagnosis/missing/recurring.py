@@ -71,7 +71,9 @@ def _residual_forces(regression: Regression) -> Iterator[tuple[int, str, Floats]
 
 
 def _peaks(values: Floats, step: float, highest: float) -> list[float]:
-    """Angular frequencies at which some values, even `step`s apart, are strongest."""
+    """Angular frequencies at which some values, even `step`s apart, are strongest: none, where `highest` leaves
+    none.
+    """
     size = 4 * values.size
     power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(values.size), size))
     frequency = 2.0 * np.pi * np.fft.rfftfreq(size, step)
@@ -80,6 +82,8 @@ def _peaks(values: Floats, step: float, highest: float) -> list[float]:
     found = []
     for _ in range(SWING_PEAKS):
         peak = int(np.argmax(power))
+        if power[peak] == 0.0:
+            break
         found.append(float(frequency[peak]))
         power[max(peak - 12, 0) : peak + 13] = 0.0
     return found

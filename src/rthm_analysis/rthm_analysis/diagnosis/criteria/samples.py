@@ -8,10 +8,10 @@ REST_FEWEST_SAMPLES = 50
 REST_NOISE_RATIO = 1.3
 """Standard deviation of a signal over its noise, or the step of its sensor, up to which it rests."""
 
-REST_KEPT_RATIO = 1.1
+REST_KEPT_RATIO = 1.3
 REST_LEAST_KEPT_SAMPLES = 300
-"""Samples of a motion that are kept with the beginning of the rest that it ends in, over those of the motion;
-and fewest for which the rest is left out."""
+"""Samples of a motion that are kept with the beginning of the rest that it ends in, over those of the motion:
+its last seventh and this rest are the unseen part. And fewest for which the rest is left out."""
 
 # Stuck: a sensor repeats one value.
 

@@ -71,9 +71,7 @@ def _residual_forces(regression: Regression) -> Iterator[tuple[int, str, Floats]
 
 
 def _peaks(values: Floats, step: float, highest: float) -> list[float]:
-    """Angular frequencies at which some values, even `step`s apart, are strongest: none, where `highest` leaves
-    none.
-    """
+    """Angular frequencies, up to the highest, at which some values, even `step`s apart, are strongest."""
     size = 4 * values.size
     power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(values.size), size))
     frequency = 2.0 * np.pi * np.fft.rfftfreq(size, step)

@@ -140,9 +140,8 @@ class Evidence:
         return all(rests(self.measured[:, i], self.trained) for i in motion)
 
     def until_rest(self) -> Evidence:
-        """The same without most of the rest that it ends in, where nothing moves in the unseen part: the last
-        third of the motion then confirms what the others show. All of it where there are several recordings,
-        or too little moves.
+        """The same without most of the rest that it ends in, where nothing moves in the unseen part: the end
+        of the motion then confirms. All of it where there are several recordings, or too little moves.
         """
         if len(self.begins) > 1 or not self.comes_to_rest:
             return self

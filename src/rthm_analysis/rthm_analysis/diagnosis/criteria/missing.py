@@ -111,10 +111,6 @@ BESIDE_GAIN_LEFT_SHARE = 0.3
 """Share of what other terms leave that a law of the load may leave that needs another gain of the load beside
 it."""
 
-NAMED_STD_SHARE = 0.25
-"""Standard deviation of a kind's values, over them and as unsure as what is left makes them, up to which it
-is named beside a formula that leaves more than noise."""
-
 FORMULA_GAIN_SHARE = 0.9
 """Share of what the best free curve explains that a formula must explain to take its place."""
 

@@ -12,7 +12,6 @@ from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FITS,
     FORMULA_GAIN_SHARE,
     FORMULA_LEFT_RATIO,
-    NAMED_STD_SHARE,
     PLAIN_LEFT_RATIO,
     SAME_LEFT_RATIO,
     TERM_SHARE_ABOVE_NOISE,
@@ -34,7 +33,7 @@ from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
-from rthm_analysis.diagnosis.search.replacing import is_identified, is_sure
+from rthm_analysis.diagnosis.search.replacing import is_identified
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 
@@ -148,7 +147,7 @@ def with_formulas(
     """A model with some formulas, of which `base` has none, judged; None where it diverges.
 
     Before the formulas it has the effects of `base` and some `kinds`. Effects whose values the recording does
-    not tell beside the formulas are left out; where more than noise is left, those that it hardly tells.
+    not tell beside the formulas are left out.
     """
     physical, selection = judged.physical, judged.physical.selection
     physical, fitted = _fitted(physical, base, model)
@@ -159,19 +158,9 @@ def with_formulas(
     with_formula = replace(physical, selection=replace(selection, best=fitted, rounds=rounds))
     kinds_alone = len(rounds) - with_formula.selection.formulas
     vague = [i for i in range(kinds_alone) if not is_identified(fitted, i)]
-    after = _judged(judged, without_each(with_formula, vague) if vague else with_formula)
-    if after.at_noise:
-        return after
-    selection, least = after.physical.selection, NAMED_STD_SHARE / after.misfit
-    kinds_alone = len(selection.rounds) - selection.formulas
-    doubtful = [i for i in range(kinds_alone) if not is_sure(selection.best, i, least)]
-    return _judged(judged, without_each(after.physical, doubtful)) if doubtful else after
-
-
-def _judged(before: Judgement, physical: Physical) -> Judgement:
-    """A model with formulas, judged beside those that were judged before."""
-    runs = before.runs | {"explained": simulate_all(physical, physical.selection.best)}
-    return Judgement(physical, runs, composed=True)
+    with_formula = without_each(with_formula, vague) if vague else with_formula
+    runs = judged.runs | {"explained": simulate_all(with_formula, with_formula.selection.best)}
+    return Judgement(with_formula, runs, composed=True)
 
 
 def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, Fitted | None]:

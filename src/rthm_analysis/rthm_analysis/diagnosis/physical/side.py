@@ -21,10 +21,12 @@ from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
+from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.motor_composing import with_formula
 from rthm_analysis.diagnosis.physical.whitening import whitened
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection
 from rthm_core.compiled import Flags, Floats
@@ -115,7 +117,11 @@ def diagnose_physical(
     if (more := with_formula(drives, begun, evidence, spec, first)) is not None:
         drives, settled = more, more.model
         begun, *others = whitened(begin(seen, settled, first, train, progress))
-    begun, selection = chosen(begun, seen, settled, train, formula=formula and not seen.comes_to_rest)
+    plain = _of_plain_kinds(begun, seen, settled, train) if seen.ends_at_rest else None
+    if seen.ends_at_rest and plain is None:
+        begun, *others = whitened(begin(seen, settled, first, train, progress))
+    wanted = formula and not seen.comes_to_rest
+    begun, selection = plain or chosen(begun, seen, settled, train, formula=wanted)
     begun, selection = choose_again(begun, others, selection)
     noise = _noise_left(begun, selection)
     if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
@@ -136,6 +142,17 @@ def diagnose_physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
         begun.nominal, selection, drives.limits, drives.left, drives.noise, drives.wanders,
     )  # fmt: skip
+
+
+def _of_plain_kinds(
+    begun: Baseline, seen: Evidence, settled: Model, train: int
+) -> tuple[Baseline, Selection] | None:
+    """What kinds that can imitate no others explain, if that is all but noise: friction, which ends most
+    motions at rest, is one of them.
+    """
+    with begun.fitting.simple_only():
+        there, selection = chosen(begun, seen, settled, train, formula=False)
+    return (there, selection) if at_noise(there.fitting, selection.best) else None
 
 
 def _over_everything(begun: Baseline, seen: Evidence, first: Floats) -> Experiment:

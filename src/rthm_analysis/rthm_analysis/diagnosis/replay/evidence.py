@@ -84,6 +84,8 @@ class Evidence:
         First sample of each recording.
     names : tuple of str
         Of the recordings, where there are several.
+    ends_at_rest : bool
+        Whether most of a rest behind it was left out (`until_rest`).
     """
 
     stamps_ns: Integers
@@ -97,6 +99,7 @@ class Evidence:
     under_way: float = 0.0
     begins: tuple[int, ...] = (0,)
     names: tuple[str, ...] = ("",)
+    ends_at_rest: bool = False
 
     @cached_property
     def time(self) -> Floats:
@@ -151,7 +154,7 @@ class Evidence:
         if kept < REST_LEAST_KEPT_SAMPLES:
             return self
         note = f"Nothing moves after {self.time[begin]:.3g} s: of the rest, little is used."
-        return replace(self.first(kept), notes=(*self.notes, note))
+        return replace(self.first(kept), notes=(*self.notes, note), ends_at_rest=True)
 
     def rates(self, values: Floats) -> Floats:
         """Rates (s,) of some values (s,) in each recording by itself."""

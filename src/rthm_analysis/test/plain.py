@@ -6,7 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from rthm_analysis.diagnosis.fitting.noise import white_noise
+from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.spec import Spec, spec_from_parameters
 
 MASS, DAMPING, STIFFNESS = 1.2, 0.05, 12.0
@@ -88,3 +93,15 @@ def wandering(memory: float, share: float) -> Callable[[np.random.Generator, int
         return rng.normal(size=(count, 2)) + share * rows
 
     return made
+
+
+def from_rest() -> Windows:
+    """One free run over everything, from rest."""
+    return Windows(np.array([0]), np.zeros((1, 2)), None)
+
+
+def left_of(seen: Evidence, scale: float = 1.0, train: int | None = None) -> Regression:
+    """What the nominal model leaves of a recording that begins at rest, `scale` times as noisy as usual."""
+    noise = white_noise(scale * np.array(NOISE))
+    samples = seen.time.size if train is None else train
+    return Regression(Experiment(seen, np.empty(0)), from_rest(), noise, Model(plant()), samples)

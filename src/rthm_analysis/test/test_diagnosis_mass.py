@@ -4,27 +4,18 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.fitting.noise import white_noise
-from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
-from rthm_analysis.diagnosis.missing.describe import described, is_of_mass, told
+from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
+from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.missing.formulas import shown_by
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import Windows
 
-from .plain import MASS, NOISE, plant, recorded
+from .plain import MASS, left_of, recorded
 
 
 def _told(seen: Evidence) -> CurveFit | None:
-    begin = Windows(np.array([0]), np.zeros((1, 2)), None)
-    experiment = Experiment(seen, np.empty(0))
-    return told(
-        free_curves(Regression(experiment, begin, white_noise(np.array(NOISE)), Model(plant()), seen.trained))
-    )
+    return told(free_curves(left_of(seen, train=seen.trained)))
 
 
 @pytest.mark.parametrize(
@@ -45,4 +36,4 @@ def test_a_mass_that_changes_is_told_with_its_change(mass, last: float) -> None:
 
 def test_a_stiffness_that_changes_is_no_mass() -> None:
     one = _told(recorded(lambda t, x, v: -0.05 * t * x))
-    assert one is not None and not is_of_mass(one) and one.feature.depends_on == ("x", "t")
+    assert one is not None and not one.feature.of_mass and one.feature.depends_on == ("x", "t")

@@ -21,14 +21,12 @@ from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
-from .plain import NOISE, plant, recorded
+from .plain import NOISE, left_of, plant, recorded
 
 
 def _regression(law: Callable[[float, float, float], float], scale: float = 1.0) -> Regression:
     seen = recorded(law, force=6.0 * scale, noise=lambda rng, count: scale * rng.normal(size=(count, 2)))
-    begin = Windows(np.array([0]), np.zeros((1, 2)), None)
-    experiment = Experiment(seen, np.empty(0))
-    return Regression(experiment, begin, white_noise(scale * np.array(NOISE)), Model(plant()), seen.time.size)
+    return left_of(seen, scale)
 
 
 @pytest.mark.parametrize(

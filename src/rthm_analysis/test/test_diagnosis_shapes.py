@@ -9,26 +9,20 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.criteria.missing import SWING_PEAKS
-from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import Regression, free_curves
 from rthm_analysis.diagnosis.missing.features import features
 from rthm_analysis.diagnosis.missing.formulas import composed
 from rthm_analysis.diagnosis.missing.likely import likely
 from rthm_analysis.diagnosis.missing.recurring import recurring
 from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import Windows
 
-from .plain import NOISE, plant, recorded
+from .plain import from_rest, left_of, plant, recorded
 
 Law = Callable[[float, float, float], float]
 
 
 def _regression(law: Law, force: float = 0.6, duration: float = 24.0) -> Regression:
-    seen = recorded(law, duration, force=force)
-    begin = Windows(np.array([0]), np.zeros((1, 2)), None)
-    experiment = Experiment(seen, np.empty(0))
-    return Regression(experiment, begin, white_noise(np.array(NOISE)), Model(plant()), seen.time.size)
+    return left_of(recorded(law, duration, force=force))
 
 
 def test_a_pitch_finer_than_any_curve_is_seen_in_the_residual_force() -> None:
@@ -88,9 +82,7 @@ def test_a_pole_is_divided_by() -> None:
 
 def test_behind_a_straight_line_over_time_the_curve_is_asked() -> None:
     seen = recorded(lambda t, x, v: -0.02 * t * x)
-    begin = Windows(np.array([0]), np.zeros((1, 2)), None)
-    experiment = Experiment(seen, np.empty(0))
-    asked = likely(experiment, begin, plant())["x1"]
+    asked = likely(Experiment(seen, np.empty(0)), from_rest(), plant())["x1"]
     every = list(features(_regression(lambda t, x, v: 0.0).along(0)))
     straight = {every[i].depends_on for i in asked if every[i].straight}
     shown = {every[i].depends_on for i in asked if not every[i].straight}

@@ -59,15 +59,10 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
     return min([best, *good], key=lambda one: (len(one.feature.depends_on), -one.gain))
 
 
-def is_of_mass(one: CurveFit | None) -> bool:
-    """Whether a curve is over the acceleration, as the force of a mass that changes is."""
-    return one is not None and "a" in one.feature.depends_on
-
-
 def _gain_beyond_position(one: CurveFit) -> float:
     """Gain of a curve, less where it is over the acceleration, which goes with the position."""
     left = max(one.excess - one.gain, 0.0)
-    return one.excess - left / MASS_LEFT_RATIO if is_of_mass(one) else one.gain
+    return one.excess - left / MASS_LEFT_RATIO if one.feature.of_mass else one.gain
 
 
 def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bool) -> Described:
@@ -141,7 +136,7 @@ def _words(
     energy = " It takes energy out." if takes else ""
     size = bare(one.largest, 2)
     share = percent(min(one.held_out_share, 1.0))
-    mass = f" {_mass_of(one)}" if is_of_mass(one) else ""
+    mass = f" {_mass_of(one)}" if one.feature.of_mass else ""
     return (
         f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
         f"{energy}{mass} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "

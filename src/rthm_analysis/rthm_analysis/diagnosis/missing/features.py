@@ -76,6 +76,11 @@ class Feature:
     judges: bool = True
 
     @property
+    def of_mass(self) -> bool:
+        """Whether it is over the acceleration, as the force of a mass that changes is: no law states that."""
+        return "a" in self.depends_on
+
+    @property
     def roughness(self) -> Floats:
         """How rough its curves are, as a quadratic form (p, p) of the sizes of its shapes; of a surface, how
         large.
@@ -115,9 +120,10 @@ def features(at: Along) -> Iterator[Feature]:
     yield feature("v t", Curve("v", "t", slow), Curve("sign(v)", "t", slow))
     yield feature("x t", Curve("x", "t", line), straight=True)
     yield feature("v t", Curve("v", "t", line), Curve("sign(v)", "t", line), straight=True)
+    acceleration = at.a[:, None]
     for knots_in_time in (slow, line):
         of_mass = Curve("a", "t", knots_in_time)
-        shapes = at.a[:, None] * hats(t, knots_in_time)
+        shapes = acceleration * hats(t, knots_in_time)
         yield Feature(("a", "t"), shapes, knots_in_time is line, (of_mass,), judges=False)
     if np.any(load):
         yield feature("load", Curve("1", "load", over_load))

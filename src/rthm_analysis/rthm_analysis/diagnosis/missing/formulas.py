@@ -29,7 +29,6 @@ from rthm_analysis.diagnosis.criteria.missing import (
     TERMS_OF_A_FORMULA,
 )
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
-from rthm_analysis.diagnosis.missing.describe import is_of_mass
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
 from rthm_analysis.diagnosis.missing.plain import plain_laws
 from rthm_analysis.diagnosis.missing.recurring import recurring, swinging
@@ -247,7 +246,7 @@ def shown_by(fit: CurveFit) -> list[Term]:
     """The best shapes of each curve of a feature, with the gain that each has within the curve; none of a
     straight line over time, and of a mass that changes, which no law states.
     """
-    if fit.normal is None or fit.feature.straight or is_of_mass(fit):
+    if fit.normal is None or fit.feature.straight or fit.feature.of_mass:
         return []
     first = fit.normal.prior.shape[0] - fit.feature.shapes.shape[1]
     found, base = [], fit.normal.leading(first)

@@ -19,7 +19,6 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression
-from rthm_analysis.diagnosis.missing.describe import is_of_mass
 from rthm_analysis.diagnosis.missing.formulas import composed, fitted_together, has_plain, open_ended
 from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
@@ -45,7 +44,7 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     judged.physical.fitting.progress("looking for a formula of the missing force")
     whole = max((one.excess for one in missing.curves), default=0.0)
     found: list[Judgement] = []
-    for some in _ways(missing.regression, [one for one in missing.curves if not is_of_mass(one)]):
+    for some in _ways(missing.regression, [one for one in missing.curves if not one.feature.of_mass]):
         one = _large(judged, base, some, whole, curve.held_out_share)
         found += [one] if one is not None else []
         if one is not None and one.at_noise:

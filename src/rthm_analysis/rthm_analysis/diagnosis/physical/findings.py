@@ -7,7 +7,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     RETUNED_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.enumerated import enumerated
-from rthm_analysis.diagnosis.missing.describe import described, is_of_mass, told
+from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.physical.composing import compose_best
 from rthm_analysis.diagnosis.physical.confirming import (
     because,
@@ -153,8 +153,9 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
-        lawless = judged.physical.evidence.comes_to_rest or (is_foretold(free) and is_of_mass(free))
-        composed = None if lawless else compose_best(judged, free)
+        of_mass = free is not None and free.feature.of_mass and is_foretold(free)
+        rests = judged.physical.evidence.comes_to_rest
+        composed = None if rests or of_mass else compose_best(judged, free)
         judged = judged if composed is None else with_kinds(composed)
         if not judged.composed and (some := unconfirmed(judged, from_time_to_time=is_foretold(free))):
             return judged, some

@@ -23,6 +23,8 @@ DRAG = on("x1", "quadratic_drag", coefficient=0.3)
 STOP = on("x1", "end_stop", position=0.2, stiffness=300.0, damping=2.0)
 HYSTERESIS = on("x1", "bouc_wen", alpha=1.0, A=5.0, beta=2.0, gamma=1.0, n=1.5)
 PLAY = on("x1", "clearance", gap=0.1, stiffness=20.0)
+HARDENING = {"block": "wire", "actuator": "a1", "kind": "hardening", "coefficient": 100.0}
+SLACK = {"block": "wire", "actuator": "a1", "kind": "slack", "pretension": 0.5}
 SHAKY = {"block": "link.tau4", "kind": "jitter", "std": 0.001}
 CASES = {
     "friction": [RUB],
@@ -36,6 +38,9 @@ CASES = {
     "end stop": [STOP],
     "play": [PLAY],
     "hysteresis": [HYSTERESIS],
+    "wire that hardens": [HARDENING],
+    "wire that hardens behind motor poles, and friction": [HARDENING, RUB, POLES],
+    "wire that hardens, and jitter": [HARDENING, SHAKY],
 }
 
 
@@ -63,8 +68,7 @@ def test_fast_way_agrees_with_the_engine_for_any_loop(case):
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_finer_steps_change_less_than_a_nanometre(case):
-    """Every row ends a step, so that ten times the rows are at least ten times the steps."""
+def test_rows_leave_the_motion_as_it_is(case):
     spec = changed(*CASES[case])
     found, refined = (simulate(spec, 20.0, sample, energies=False) for sample in (0.0012, 0.00012))
     assert np.abs(found.plant_position - refined.plant_position[::10]).max() < 1e-9
@@ -94,6 +98,12 @@ def test_blocks_joined_are_the_whole(case, energies):
         assert np.abs(np.concatenate([block.energies[term] for block in blocks]) - work).max() < 1e-12
 
 
-def test_a_wire_that_is_not_linear_takes_the_other_way():
-    wire = {"block": "wire", "actuator": "a1", "kind": "hardening", "coefficient": 100.0}
-    assert nonlinear_blocks(changed(wire, RUB), 1_000_000, 1_000_000, energies=False) is None
+def test_a_wire_with_a_kink_takes_the_other_way():
+    assert nonlinear_blocks(changed(SLACK, RUB), 1_000_000, 1_000_000, energies=False) is None
+
+
+def test_a_row_where_a_command_arrives_has_the_force_that_it_makes():
+    spec = changed(HARDENING, {"timing.tau4": 0.0108})  # commands arrive at rows
+    fast, slow = simulate(spec, 2.0, 0.0012), simulate_any(spec, 2_000_000_000, 1_200_000)
+    assert np.abs(np.diff(slow.actuator_force, axis=0)).max() > 0.05
+    assert np.abs(fast.actuator_force - slow.actuator_force).max() < 1e-8

@@ -94,6 +94,25 @@ def program(schedule: Schedule, begin: int, end: int, output: int) -> Program:
     )
 
 
+def without_unused_samples(operations: Program) -> Program:
+    """A program that repeats, less the samples that nothing is computed from; places back from the newest
+    count those that are left.
+    """
+    sampling = operations.what == SAMPLE
+    count = int(np.count_nonzero(sampling))
+    users = (operations.what == MOTOR) | (operations.what == REFERENCE)
+    stored = np.cumsum(sampling) - sampling
+    passes, which = np.divmod(stored[users] - operations.sample[users], max(count, 1))
+    used = np.zeros(count, dtype=bool)
+    used[which] = True
+    kept = ~sampling
+    kept[sampling] = used
+    before, rank = np.cumsum(sampling & kept) - (sampling & kept), np.cumsum(used) - used
+    back = np.zeros_like(operations.sample)
+    back[users] = before[users] - passes * np.count_nonzero(used) - rank[which]
+    return Program(*(column[kept] for column in operations._replace(sample=back)))
+
+
 def with_lengths(operations: Program, since: tuple[int, int], *, jointly: bool) -> Program:
     """The program with its lengths, when the inputs of the plant's and of the numerical side last changed at
     `since` (ns); `jointly`, both sides move at every change of an input of either.

@@ -79,7 +79,9 @@ def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
         return np.hstack([np.zeros((rows.shape[0], 2 * chain)), rows, rows[:, n:]])
 
     side = Side(a, b, y, np.concatenate([fx, ff]), one.exosystem)
-    return loop._replace(plant=side, sample=parted(loop.sample), rows=parted(loop.rows))
+    return loop._replace(
+        plant=side, sample=parted(loop.sample), rows=parted(loop.rows), motors=parted(loop.motors)
+    )
 
 
 def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:

@@ -80,6 +80,8 @@ class LinearLoop(NamedTuple):
         Rows of `sample` with noise, drift or rounding; None when there are none.
     rows : (2 n1 + m, .) array
         Position, velocity and wire force from [y, s, commands].
+    motors : (m, .) array
+        Positions of the motors from [y, s, commands].
     reference : (m, .) array
         F_d from [y, s, held] of the numerical side.
     k_tot : (m,) array
@@ -94,6 +96,7 @@ class LinearLoop(NamedTuple):
     bias: Floats
     sensors: Sensors | None
     rows: Floats
+    motors: Floats
     reference: Floats
     k_tot: Floats
     first_sample: Floats
@@ -146,6 +149,7 @@ def linear_part(spec: Spec) -> LinearLoop | None:
         bias,
         measured,
         _rows(physical, plant),
+        _motors(physical, plant),
         _reference(number.n, sides.numerical, number.stiffness, number.damping, second),
         control.stiffness,
         np.concatenate([x1[sides.plant], v1[sides.plant]]).astype(float),
@@ -186,6 +190,14 @@ def _rows(physical: Physical, side: Side) -> Floats:
     rows[2 * n :, nq : nq + ny] = model.wires.force[:, :ny]
     rows[2 * n :, :nq] = model.wires.force[:, ny:] @ model.drive.out[:, :nq]
     rows[2 * n :, size:] = model.wires.force[:, ny:] @ model.drive.out[:, nq:]
+    return rows
+
+
+def _motors(physical: Physical, side: Side) -> Floats:
+    """Positions of the motors."""
+    out, nq, size = physical.model.drive.out, physical.state.q.size, side.a.shape[0]
+    rows = np.zeros((out.shape[0], size + physical.model.m))
+    rows[:, :nq], rows[:, size:] = out[:, :nq], out[:, nq:]
     return rows
 
 

@@ -13,32 +13,24 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, inlined
 from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
-from rthm_core.engine.nonlinear.steps import MOST_TERMS, ORDERS, at, fill
+from rthm_core.engine.nonlinear.collocation import collocate
+from rthm_core.engine.nonlinear.forces import forces
+from rthm_core.engine.nonlinear.loop import Nonlinear
+from rthm_core.engine.nonlinear.packed import end_of, prepare
+from rthm_core.engine.nonlinear.steps import MOST_TERMS, ORDERS, at
 from rthm_core.engine.nonlinear.switch import expand, first_left, product
-from rthm_core.physical.laws import (
-    CODE,
-    FRICTION,
-    PARTITION,
-    PLACE,
-    STATE,
-    STATES,
-    plant_force,
-    plant_rate,
-)
+from rthm_core.engine.worked import worked
 from rthm_core.physical.switching import breakaway_mode, next_mode
-from rthm_core.simd import WIDTH, simd_copy
-
-TOLERANCE = 1e-8
-"""What the neglected degree of a force may be, relative to the largest force that a law has had."""
-
-FORCES_SETTLED = 1e-13
-"""Change of the forces, relative likewise, at which the iteration ends."""
+from rthm_core.simd import WIDTH, numbers, put_numbers, simd_copy
 
 MOST_SWITCHES = 200
 """Switches within one step that are followed."""
 
 SHORTEST_STEP = 1e-10
 """Shortest step, in s, that is halved no further."""
+
+ROUNDING = 1e-12
+"""Part of a length that is none: what rounding leaves of it."""
 
 
 class Work(NamedTuple):
@@ -48,73 +40,93 @@ class Work(NamedTuple):
     ----------
     end : (d,) array
         [y, held, g] at the end of a step.
-    y, base : (N,), (3, N) arrays
-        State after a stage, and its part that does not depend on the forces.
+    y : (N + M,) array
+        State after a stage, as far as the laws feel it, and held inputs.
+    felt, base : (P 8,), (P, 8) arrays
+        What they feel after all stages, and the part of that which does not depend on the forces.
+    wide, seen : (Q 8,), (V 8,) arrays
+        State after a step, and what is seen of it.
+    force : (G,) array
+        Forces after a stage.
     g : (4, G) array
         Forces at the start and after each third.
     polynomial : (orders, G) array
         Their coefficients over the step.
     terms : (MOST_TERMS + ORDERS, N) array
         Series of the motion.
-    slope : (G,) array
-        Rate of the forces at the end of the last step, from which the next iteration begins.
+    whole, part : (N + M + orders G,) arrays
+        What describes all of a step: [y, held] at its start, and the polynomial; and a leading part of it.
+    trend : (3, G) array
+        How the forces go on after the last step, by powers of the time in s: where the next iteration begins.
+    pace : (1,) array
+        Longest step over which forces that change are believed to be of third degree, in s.
+    contraction : (1,) array
+        By what an iteration made the change of the forces smaller, when this was last seen.
     scale : (1,) array
         Largest acceleration by a law.
     modes : (L,) array
         In force.
     moments : (d (d + 1) / 2,) array
         Integrals of the products of [y, held, g] over the last steps; empty where work is not counted.
-    sums : (8,) array
-        Work so far.
+    sums, before : (8,) arrays
+        Work so far, and before the present arc.
     """
 
     end: Floats
     y: Floats
+    felt: Floats
     base: Floats
+    wide: Floats
+    seen: Floats
+    force: Floats
     g: Floats
     polynomial: Floats
     terms: Floats
-    slope: Floats
+    whole: Floats
+    part: Floats
+    trend: Floats
+    pace: Floats
+    contraction: Floats
     scale: Floats
     modes: Integers
     moments: Floats
     sums: Floats
+    before: Floats
 
 
-def work(size: int, d: int, g: int, orders: int, modes: Integers, *, counting: bool) -> Work:
-    """Work at the start of a test."""
+def work(nonlinear: Nonlinear, seen: int, *, counting: bool) -> Work:
+    """Work at the start of a test, of which `seen` numbers are seen."""
+    _, size, d = nonlinear.systems.shape
+    g, orders = nonlinear.weight.size, 1 if nonlinear.steady else ORDERS
+    felt, after = -(-3 * nonlinear.felt.size // WIDTH), -(-size // WIDTH)
+    lengths = [felt, felt, after, seen // WIDTH, 1, 1]
+    wide = simd_copy(np.zeros((sum(lengths), WIDTH)))
+    ends = np.cumsum(lengths).tolist()
+    stages, base, end, looks, sums, before = (
+        wide[last - length : last] for length, last in zip(lengths, ends, strict=True)
+    )
     return Work(
         np.zeros(d),
-        np.zeros(size),
-        np.zeros((3, size)),
+        np.zeros(d - g),
+        stages.ravel(),
+        base,
+        end.ravel(),
+        looks.ravel(),
+        np.zeros(g),
         np.zeros((4, g)),
         np.zeros((orders, g)),
         np.zeros((MOST_TERMS + ORDERS, size)),
-        np.zeros(g),
+        np.zeros(d + (orders - 1) * g),
+        np.zeros(d + (orders - 1) * g),
+        np.zeros((3, g)),
+        np.full(1, np.inf),
+        np.ones(1),
         np.full(1, 1e-2),
-        modes.copy(),
+        nonlinear.modes.copy(),
         np.zeros(d * (d + 1) // 2 if counting else 0),
-        simd_copy(np.zeros(WIDTH)),
+        sums.ravel(),
+        before.ravel(),
     )
-
-
-@inlined
-def _forces(laws, n, y, t, modes, out):  # type: ignore[no-untyped-def]
-    """Forces of the laws and rates of their own states, at time `t` (s)."""
-    own = laws.numbers.shape[0]
-    for row in range(laws.numbers.shape[0]):
-        states = laws.numbers[row, STATES]
-        out[row] = 0.0
-        for i in range(own, own + states):
-            out[i] = 0.0
-        if laws.numbers[row, PARTITION] != FRICTION or modes[row] != 0:
-            dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
-            p = laws.parameters[row]
-            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row])
-            if states:
-                rates = out[own : own + states]
-                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row], rates)
-        own += states
 
 
 @inlined
@@ -134,7 +146,7 @@ def begin_step(nonlinear, z, t, modes):  # type: ignore[no-untyped-def]
     """
     first = z.size - nonlinear.input_matrix.shape[1]
     for _ in range(2 * modes.size + 1):
-        _forces(nonlinear.laws, nonlinear.n, z, t, modes, z[first:])
+        forces(nonlinear, z, t, modes, z[first:])
         number, loose, hold = set_of(nonlinear.bits, modes), -1, 0.0
         if number == 0:
             break
@@ -150,93 +162,14 @@ def begin_step(nonlinear, z, t, modes):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def step_by(matrix, z, count, out):  # type: ignore[no-untyped-def]
-    """What the leading `count` rows of a matrix make of `z`."""
-    for i in range(matrix.shape[1]):
-        out[i] = matrix[0, i] * z[0]
-    for j in range(1, count):
-        for i in range(matrix.shape[1]):
-            out[i] += matrix[j, i] * z[j]
-
-
-@inlined
-def _fit(g, polynomial):  # type: ignore[no-untyped-def]
-    """Polynomial, in thirds of the step, through the forces."""
-    for j in range(g.shape[1]):
-        one, two = g[1, j] - g[0, j], g[2, j] - 2.0 * g[1, j] + g[0, j]
-        three = g[3, j] - 3.0 * g[2, j] + 3.0 * g[1, j] - g[0, j]
-        polynomial[0, j] = g[0, j]
-        polynomial[1, j] = one - two / 2.0 + three / 3.0
-        polynomial[2, j] = (two - three) / 2.0
-        polynomial[3, j] = three / 6.0
-
-
-@inlined
-def _neglected(weight, g):  # type: ignore[no-untyped-def]
-    """What a fourth degree of the forces would be, judged by how second and third follow one another."""
-    worst = 0.0
-    for j in range(g.shape[1]):
-        two = abs(g[2, j] - 2.0 * g[1, j] + g[0, j])
-        three = abs(g[3, j] - 3.0 * g[2, j] + 3.0 * g[1, j] - g[0, j])
-        if three > 0.0:
-            worst = max(worst, weight[j] * three * three / max(two, three))
-    return worst
-
-
-@inlined
-def _stage(matrix, base, first, polynomial, y):  # type: ignore[no-untyped-def]
-    """State after a stage of a step whose forces are known, into `y`."""
-    row = first
-    for i in range(y.size):
-        y[i] = base[i]
-    for r in range(polynomial.shape[0]):
-        for j in range(polynomial.shape[1]):
-            for i in range(y.size):
-                y[i] += matrix[row, i] * polynomial[r, j]
-            row += 1
-
-
-@inlined
-def _collocate(nonlinear, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
-    """Step with forces that change, to ``work.end``; whether the iteration settled and the degree does."""
-    first, g, end = z.size - nonlinear.input_matrix.shape[1], work.g, work.end
-    for j in range(g.shape[1]):
-        for stage in range(4):
-            g[stage, j] = z[first + j] + work.slope[j] * length * stage / 3.0
-    for stage in range(3):
-        step_by(matrices[stage], z, first, work.base[stage])
-    settled = False
-    for _ in range(12):
-        _fit(g, work.polynomial)
-        change = 0.0
-        for stage in range(3):
-            _stage(matrices[stage], work.base[stage], first, work.polynomial, work.y)
-            after = t + length * (stage + 1) / 3.0
-            _forces(nonlinear.laws, nonlinear.n, work.y, after, work.modes, end[first:])
-            for j in range(g.shape[1]):
-                change = max(change, abs(end[first + j] - g[stage + 1, j]) * nonlinear.weight[j])
-                g[stage + 1, j] = end[first + j]
-        settled = change <= FORCES_SETTLED * work.scale[0]
-        if settled:
-            break
-    for i in range(work.y.size):
-        end[i] = work.y[i]
-    for j in range(g.shape[1]):
-        work.slope[j] = (5.5 * g[3, j] - 9.0 * g[2, j] + 4.5 * g[1, j] - g[0, j]) / length if settled else 0.0
-    return settled and _neglected(nonlinear.weight, g) <= TOLERANCE * work.scale[0]
-
-
-@inlined
-def _try(nonlinear, work, matrices, z, t, length):  # type: ignore[no-untyped-def]
+def _try(nonlinear, packed, work, slot, z, t, length):  # type: ignore[no-untyped-def]
     """Step of `length` from `z` to ``work.end``; whether it is good enough."""
-    first, end = z.size - nonlinear.input_matrix.shape[1], work.end
-    for j in range(nonlinear.systems.shape[1], z.size):
-        end[j] = z[j]
+    size = nonlinear.systems.shape[1]
+    for j in range(size, z.size):
+        work.end[j] = z[j]
     if not nonlinear.steady:
-        for j in range(first, z.size):
-            work.scale[0] = max(work.scale[0], abs(z[j]) * nonlinear.weight[j - first])
-        return _collocate(nonlinear, work, matrices, z, t, length)
-    step_by(matrices[0], z, z.size, end)
+        return collocate(nonlinear, packed, work, slot, z, t, length)
+    end_of(packed, slot, z, work.wide, work.end[:size])
     return True
 
 
@@ -270,23 +203,51 @@ def end_step(nonlinear, work, number, z, law, share, terms, length):  # type: ig
 
 
 @inlined
-def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
-    """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on."""
-    size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
-    done, length, switches = 0.0, whole, 0
+def _count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[no-untyped-def]
+    """Add the work over a whole length from its table; whether there is one."""
+    if halvings or nonlinear.steady or not tables.shape[0]:
+        return False
+    slot = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
+    put_numbers(work.sums, (), numbers(work.sums, ()) + worked(tables, slot, work.whole))
+    return True
+
+
+@inlined
+def _halvings(lengths, packed, k, fewest, limit):  # type: ignore[no-untyped-def]
+    """How often length `k` is halved, at least `fewest` times, to be no longer than `limit`; as often as
+    there are halves at most.
+    """
+    halvings, most = fewest, lengths.size // packed.whole - 1
+    while halvings < most and lengths[k + halvings * packed.whole] > limit:
+        halvings += 1
+    return halvings
+
+
+@inlined
+def advance(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped-def]
+    """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on.
+
+    Steps are halves of the length, and halves of these, until a law switches: from there on they have any
+    length.
+    """
+    size, lengths, kinds = nonlinear.systems.shape[1], steps.lengths, steps.lengths.size
+    whole, most = lengths[k], kinds // packed.whole - 1
+    halvings, done, switches = _halvings(lengths, packed, k, 0, work.pace[0]), 0.0, 0
+    length = lengths[k + halvings * packed.whole]
     while done < whole:
         number = begin_step(nonlinear, z, t + done, work.modes)
-        slot = number * lengths + k if length == whole else steps.filled.size - 1
-        if length != whole or not steps.filled[slot]:
-            fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
-            steps.filled[slot] = 1
-        if not _try(nonlinear, work, steps.matrices[slot], z, t + done, length) and length > SHORTEST_STEP:
-            length *= 0.5
+        slot = number * kinds + k + halvings * packed.whole if halvings >= 0 else packed.filled.size - 1
+        prepare(nonlinear, steps, packed, number, slot, length)
+        if not _try(nonlinear, packed, work, slot, z, t + done, length) and length > SHORTEST_STEP:
+            fewest = halvings + 1
+            halvings = _halvings(lengths, packed, k, fewest, work.pace[0]) if 0 < fewest <= most else -1
+            length = lengths[k + halvings * packed.whole] if halvings >= 0 else 0.5 * length
             continue
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
             law, share, terms = first_left(nonlinear, work, number, z, length)
-        end_step(nonlinear, work, number, z, law, share, terms, length)
+        if law >= 0 or not _count_step(nonlinear, steps.work_tables, work, number, k, halvings):
+            end_step(nonlinear, work, number, z, law, share, terms, length)
         if law >= 0:
             hold = product(nonlinear.holds[number, law], work.end)
             mode = work.modes[law]
@@ -294,8 +255,16 @@ def advance(nonlinear, steps, work, z, k, t):  # type: ignore[no-untyped-def]
             switches += 1
         for i in range(size):
             z[i] = work.end[i]
-        done = whole if law < 0 and done + length >= whole else done + share * length
-        length = min(whole - done, 2.0 * length) if law < 0 else whole - done
-    _forces(
-        nonlinear.laws, nonlinear.n, z, t + whole, work.modes, z[z.size - nonlinear.input_matrix.shape[1] :]
-    )
+        done = done + share * length
+        if law >= 0:
+            halvings, length = -1, whole - done
+            continue
+        if whole - done <= ROUNDING * whole:
+            break
+        if halvings < 0:
+            length = min(whole - done, 2.0 * length)
+        else:
+            limit = min((whole - done) * (1.0 + ROUNDING), work.pace[0])
+            halvings = _halvings(lengths, packed, k, max(halvings - 1, 0), limit)
+            length = lengths[k + halvings * packed.whole]
+    forces(nonlinear, z, t + whole, work.modes, z[z.size - work.force.size :])

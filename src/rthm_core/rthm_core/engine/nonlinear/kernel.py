@@ -7,8 +7,11 @@ from typing import NamedTuple
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
 from rthm_core.engine.linear.kernel import Memory
 from rthm_core.engine.nonlinear.advance import Work, advance
-from rthm_core.engine.nonlinear.event_free import event_free_step
+from rthm_core.engine.nonlinear.arc import begin_arc, end_arc, within_arc
+from rthm_core.engine.nonlinear.forces import wire_forces
 from rthm_core.engine.nonlinear.loop import Nonlinear
+from rthm_core.engine.nonlinear.operations import Operations
+from rthm_core.engine.nonlinear.packed import Packed, see
 from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.worked import energy
 from rthm_core.physical.sensors import Sensors, measured
@@ -20,8 +23,6 @@ class Looks(NamedTuple):
 
     Attributes
     ----------
-    sample, force, reference : (., N + M) arrays
-        Measured motion, forces in the wires, F_d.
     motion : (2 n1 + 2 n2,) array
         Places of x1, v1, x2, v2.
     bias : (2 m,) array
@@ -34,28 +35,11 @@ class Looks(NamedTuple):
         Work from the moments, and last the energy; empty where these are not counted.
     """
 
-    sample: Floats
-    force: Floats
-    reference: Floats
     motion: Integers
     bias: Floats
     sensors: Sensors
     k_tot: Floats
     forms: Floats
-
-
-class Operations(NamedTuple):
-    """Program: arrays (operations,), and (2, operations) for the first and for every further pass.
-
-    `length` is the number of the length since the operation before, -1: none.
-    """
-
-    what: Integers
-    time: Integers
-    length: Integers
-    sample: Integers
-    reference: Integers
-    period: int
 
 
 class Outputs(NamedTuple):
@@ -68,21 +52,10 @@ class Outputs(NamedTuple):
 
 
 @inlined
-def look(matrix, z, out):  # type: ignore[no-untyped-def]
-    """What is seen of z through the rows of a matrix."""
-    for i in range(matrix.shape[0]):
-        total = 0.0
-        for j in range(matrix.shape[1]):
-            total += matrix[i, j] * z[j]
-        out[i] = total
-
-
-@inlined
-def sample(looks, z, stamp, out):  # type: ignore[no-untyped-def]
-    """Measured motion at the instant `stamp` (ns)."""
-    look(looks.sample, z, out)
+def sample(looks, seen, begin, stamp, out):  # type: ignore[no-untyped-def]
+    """Measured motion at the instant `stamp` (ns), which is seen from place `begin` on."""
     for i in range(out.size):
-        out[i] += looks.bias[i]
+        out[i] = seen[begin + i] + looks.bias[i]
         if looks.sensors.key.size:
             out[i] = measured(looks.sensors, i, out[i], looks.bias, stamp)
 
@@ -100,14 +73,13 @@ def command(looks, counting, size, measured_motion, reference, z):  # type: igno
 
 
 @inlined
-def write_row(looks, z, reference, out, row):  # type: ignore[no-untyped-def]
+def write_row(seen, reference, out, row):  # type: ignore[no-untyped-def]
     """Write motion, forces in the wires, and the reference in use."""
-    motion, x1v1 = looks.motion, out.plant.shape[1] - looks.k_tot.size
-    for i in range(x1v1):
-        out.plant[row, i] = z[motion[i]]
-    look(looks.force, z, out.plant[row, x1v1:])
+    plant = out.plant.shape[1]
+    for i in range(plant):
+        out.plant[row, i] = seen[i]
     for i in range(out.numerical.shape[1]):
-        out.numerical[row, i] = z[motion[x1v1 + i]]
+        out.numerical[row, i] = seen[plant + i]
     for i in range(reference.size):
         out.reference[row, i] = reference[i]
 
@@ -134,6 +106,7 @@ def write_work(forms, sums, z, out):  # type: ignore[no-untyped-def]
 def run_nonlinear(
     nonlinear: Nonlinear,
     steps: Steps,
+    packed: Packed,
     work: Work,
     looks: Looks,
     operations: Operations,
@@ -146,45 +119,54 @@ def run_nonlinear(
     samples, references, count = memory
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
-    size, m = nonlinear.systems.shape[1], looks.k_tot.size
-    held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
-    matrices, filled, lengths, tables = steps.matrices, steps.filled, steps.lengths, steps.work_tables
-    sums = work.sums
-    quick = nonlinear.steady and (tables.shape[0] > 0 or not counting)
-    systems, holds, bits, places = nonlinear.systems, nonlinear.holds, nonlinear.bits, nonlinear.laws.numbers
-    breakaway, modes, end = nonlinear.laws.breakaway, work.modes, work.end[:size]
+    m, first, seen = looks.k_tot.size, out.plant.shape[1] + out.numerical.shape[1], work.seen
+    size, held = nonlinear.systems.shape[1], z.size - nonlinear.weight.size - 2 * m
+    counting = looks.forms.shape[0] > 0
+    number, arc, lengths, fresh = -1, -1, steps.lengths, False
+    wire_forces(nonlinear, z, z)
     for p in range(passes):
-        later = min(p, 1)
+        later, until = min(p, 1), -1
         for e in range(operations.what.size):
-            what, k = operations.what[e], operations.length[later, e]
-            now = operations.time[e] + p * operations.period
-            event_free = quick and k >= 0
-            if event_free:
-                event_free = event_free_step(
-                    systems, holds, bits, places, nonlinear.n, breakaway, matrices, filled, lengths, tables,
-                    k, z, modes, end, sums,
-                )  # fmt: skip
-            if event_free:
-                for i in range(size):
-                    z[i] = end[i]
+            what, k, span = operations.what[e], operations.length[later, e], operations.span[later, e]
+            last, now = operations.last[later, e], operations.time[e] + p * operations.period
+            if e > until and last >= e:
+                arc = operations.span[later, last]
+                begin = now * 1e-9 - (lengths[span] if span >= 0 else 0.0)
+                number = begin_arc(nonlinear, steps, packed, work, z, arc, begin)
+                until = last if number >= 0 else -1
+            if k >= 0 and e > until:
+                advance(nonlinear, steps, packed, work, z, k, now * 1e-9 - lengths[k])
+                add_moments(looks.forms, work.moments, work.sums)
+                fresh = False
+            elif k >= 0 and span == arc:
+                end_arc(nonlinear, steps, work, number, arc, z)
+                fresh = False
             elif k >= 0:
-                advance(nonlinear, steps, work, z, k, now * 1e-9 - lengths[k])
-                add_moments(looks.forms, work.moments, sums)
+                within_arc(nonlinear, steps, packed, work, number, arc, span, z)
+                fresh = True
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
-            if what == SAMPLE:
-                sample(looks, z, now, samples[s & s_mask])
-                s += 1
+            if what == MOTOR:
+                command(looks, counting, size, samples[used], references[asked], z)
+                wire_forces(nonlinear, z, z)
+                fresh = False
             elif what == REFERENCE:
                 for i in range(2 * m):
                     z[held + i] = samples[used, i]
-                look(looks.reference, z, references[r & r_mask])
+                fresh = False
+            if not fresh and what in (SAMPLE, REFERENCE, OUTPUT):
+                see(packed.columns, z, seen)
+                fresh = True
+            if what == SAMPLE:
+                sample(looks, seen, first, now, samples[s & s_mask])
+                s += 1
+            elif what == REFERENCE:
+                for i in range(m):
+                    references[r & r_mask, i] = seen[first + 2 * m + i]
                 r += 1
-            elif what == MOTOR:
-                command(looks, counting, size, samples[used], references[asked], z)
             elif what == OUTPUT:
-                write_row(looks, z, references[asked], out, row)
+                write_row(seen, references[asked], out, row)
                 if counting:
-                    write_work(looks.forms, sums, z, out.work[row])
+                    write_work(looks.forms, work.sums, z, out.work[row])
                 row += 1
                 if row == out.plant.shape[0]:
                     break

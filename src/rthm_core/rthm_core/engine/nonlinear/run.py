@@ -8,26 +8,33 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.digits import LONGEST_LENGTH, digit_lengths, in_digits, work_over_digits
+from rthm_core.engine.digits import LONGEST_LENGTH, digit_lengths, in_digits
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, rows_within
 from rthm_core.engine.linear.kernel import ROW_COUNT, Memory
-from rthm_core.engine.linear.ledger import LinearLedger, work_tables
 from rthm_core.engine.linear.preparation import filled
 from rthm_core.engine.nonlinear.advance import Work, work
-from rthm_core.engine.nonlinear.kernel import Looks, Operations, Outputs, run_nonlinear
+from rthm_core.engine.nonlinear.kernel import Looks, Outputs, run_nonlinear
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
-from rthm_core.engine.nonlinear.steps import LONGEST_SERIES, ORDERS, Steps
+from rthm_core.engine.nonlinear.operations import (
+    Operations,
+    longest_step,
+    numbered,
+    split,
+    step_by_step,
+)
+from rthm_core.engine.nonlinear.packed import HALVINGS, Packed, packed
+from rthm_core.engine.nonlinear.steps import ORDERS, Steps
+from rthm_core.engine.nonlinear.tables import tables_over, tables_over_digits
 from rthm_core.engine.program import (
-    STEP,
-    Program,
     period_ns,
     program,
     reach_ns,
+    without_unused_samples,
 )
 from rthm_core.kept import kept
 from rthm_core.physical.sensors import Sensors
 from rthm_core.schedule import Schedule
-from rthm_core.simd import simd_copy
+from rthm_core.simd import WIDTH, simd_copy
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -35,15 +42,13 @@ if TYPE_CHECKING:
 LARGEST_TABLE = 8_000_000
 """Most numbers in the matrices of the steps."""
 
-SMOOTH = 0.5
-"""Longest step, times the fastest mode, over which work is counted at once."""
-
 
 class _Prepared(NamedTuple):
     """A program with its memory of steps."""
 
     operations: Operations
     steps: Steps
+    packed: Packed
 
 
 class State(NamedTuple):
@@ -59,6 +64,14 @@ def _loop(spec: Spec, energies: bool) -> NonlinearLoop | None:
     return nonlinear_loop(spec, energies=energies)
 
 
+@kept
+def _looks(spec: Spec, energies: bool) -> Looks:
+    """What is seen of a loop."""
+    loop = _loop(spec, energies)
+    assert loop is not None
+    return looks_of(loop)
+
+
 def looks_of(loop: NonlinearLoop) -> Looks:
     """What is seen of a loop."""
     upper = np.triu_indices(loop.nonlinear.systems.shape[2])
@@ -67,9 +80,6 @@ def looks_of(loop: NonlinearLoop) -> Looks:
     none = Sensors(np.zeros((0, 5)), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.uint64))
     linear = loop.linear
     return Looks(
-        loop.sample,
-        loop.force,
-        loop.reference,
         loop.motion,
         linear.bias,
         linear.sensors or none,
@@ -78,75 +88,38 @@ def looks_of(loop: NonlinearLoop) -> Looks:
     )
 
 
-def _work_tables(loop: NonlinearLoop, lengths_ns: Integers | None) -> Floats:
-    """Tables of the work for every set of sticking dofs and length, or for every digit of a length; empty
-    where they are not counted or forces change within a step.
-    """
-    size, d = loop.nonlinear.systems.shape[1:]
-    if not (loop.forms.size and loop.nonlinear.steady):
-        return np.empty((0, 0, 0))
-    ledgers = [
-        LinearLedger(loop.linear, np.vstack([system, np.zeros((d - size, d))]), loop.forms)
-        for system in loop.nonlinear.systems
-    ]
-    none = np.zeros(0, dtype=np.int64)
-    if lengths_ns is None:
-        return simd_copy(np.concatenate([work_over_digits(one)[:-1] for one in ledgers]))
-    return simd_copy(np.concatenate([work_tables(one, lengths_ns, none) for one in ledgers]))
+def _columns(loop: NonlinearLoop) -> Floats:
+    """What is seen of [y, held], in SIMD values."""
+    size, plant = loop.sample.shape[1], loop.motion.size - loop.linear.numerical.y.size
+    motion = np.eye(size)[loop.motion]
+    looks = np.vstack([motion[:plant], loop.force, motion[plant:], loop.sample, loop.reference])
+    wide = np.zeros((size, _seen(loop)))
+    wide[:, : looks.shape[0]] = looks.T
+    return simd_copy(wide.reshape(size, -1, WIDTH))
 
 
-def _steps(loop: NonlinearLoop, lengths_ns: Integers, work_tables: Floats) -> Steps | None:
-    """Memory for the matrices of all lengths; None where it would be too much."""
+def _seen(loop: NonlinearLoop) -> int:
+    """How many numbers are seen, with what fills the last SIMD value."""
+    return -(-(loop.motion.size + 4 * loop.linear.k_tot.size) // WIDTH) * WIDTH
+
+
+def _steps(loop: NonlinearLoop, lengths_ns: Integers, halvings: int, work_tables: Floats) -> Steps | None:
+    """Memory for the matrices of all lengths, and of their halves; None where it would be too much."""
     sets, n, d = loop.nonlinear.systems.shape
-    g, steady = loop.nonlinear.input_matrix.shape[1], loop.nonlinear.steady
-    rows, stages, slots = (
-        d if steady else d + (ORDERS - 1) * g,
-        1 if steady else 3,
-        sets * lengths_ns.size + 1,
-    )
+    steady, g = loop.nonlinear.steady, loop.nonlinear.weight.size
+    rows, stages = (d, 1) if steady else (d + (ORDERS - 1) * g, 3)
+    lengths = np.concatenate([lengths_ns * (1e-9 * 0.5**halving) for halving in range(halvings + 1)])
+    slots = sets * lengths.size + 1
     if slots * stages * rows * n > LARGEST_TABLE:
         return None
     return Steps(
         np.empty((slots, stages, rows, n)),
         np.zeros(slots, dtype=np.int64),
-        np.asarray(lengths_ns * 1e-9, dtype=float),
+        lengths,
         work_tables,
         np.empty((2, rows, n)),
         np.empty((d + 1, n)),
     )
-
-
-def _split(operations: Program, lengths: Integers, longest: int) -> tuple[Program, Integers]:
-    """The program, and its `lengths` since the operation before, with a `STEP` wherever one would be above
-    `longest` ns.
-    """
-    parts = np.maximum(-(-lengths // longest), 1)
-    which, last = np.repeat(np.arange(parts.size), parts), np.cumsum(parts) - 1
-    split = np.full(which.size, longest)
-    split[last] = lengths - (parts - 1) * longest
-    chosen = Program(*(column[which] for column in operations))
-    what = np.full(which.size, STEP)
-    what[last] = operations.what
-    time = operations.time[0] - lengths[0] + np.cumsum(split)
-    return chosen._replace(what=what, time=time), split
-
-
-def _operations(
-    chosen: Program, first: Integers, further: Integers, period: int
-) -> tuple[Operations, Integers]:
-    """Operations of a program with the lengths of its first and every further pass; the different lengths."""
-    both = np.stack([first, further])
-    lengths, which = np.unique(both[both > 0], return_inverse=True)
-    numbers = np.full(both.shape, -1, dtype=np.int64)
-    numbers[both > 0] = which
-    return Operations(chosen.what, chosen.time, numbers, chosen.sample, chosen.reference, period), lengths
-
-
-def _longest(loop: NonlinearLoop) -> int:
-    """Longest step in ns."""
-    smooth = SMOOTH if loop.forms.size else LONGEST_SERIES
-    fastest = max(loop.nonlinear.fastest, 1e-3)
-    return max(int(smooth / fastest * 1e9), 1000)
 
 
 @kept
@@ -157,36 +130,34 @@ def _repeating(spec: Spec, step: int, energies: bool) -> _Prepared | None:
     if loop is None or period is None:
         return None
     begin = -(-reach_ns(schedule) // period) * period
-    operations = program(schedule, begin, begin + period, step)
+    operations = without_unused_samples(program(schedule, begin, begin + period, step))
     operations = operations._replace(time=operations.time - begin)
     lengths = np.diff(operations.time, prepend=operations.time[-1] - period)
-    chosen, further = _split(operations, lengths, _longest(loop))
-    first = np.where(chosen.time <= 0, 0, further)
-    numbered, different = _operations(chosen, first, further, period)
-    steps = _steps(loop, different, _work_tables(loop, different))
-    return None if steps is None else _Prepared(numbered, steps)
+    chosen, different = numbered(*split(operations, lengths, longest_step(loop)), period, loop)
+    tables, halvings = tables_over(loop, different), 0 if loop.nonlinear.steady else HALVINGS
+    steps = _steps(loop, different, halvings, tables) or _steps(loop, different, 0, tables)
+    if steps is None:
+        return None
+    return _Prepared(chosen, steps, packed(steps, loop.nonlinear, _columns(loop), different.size))
 
 
 @kept
 def _digit_steps(spec: Spec, energies: bool) -> Steps | None:
     """Memory for the steps over every digit of a length."""
     loop = _loop(spec, energies)
-    return None if loop is None else _steps(loop, digit_lengths(), _work_tables(loop, None))
+    return None if loop is None else _steps(loop, digit_lengths(), 0, tables_over_digits(loop))
 
 
 def start_state(loop: NonlinearLoop, samples: int, references: int) -> State:
     """Start of a loop that looks back on so many samples and references."""
-    _, n, d = loop.nonlinear.systems.shape
-    g = loop.nonlinear.input_matrix.shape[1]
-    orders = 1 if loop.nonlinear.steady else ORDERS
-    z = np.concatenate([loop.start, np.zeros(g)])
+    z, seen = np.concatenate([loop.start, np.zeros(loop.nonlinear.weight.size)]), _seen(loop)
     past = Memory(
         filled(loop.linear.first_sample, samples),
         filled(loop.linear.first_reference, references),
         np.zeros(3, dtype=np.int64),
     )
     counting = bool(loop.forms.size)
-    return State(z, work(n, d, g, orders, loop.nonlinear.modes, counting=counting), past)
+    return State(z, work(loop.nonlinear, seen, counting=counting), past)
 
 
 class Portion(NamedTuple):
@@ -194,6 +165,7 @@ class Portion(NamedTuple):
 
     operations: Operations
     steps: Steps
+    packed: Packed
     passes: int
     rows: int
 
@@ -229,13 +201,13 @@ def nonlinear_blocks(
     ns; None where there is no fast way for it.
     """
     loop = _loop(spec, energies)
-    if loop is None or not loop.nonlinear.modes.size:
+    if loop is None or not loop.nonlinear.weight.size:
         return None
     found = plan(spec, loop, end, step, energies=energies, span=span)
     if found is None:
         return None
     state = start_state(loop, found.samples, found.references)
-    return (_block(loop, portion, state) for portion in found.portions)
+    return (_block(loop, _looks(spec, energies), portion, state) for portion in found.portions)
 
 
 def _repeated(one: _Prepared, end: int, step: int, span: int) -> Iterator[Portion]:
@@ -248,25 +220,25 @@ def _repeated(one: _Prepared, end: int, step: int, span: int) -> Iterator[Portio
         chosen = operations._replace(time=times + begin)
         if begin:
             chosen = chosen._replace(length=np.stack([operations.length[1]] * 2))
-        yield Portion(chosen, one.steps, left, count)
+        yield Portion(chosen, one.steps, one.packed, left, count)
 
 
 def _irregular(
     schedule: Schedule, loop: NonlinearLoop, steps: Steps, end: int, step: int
 ) -> Iterator[Portion]:
-    since = 0
+    arcs = not loop.forms.size or steps.work_tables.shape[0] > 0
+    since, room = 0, packed(steps, loop.nonlinear, _columns(loop), steps.lengths.size)
     for begin in range(0, end + 1, CHUNK_NS):
         stop = min(begin + CHUNK_NS, end + 1)
         operations = program(schedule, begin, stop, step)
         if operations.time.size == 0:
             continue
         lengths = np.diff(operations.time, prepend=since)
-        split, _ = _split(operations, lengths, _longest(loop))
-        chosen = in_digits(split, since)
+        divided, _ = split(operations, lengths, longest_step(loop))
+        chosen = in_digits(divided, since)
         since = int(operations.time[-1])
-        numbers = np.stack([chosen.plant, chosen.plant])
-        numbered = Operations(chosen.what, chosen.time, numbers, chosen.sample, chosen.reference, 0)
-        yield Portion(numbered, steps, 1, rows_within(begin, stop, step))
+        numbers = step_by_step(chosen, chosen.plant, arcs=arcs)
+        yield Portion(numbers, steps, room, 1, rows_within(begin, stop, step))
 
 
 def outputs(loop: NonlinearLoop, rows: int) -> Outputs:
@@ -277,15 +249,16 @@ def outputs(loop: NonlinearLoop, rows: int) -> Outputs:
     return Outputs(plant, numerical, reference, work)
 
 
-def _block(loop: NonlinearLoop, portion: Portion, state: State) -> Rows:
+def _block(loop: NonlinearLoop, looks: Looks, portion: Portion, state: State) -> Rows:
     """Run a portion and leave its last row, which is beyond the block: a full block would end the run."""
     out = outputs(loop, portion.rows + 1)
     state.memory.count[ROW_COUNT] = 0
     run_nonlinear(
         loop.nonlinear,
         portion.steps,
+        portion.packed,
         state.work,
-        looks_of(loop),
+        looks,
         portion.operations,
         state.memory,
         state.z,

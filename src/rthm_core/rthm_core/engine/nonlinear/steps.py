@@ -140,6 +140,16 @@ def fill(system, fastest, steps, slot, length):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def through(matrix, whole, out):  # type: ignore[no-untyped-def]
+    """Product of a step's matrix, which has a row per element of `whole`, with it."""
+    for i in range(matrix.shape[1]):
+        out[i] = matrix[0, i] * whole[0]
+    for j in range(1, matrix.shape[0]):
+        for i in range(matrix.shape[1]):
+            out[i] += matrix[j, i] * whole[j]
+
+
+@inlined
 def series(system, fastest, length, z, g, out):  # type: ignore[no-untyped-def]
     """Coefficients `out` (terms, N) of ``y(t) = sum out_k (t / length)^k``; `z` is [y, held, ...], and
     ``g[r]`` the coefficients of the forces in the same unit. Returns the number of terms.

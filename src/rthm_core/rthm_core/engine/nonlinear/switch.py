@@ -48,6 +48,17 @@ def _dips(nonlinear, number, row, mode, z, end):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def stays(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
+    """Whether no law may have left its mode within the step from z to `end`."""
+    for row in range(modes.size):
+        if _guard(nonlinear, number, row, modes[row], end) < 0.0:
+            return False
+        if _dips(nonlinear, number, row, modes[row], z, end):
+            return False
+    return True
+
+
+@inlined
 def _least(nonlinear, work, number, row, terms):  # type: ignore[no-untyped-def]
     """Share of the step at which the guard of a law is least; the state there is left in ``work.end``."""
     low, high = 0.0, 1.0
@@ -82,10 +93,12 @@ def _root(nonlinear, work, number, row, terms, high):  # type: ignore[no-untyped
 @inlined
 def expand(nonlinear, work, number, z, length):  # type: ignore[no-untyped-def]
     """Series of the motion over the step just tried; its number of terms."""
-    factor, first = 1.0, z.size - nonlinear.input_matrix.shape[1]
+    factor, g = 1.0, work.force.size
+    first = z.size - g
     for r in range(work.polynomial.shape[0]):
         for j in range(work.polynomial.shape[1]):
-            work.polynomial[r, j] = work.polynomial[r, j] * factor if not nonlinear.steady else z[first + j]
+            coefficient = z[first + j] if nonlinear.steady else work.whole[first + r * g + j]
+            work.polynomial[r, j] = coefficient * factor
         factor *= 3.0
     return series(nonlinear.systems[number], nonlinear.fastest, length, z, work.polynomial, work.terms)
 

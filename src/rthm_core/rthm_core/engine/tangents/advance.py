@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rthm_core.compiled import Floats, inlined
-from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_step, step_by
-from rthm_core.engine.nonlinear.steps import fill, terms_of
+from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_step
+from rthm_core.engine.nonlinear.steps import fill, terms_of, through
 from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
@@ -122,7 +122,7 @@ def advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, t):
             steps.filled[slot] = 1
         for j in range(size, z.size):
             work.end[j] = z[j]
-        step_by(steps.matrices[slot, 0], z, z.size, work.end)
+        through(steps.matrices[slot, 0], z, work.end)
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
             law, share, terms = first_left(nonlinear, work, number, z, length)

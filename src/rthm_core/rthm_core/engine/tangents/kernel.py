@@ -13,12 +13,12 @@ from rthm_core.engine.nonlinear.advance import Work, set_of
 from rthm_core.engine.nonlinear.event_free import nothing_switches
 from rthm_core.engine.nonlinear.kernel import (
     Looks,
-    Operations,
     Outputs,
     add_moments,
     write_work,
 )
 from rthm_core.engine.nonlinear.loop import Nonlinear
+from rthm_core.engine.nonlinear.operations import Operations
 from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, change_of_step
 from rthm_core.engine.tangents.changes import Pairs, Tangents
@@ -163,7 +163,8 @@ def run_tangents(
     s_mask, r_mask = dsamples.shape[0] - 1, dreferences.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
     size, m, motion = nonlinear.systems.shape[1], looks.k_tot.size, divmod(parameters, WIDTH)
-    held, counting = looks.sample.shape[1] - 2 * m, looks.forms.shape[0] > 0
+    held = nonlinear.systems.shape[2] - nonlinear.weight.size - 2 * m
+    counting = looks.forms.shape[0] > 0
     y, end = dz[:, motion[0], motion[1]], after[:, motion[0], motion[1]]
     for p in range(passes):
         later = min(p, 1)

@@ -1,0 +1,116 @@
+"""A motion over a whole arc as one step, and what it is on the way, compiled: most arcs of most loops."""
+
+from __future__ import annotations
+
+from rthm_core.compiled import copy_into, inlined
+from rthm_core.engine.nonlinear.advance import begin_step, set_of
+from rthm_core.engine.nonlinear.collocation import collocate
+from rthm_core.engine.nonlinear.event_free import nothing_switches
+from rthm_core.engine.nonlinear.packed import end_of, prepare, product
+from rthm_core.engine.nonlinear.steps import ORDERS
+from rthm_core.engine.nonlinear.switch import product as scalar_product
+from rthm_core.engine.nonlinear.switch import stays
+from rthm_core.engine.worked import worked
+from rthm_core.physical.laws import FRICTION, PARTITION
+from rthm_core.simd import numbers, put_numbers
+
+
+@inlined
+def _turns(nonlinear, number, row, z, end):  # type: ignore[no-untyped-def]
+    """Whether the force that holds a sticking dof is largest between the ends of a step."""
+    holds, system, before, after = nonlinear.holds[number, row], nonlinear.systems[number], 0.0, 0.0
+    for i in range(system.shape[0]):
+        before += holds[i] * scalar_product(system[i], z)
+        after += holds[i] * scalar_product(system[i], end)
+    return before * after < 0.0
+
+
+@inlined
+def _sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
+    """Whether no force that holds a dof is larger on the way than at the ends of a step."""
+    for row in range(modes.size):
+        sticking = modes[row] == 0 and nonlinear.laws.numbers[row, PARTITION] == FRICTION
+        if sticking and _turns(nonlinear, number, row, z, end):
+            return False
+    return True
+
+
+@inlined
+def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped-def]
+    """Find the motion over length `k` from z on, from time `t` (s) on: it is described by ``work.whole``, its
+    end is in ``work.end``. Returns the number of the set that sticks, or -1 where something switches on the
+    way or the step is too long.
+    """
+    number = set_of(nonlinear.bits, work.modes)
+    if not nonlinear.steady and steps.lengths[k] > work.pace[0]:
+        return -1
+    if not nonlinear.steady and number:
+        number = begin_step(nonlinear, z, t, work.modes)
+    slot = number * steps.lengths.size + k
+    prepare(nonlinear, steps, packed, number, slot, steps.lengths[k])
+    for j in range(nonlinear.systems.shape[1], z.size):
+        work.end[j] = z[j]
+    if nonlinear.steady:
+        copy_into(work.whole, z)
+        end_of(packed, slot, z, work.wide, work.end[: nonlinear.systems.shape[1]])
+        good = nothing_switches(
+            nonlinear.systems, nonlinear.holds, number, nonlinear.laws.numbers, nonlinear.n,
+            nonlinear.laws.breakaway, z, work.modes, work.end,
+        )  # fmt: skip
+    else:
+        good = collocate(nonlinear, packed, work, slot, z, t, steps.lengths[k])
+        good = good and stays(nonlinear, number, work.modes, z, work.end)
+    copy_into(work.before, work.sums)
+    return number if good and _sticks_on(nonlinear, number, work.modes, z, work.end) else -1
+
+
+@inlined
+def _part(whole, g, share, part):  # type: ignore[no-untyped-def]
+    """What describes a leading `share` of an arc over which `g` forces are polynomials."""
+    row, factor = whole.size - (ORDERS - 1) * g, share
+    for j in range(row):
+        part[j] = whole[j]
+    while row < whole.size:
+        for j in range(row, row + g):
+            part[j] = whole[j] * factor
+        row += g
+        factor *= share
+
+
+@inlined
+def _look(nonlinear, packed, tables, work, number, slot, span, part, z):  # type: ignore[no-untyped-def]
+    """What is seen at the end of what `part` describes; and the motion there and the work, where it is
+    counted.
+    """
+    product(packed.seen, slot, part, work.seen)
+    if tables.shape[0]:
+        end_of(packed, slot, part, work.wide, z[: nonlinear.systems.shape[1]])
+        table = number * (tables.shape[0] // nonlinear.systems.shape[0]) + span
+        put_numbers(work.sums, (), numbers(work.before, ()) + worked(tables, table, part))
+
+
+@inlined
+def within_arc(nonlinear, steps, packed, work, number, k, span, z):  # type: ignore[no-untyped-def]
+    """What is seen a length `span` after the beginning of an arc over length `k`, into ``work.seen``.
+
+    Where work is counted, that so far also goes into ``work.sums``, from ``work.before`` before the arc on,
+    and the motion into z.
+    """
+    slot = number * steps.lengths.size + span
+    prepare(nonlinear, steps, packed, number, slot, steps.lengths[span])
+    if nonlinear.steady:
+        _look(nonlinear, packed, steps.work_tables, work, number, slot, span, work.whole, z)
+    else:
+        _part(work.whole, work.force.size, steps.lengths[span] / steps.lengths[k], work.part)
+        _look(nonlinear, packed, steps.work_tables, work, number, slot, span, work.part, z)
+
+
+@inlined
+def end_arc(nonlinear, steps, work, number, k, z):  # type: ignore[no-untyped-def]
+    """The motion at the end of an arc over length `k`, into z, and the work so far."""
+    tables = steps.work_tables
+    for j in range(z.size):
+        z[j] = work.end[j]
+    if tables.shape[0]:
+        table = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
+        put_numbers(work.sums, (), numbers(work.before, ()) + worked(tables, table, work.whole))

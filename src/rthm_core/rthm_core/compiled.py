@@ -11,7 +11,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from rthm_core.addressed import FIRST_ADDRESS, Call, caller
+from rthm_core.addressed import part
 from rthm_core.compile_cache import SharedCache, cache_folder
 from rthm_core.part_of_callers import PartOfCallers
 
@@ -101,7 +101,7 @@ def inlined(function: Callable[..., Any]) -> Any:
     Left to itself the compiler calls all but the smallest; handing over the arrays of a small system then
     costs more than all arithmetic.
     """
-    return numba.njit(_nrt=False, forceinline=True, **_PART)(function)
+    return part(function)
 
 
 def called(function: Callable[..., Any]) -> Any:
@@ -114,35 +114,6 @@ def called(function: Callable[..., Any]) -> Any:
 def inlined_allocating(function: Callable[..., Any]) -> Any:
     """As `inlined`, for a function that makes arrays."""
     return numba.njit(**_PART)(function)
-
-
-def chosen(
-    functions: list[Callable[..., Any]],
-    otherwise: Callable[..., Any],
-    how: Call,
-    slot: int,
-) -> Callable[..., Any]:
-    """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any
-    other code; where that is the address of a table, what stands in this `slot` of it.
-
-    Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of
-    laws stands in one place only. A function
-    that stands in the list several times (a method that is not overridden) is compiled once.
-    """
-    arguments = how.arguments
-    distinct = [function for function in dict.fromkeys(functions) if function is not otherwise]
-    names = {f"f{i}": inlined(function) for i, function in enumerate(distinct)} | {
-        "otherwise": inlined(otherwise),
-        "added": caller(slot, how),
-    }
-    lines = [f"def choice(code, {arguments}):"]
-    for i, function in enumerate(distinct):
-        codes = " or ".join(f"code == {code}" for code, one in enumerate(functions) if one is function)
-        lines += [f"    if {codes}:", f"        return f{i}({arguments})"]
-    lines += [f"    if code >= {FIRST_ADDRESS}:", f"        return added(code, {arguments})"]
-    exec("\n".join([*lines, f"    return otherwise({arguments})"]), names)
-    choice: Callable[..., Any] = inlined(names["choice"])
-    return choice
 
 
 @inlined

@@ -26,8 +26,8 @@ from rthm_core.physical.laws import (
     STATE,
     STATES,
     LawTable,
+    law_of,
     law_table,
-    plant_law,
 )
 from rthm_core.physical.side import build
 
@@ -159,7 +159,7 @@ def _nonlinear(physical: Physical, laws: LawTable, before: int, joint: Floats) -
     sets = [rubbing[[bool(s >> i & 1) for i in range(rubbing.size)]] for s in range(1 << rubbing.size)]
     systems, holds = zip(*(_sticking(free, laws, model.n, rows) for rows in sets), strict=True)
     fastest = max(np.abs(np.linalg.eigvals(one[:, :size])).max(initial=0.0) for one in systems)
-    steady = all(law.constant and law.partition == "friction" for law in map(plant_law, numbers[:, CODE]))
+    steady = all(law.constant and law.partition == "friction" for law in map(law_of, numbers[:, CODE]))
     modes = physical.state.modes[:count].copy()
     return Nonlinear(
         np.stack(systems),

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar
 
 import numba
@@ -44,9 +46,17 @@ def compiled(function: F) -> F:
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
 
 
+@cache
 def uncompiled(function: F) -> F:
-    """The Python function behind a compiled one: what runs once is not worth the wait for its compilation."""
-    return getattr(function, "py_func", function)
+    """The Python function behind a compiled one, which calls those behind the ones that it calls: what runs
+    once is not worth the wait for its compilation.
+    """
+    plain = getattr(function, "py_func", function)
+    used = {name: plain.__globals__[name] for name in plain.__code__.co_names if name in plain.__globals__}
+    scope = plain.__globals__ | {
+        name: uncompiled(one) for name, one in used.items() if hasattr(one, "py_func")
+    }
+    return FunctionType(plain.__code__, scope, plain.__name__, plain.__defaults__)  # type: ignore[return-value]
 
 
 FUSED = {"contract"}

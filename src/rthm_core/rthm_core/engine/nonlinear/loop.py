@@ -15,7 +15,8 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import EFFECTS
 from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
-from rthm_core.engine.linear.loop import LinearLoop, linear_part
+from rthm_core.engine.linear.loop import LinearLoop, exosystem, linear_part, with_loads
+from rthm_core.loads import together
 from rthm_core.physical.laws import (
     CODE,
     FRICTION,
@@ -110,11 +111,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     """Matrices of a loop in which laws on the plant may be not linear; None where anything else is not."""
     physical = build(spec)
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
-    if linear is None or physical.model.wires.laws.size:
-        return None
-    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
-        return None
-    if np.any(laws.numbers[:, [LOADED, OTHER]] >= 0):
+    if linear is None or physical.model.wires.laws.size or not _fits(laws):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:
@@ -125,6 +122,28 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     start = np.concatenate([*(side.state(0.0) for side in sides), *(side.held for side in sides)])
     forms = np.empty((0, 0, 0)) if ledger is None else _forms(ledger, linear, nonlinear)
     return NonlinearLoop(linear, nonlinear, start, *_looks(linear), forms)
+
+
+def _fits(laws: LawTable) -> bool:
+    """Whether the kernel can compute with some laws."""
+    rubbing, elsewhere = laws.numbers[:, PARTITION] == FRICTION, laws.numbers[:, [LOADED, OTHER]] >= 0
+    return bool(np.sum(rubbing) <= MOST_STICKING and not np.any(elsewhere))
+
+
+def alone(physical: Physical) -> NonlinearLoop | None:
+    """A plant without actuators as a loop through which nothing passes; None where anything but its laws is
+    not linear.
+    """
+    laws, loads = physical.model.laws or law_table([]), exosystem(physical.model.loads)
+    if loads is None or not _fits(laws):
+        return None
+    no, none, nothing = np.empty(0), np.empty((0, 0)), exosystem(together([]))
+    assert nothing is not None
+    plant = with_loads(physical.model.whole.ab, physical.state.whole, no, loads)
+    rows = np.eye(2 * physical.model.n, plant.a.shape[0])
+    linear = LinearLoop(plant, with_loads(none, no, no, nothing), rows[:0], no, None, rows, none, no, no, no)
+    nonlinear = _nonlinear(physical, laws, 0, _joint(linear))
+    return NonlinearLoop(linear, nonlinear, plant.state(0.0), *_looks(linear), np.empty((0, 0, 0)))
 
 
 def _places(loop: LinearLoop) -> list[Integers]:
@@ -194,8 +213,8 @@ def _inputs(laws: LawTable) -> int:
 
 def _looks(loop: LinearLoop) -> tuple[Floats, Floats, Floats, Integers]:
     """Measured motion, forces in the wires and F_d from [y, held]; and where the motion stands in y."""
-    one, two, commands, held = _places(loop)
-    n, size, m = loop.rows.shape[0] - loop.k_tot.size, held[-1] + 1, loop.k_tot.size
+    one, two, commands, held = places = _places(loop)
+    n, size, m = loop.rows.shape[0] - loop.k_tot.size, sum(map(len, places)), loop.k_tot.size
     sample, force, reference = np.zeros((2 * m, size)), np.zeros((m, size)), np.zeros((m, size))
     plant = np.concatenate([one, commands])
     sample[:, plant], force[:, plant] = loop.sample, loop.rows[n:]

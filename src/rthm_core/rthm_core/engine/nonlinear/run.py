@@ -26,7 +26,7 @@ from rthm_core.engine.program import (
 )
 from rthm_core.kept import kept
 from rthm_core.physical.sensors import Sensors
-from rthm_core.schedule import Schedule
+from rthm_core.schedule import OUTPUT, Schedule
 from rthm_core.simd import simd_copy
 
 if TYPE_CHECKING:
@@ -267,6 +267,20 @@ def _irregular(
         numbers = np.stack([chosen.plant, chosen.plant])
         numbered = Operations(chosen.what, chosen.time, numbers, chosen.sample, chosen.reference, 0)
         yield Portion(numbered, steps, 1, rows_within(begin, stop, step))
+
+
+def rows_alone(loop: NonlinearLoop, count: int, step: int) -> Floats | None:
+    """Positions and velocities (count, 2 n) of a plant without actuators, every `step` ns; None where the
+    memory of the steps would be too large.
+    """
+    zero = np.zeros(1, dtype=np.int64)
+    row = Program(zero + OUTPUT, zero, zero, zero, zero, zero)
+    chosen, further = _split(row, zero + step, _longest(loop))
+    operations, lengths = _operations(chosen, np.zeros_like(further), further, step)
+    steps = _steps(loop, lengths, np.empty((0, 0, 0)))
+    if steps is None:
+        return None
+    return _block(loop, Portion(operations, steps, count, count), start_state(loop, 0, 0)).plant
 
 
 def outputs(loop: NonlinearLoop, rows: int) -> Outputs:

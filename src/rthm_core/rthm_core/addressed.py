@@ -1,14 +1,14 @@
 """Call compiled functions that were not there when their caller was compiled, by their address.
 
-Compiled code is kept on disk, and making it again takes seconds. So what a user adds is no part of it: each
-of his functions is compiled by itself, and a table of their addresses is handed to the kernels as a number,
-in the place of the code of a law that they know.
+Kernels are kept on disk, and making one again takes seconds. So no law is part of them, be it of this package
+or of a user: each of its functions is compiled by itself (`law_code`), and a table of their addresses is
+handed to the kernels as a number, the code of the law. Addresses differ from process to process; they are
+data, and never part of what is kept.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
 import numba
@@ -16,6 +16,8 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
+
+from rthm_core.part_of_callers import PartOfCallers
 
 
 class Call(NamedTuple):
@@ -35,42 +37,27 @@ class Call(NamedTuple):
 ARRAYS, WHOLE = frozenset({"z", "p", "dz"}), frozenset({"mode"})
 """Arguments of laws that are arrays, and those that are whole numbers; all others are real."""
 
-FIRST_ADDRESS = 1 << 16
-"""No table is at a smaller address, and no code of a law is larger."""
-
 MOST_NUMBERS = 16
-"""Length of an array as an added function sees it; its caller's may be shorter, and what is beyond is not
+"""Length of an array as an addressed function sees it; its caller's may be shorter, and what is beyond is not
 its own.
 """
+
+NOT_THERE = 0
+"""Stands in the slot of a function that a law leaves as it is."""
 
 _TABLES: dict[int, Any] = {}
 """By address: the table, and the functions in it, which must outlive every kernel that may call them."""
 
 
-def table_of(functions: Sequence[tuple[Callable[..., Any], Call]]) -> int:
-    """Address of a table of functions, which are compiled here."""
-    made = [_entry(function, how) for function, how in functions]
-    table = np.array([one.address for one in made], dtype=np.int64)
+def table_of(functions: Sequence[tuple[Callable[..., Any] | None, Call]]) -> int:
+    """Address of a table of functions, which are compiled here or read from the disk; None: not there."""
+    from rthm_core.law_code import law_code
+
+    made = [None if function is None else law_code(function, how) for function, how in functions]
+    table = np.array([NOT_THERE if one is None else one.address for one in made], dtype=np.int64)
     address = int(table.ctypes.data)
     _TABLES[address] = (table, made)
     return address
-
-
-@cache
-def _entry(function: Callable[..., Any], how: Call) -> Any:
-    """One compiled function as C would call it; what returns nothing returns zero."""
-    seen = (f"carray({one}, ({MOST_NUMBERS},))" if one in ARRAYS else one for one in how.names)
-    scope = {"carray": numba.carray, "function": numba.njit(error_model="numpy")(function)}
-    call = f"function({', '.join(seen)})"
-    lines = [f"    return {call}"] if how.returns else [f"    {call}", "    return 0.0"]
-    exec("\n".join([f"def entry({how.arguments}):", *lines]), scope)
-    return numba.cfunc(types.float64(*map(_type, how.names)))(scope["entry"])
-
-
-def _type(name: str) -> Any:
-    if name in ARRAYS:
-        return types.CPointer(types.float64)
-    return types.int64 if name in WHOLE else types.float64
 
 
 def caller(slot: int, how: Call) -> Any:
@@ -84,8 +71,7 @@ def caller(slot: int, how: Call) -> Any:
                 for name, of, value in zip(how.names, signature.args[1:], rest, strict=True)
             ]
             kind = ir.FunctionType(ir.DoubleType(), [one.type for one in passed])
-            place = builder.add(table, ir.Constant(table.type, 8 * slot))
-            function = builder.load(builder.inttoptr(place, kind.as_pointer().as_pointer()))
+            function = builder.load(_slot(builder, table, slot, kind.as_pointer()))
             found = builder.call(function, passed)
             return found if how.returns else context.get_dummy_value()
 
@@ -94,6 +80,57 @@ def caller(slot: int, how: Call) -> Any:
     scope: dict[str, Any] = {"declared": declared}
     exec(f"def call(typingcontext, table, {how.arguments}):\n    return declared({how.arguments})", scope)
     return intrinsic(scope["call"])
+
+
+def _slot(builder: Any, table: Any, slot: int, kind: Any) -> Any:
+    """Where a slot of a table is, which holds something of a kind."""
+    return builder.inttoptr(builder.add(table, ir.Constant(table.type, 8 * slot)), kind.as_pointer())
+
+
+def _there(slot: int) -> Any:
+    """Function ``there(table)`` for compiled code: whether something stands in a `slot`."""
+
+    def there(typingcontext: Any, table: Any) -> tuple[Any, Callable[..., Any]]:
+        def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            found = builder.load(_slot(builder, values[0], slot, values[0].type))
+            return builder.icmp_unsigned("!=", found, ir.Constant(found.type, NOT_THERE))
+
+        return types.boolean(types.int64), code
+
+    return intrinsic(there)
+
+
+def law_function(calls: dict[str, Call], name: str, otherwise: Callable[..., Any] | None = None) -> Any:
+    """Function ``f(code, <arguments>)`` for compiled code: that of this name of the law with a code.
+
+    Parameters
+    ----------
+    calls
+        Functions of a law, in the order of the slots of its table.
+    name
+    otherwise
+        What is done for laws that leave it as it is; None: each has its own.
+    """
+    slot, how = list(calls).index(name), calls[name]
+    scope: dict[str, Any] = {"call": caller(slot, how), "there": _there(slot)}
+    lines = [f"def {name}(code, {how.arguments}):", f"    return call(code, {how.arguments})"]
+    if otherwise is not None:
+        scope["otherwise"] = part(otherwise)
+        lines[1:1] = ["    if not there(code):", f"        return otherwise({how.arguments})"]
+    exec("\n".join(lines), scope)
+    return part(scope[name])
+
+
+def part(function: Callable[..., Any], *, nrt: bool = False) -> Any:
+    """A function that is compiled as part of its callers; `nrt`: it may make arrays."""
+    return numba.njit(
+        _nrt=nrt,
+        forceinline=True,
+        error_model="numpy",
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        pipeline_class=PartOfCallers,
+    )(function)
 
 
 def _passed(context: Any, builder: Any, name: str, of: Any, value: Any) -> Any:

@@ -26,8 +26,10 @@ from rthm_core.private_folder import NotPrivateError, make_private
 if TYPE_CHECKING:
     from filelock import FileLock
 
-_NOT_COMPILED = ("ros", "spec")
-"""Folders of this package that no compiled function comes from."""
+_NOT_COMPILED, _COMPILED_ALL_THE_SAME = ("ros", "spec", "effects"), "laws.py"
+"""Folders of this package of which nothing is part of a kernel, and the one file in them that is: what laws
+leave as it is. The laws themselves are kept one by one (`law_code`).
+"""
 
 COMPILED_WITHIN = 300.0
 """How long to wait for another process before compiling the same as well, s."""
@@ -37,7 +39,7 @@ def _source_hash() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     package = Path(__file__).parent
     for source in sorted(package.rglob("*.py")):
-        if source.parent.name in _NOT_COMPILED:
+        if source.parent.name in _NOT_COMPILED and source.name != _COMPILED_ALL_THE_SAME:
             continue
         digest.update(str(source.relative_to(package)).encode())
         digest.update(source.read_bytes())
@@ -45,8 +47,18 @@ def _source_hash() -> str:
 
 
 def cache_folder() -> Path:
+    """Where the kernels of these sources are kept: see `private_folder`."""
+    return private_folder(_source_hash())
+
+
+def private_folder(name: str) -> Path:
     """Where compiled code is kept, private to this user: ``RTHM_CACHE_DIR``, the user's cache, or a temporary
     folder when neither can be written.
+
+    Parameters
+    ----------
+    name
+        Of the last folder on the way.
 
     Raises
     ------
@@ -55,7 +67,7 @@ def cache_folder() -> Path:
     """
     chosen = os.environ.get("RTHM_CACHE_DIR")
     base = chosen or os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    folder = Path(base) / "rthm" / "compiled" / _source_hash()
+    folder = Path(base) / "rthm" / "compiled" / name
     try:
         make_private(folder)
         if os.access(folder, os.W_OK):
@@ -65,11 +77,11 @@ def cache_folder() -> Path:
             raise _refused(folder, error) from error
     except OSError:
         pass
-    return _temporary_folder()
+    return _temporary_folder(name)
 
 
-def _temporary_folder() -> Path:
-    folder = Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / _source_hash()
+def _temporary_folder(name: str) -> Path:
+    folder = Path(tempfile.gettempdir()) / f"rthm-compiled-{os.getuid()}" / name
     try:
         make_private(folder.parent)
         make_private(folder)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar
 
 import numba
 import numpy as np
 import numpy.typing as npt
 
-from rthm_core.addressed import FIRST_ADDRESS, Call, caller
+from rthm_core.addressed import part
 from rthm_core.compile_cache import SharedCache, cache_folder
 from rthm_core.part_of_callers import PartOfCallers
 
@@ -44,9 +46,17 @@ def compiled(function: F) -> F:
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True))
 
 
+@cache
 def uncompiled(function: F) -> F:
-    """The Python function behind a compiled one: what runs once is not worth the wait for its compilation."""
-    return getattr(function, "py_func", function)
+    """The Python function behind a compiled one, which calls those behind the ones that it calls: what runs
+    once is not worth the wait for its compilation.
+    """
+    plain = getattr(function, "py_func", function)
+    used = {name: plain.__globals__[name] for name in plain.__code__.co_names if name in plain.__globals__}
+    scope = plain.__globals__ | {
+        name: uncompiled(one) for name, one in used.items() if hasattr(one, "py_func")
+    }
+    return FunctionType(plain.__code__, scope, plain.__name__, plain.__defaults__)  # type: ignore[return-value]
 
 
 FUSED = {"contract"}
@@ -101,7 +111,7 @@ def inlined(function: Callable[..., Any]) -> Any:
     Left to itself the compiler calls all but the smallest; handing over the arrays of a small system then
     costs more than all arithmetic.
     """
-    return numba.njit(_nrt=False, forceinline=True, **_PART)(function)
+    return part(function)
 
 
 def called(function: Callable[..., Any]) -> Any:
@@ -114,35 +124,6 @@ def called(function: Callable[..., Any]) -> Any:
 def inlined_allocating(function: Callable[..., Any]) -> Any:
     """As `inlined`, for a function that makes arrays."""
     return numba.njit(**_PART)(function)
-
-
-def chosen(
-    functions: list[Callable[..., Any]],
-    otherwise: Callable[..., Any],
-    how: Call,
-    slot: int,
-) -> Callable[..., Any]:
-    """One compiled function ``f(code, <arguments>)`` that calls ``functions[code]``, and `otherwise` for any
-    other code; where that is the address of a table, what stands in this `slot` of it.
-
-    Compiled code cannot look a Python object up by number; this writes the choice out, so that the list of
-    laws stands in one place only. A function
-    that stands in the list several times (a method that is not overridden) is compiled once.
-    """
-    arguments = how.arguments
-    distinct = [function for function in dict.fromkeys(functions) if function is not otherwise]
-    names = {f"f{i}": inlined(function) for i, function in enumerate(distinct)} | {
-        "otherwise": inlined(otherwise),
-        "added": caller(slot, how),
-    }
-    lines = [f"def choice(code, {arguments}):"]
-    for i, function in enumerate(distinct):
-        codes = " or ".join(f"code == {code}" for code, one in enumerate(functions) if one is function)
-        lines += [f"    if {codes}:", f"        return f{i}({arguments})"]
-    lines += [f"    if code >= {FIRST_ADDRESS}:", f"        return added(code, {arguments})"]
-    exec("\n".join([*lines, f"    return otherwise({arguments})"]), names)
-    choice: Callable[..., Any] = inlined(names["choice"])
-    return choice
 
 
 @inlined

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled, compiled_in_place
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, uncompiled
 from rthm_core.substructure import interface, substructure
 
 if TYPE_CHECKING:
@@ -131,8 +131,8 @@ def moment(n1: int, n2: int, m: int) -> Moment:
 @called
 def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
     total = 0.0
-    for i in range(a.size):
-        for j in range(b.size):
+    for i in range(len(a)):
+        for j in range(len(b)):
             total += a[i] * matrix[i, j] * b[j]
     return total
 
@@ -141,13 +141,13 @@ def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
 def powers(bodies, at, out):  # type: ignore[no-untyped-def]
     """Powers (6,), in W, of the terms `TERMS` at one moment."""
     outside = 0.0
-    for i in range(at.v1.size):
+    for i in range(len(at.v1)):
         outside += at.v1[i] * at.free[i]
     listed = 0.0
-    for i in range(at.v1.size):
+    for i in range(len(at.v1)):
         listed += at.v1[i] * at.w1[i]
     load = listed
-    for i in range(at.v2.size):
+    for i in range(len(at.v2)):
         load += at.v2[i] * at.w2[i]
     out[NUM] = out[FF] = out[FX] = 0.0
     damping = _quadratic(bodies.c1, at.v1, at.v1) + _quadratic(bodies.c2, at.v2, at.v2)
@@ -260,25 +260,23 @@ def delay_terms(spec: Spec) -> tuple[Floats, Floats]:
     return mass, damping
 
 
-@compiled
-def probe_powers(bodies: Bodies, signals: Floats, at: Moment, flat: Floats, out: Floats) -> None:
-    """Powers, and last the energy, as quadratic forms of a state: ``out[k]`` (d, d), symmetric.
+def power_forms(bodies: Bodies, at: Moment) -> Floats:
+    """Powers, and last the energy, as quadratic forms (7, d, d), symmetric, of a state.
 
-    Column i of `signals` (., d) is what a unit of state i is in the signals of a moment, one after the other;
-    `flat` is the memory of the fields of `at`.
+    Parameters
+    ----------
+    bodies
+    at
+        What a unit of each state is in every signal: arrays (., d).
     """
-    terms = out.shape[0] - 1
-    power = np.empty(terms)
-    for i in range(signals.shape[1]):
-        for j in range(i + 1):
-            for row in range(flat.size):
-                flat[row] = signals[row, i] + (signals[row, j] if j != i else 0.0)
-            powers(bodies, at, power)
-            for k in range(terms):
-                out[k, i, j] = power[k]
-            out[terms, i, j] = total_energy(bodies, at.x1, at.v1, at.x2, at.v2)
-    for k in range(out.shape[0]):
-        for i in range(signals.shape[1]):
-            for j in range(i):
-                out[k, i, j] = 0.5 * (out[k, i, j] - out[k, i, i] - out[k, j, j])
-                out[k, j, i] = out[k, i, j]
+    d = at.x1.shape[1]
+    i, j = np.tril_indices(d)
+    each = Moment(*(rows[:, i] + np.where(i == j, 0.0, rows[:, j]) for rows in at))
+    found = np.empty((len(TERMS) + 1, i.size))
+    uncompiled(powers)(bodies, each, found)
+    found[-1] = uncompiled(total_energy)(bodies, each.x1, each.v1, each.x2, each.v2)
+    own = found[:, i == j]
+    forms = np.empty((len(TERMS) + 1, d, d))
+    forms[:, i, j] = np.where(i == j, found, 0.5 * (found - own[:, i] - own[:, j]))
+    forms[:, j, i] = forms[:, i, j]
+    return forms

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rthm_core.addressed import Call, caller, table_of
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, uncompiled
 from rthm_core.effects.laws import MOST_PARAMETERS
 from rthm_core.effects.motor import Element, MotorEffect, first_order
 from rthm_core.linear import LinearSystem, linear_system
@@ -157,6 +157,9 @@ def accepted(drive: Drive, commands: Floats, time: Floats) -> Floats:
     travelled.
     """
     taken = np.empty_like(commands, dtype=float)
+    if time.size == 1 and not drive.shifts.numbers.size:
+        uncompiled(conditioned)(drive, commands[0], time[0], taken[0])
+        return taken
     _conditioned_all(drive, np.ascontiguousarray(commands, dtype=float), time, taken)
     return taken
 

@@ -15,7 +15,7 @@ from rthm_core.physical.laws import (
     OTHER,
     PARTITION,
     PLACE,
-    SLACK,
+    SLACKENS,
     STATE,
     STATES,
     plant_force,
@@ -87,7 +87,7 @@ def _any_wire_force(laws, wires, n, y, u, actuator, scratch, dy, hold):  # type:
     force = k * (position - x)
     for row in range(wires.laws.shape[0]):
         if wires.laws[row, PLACE] == actuator:
-            if wires.laws[row, CODE] == SLACK:
+            if wires.laws[row, SLACKENS]:
                 hold[tension] = force + wires.parameters[row, 0]
             begin, end = wires.laws[row, STATE], wires.laws[row, STATE] + wires.laws[row, STATES]
             force = wire_law_force(

@@ -9,21 +9,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numba.core.errors import NumbaError
 
-from rthm_core.addressed import FIRST_ADDRESS, Call, table_of
-from rthm_core.compiled import Floats, Integers, chosen
+from rthm_core.addressed import Call, law_function, table_of
+from rthm_core.compiled import Floats, Integers
 from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
-from rthm_core.effects.registry import changing, shipped
+from rthm_core.effects.registry import changing
 from rthm_core.errors import InputError
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import EffectSpec
-
-_SHIPPED: tuple[Any, ...] = shipped("plant")
-PLANT_LAWS: list[Any] = [law for law in _SHIPPED if not (law.linear or law.written)]
-WIRE_LAWS: list[Any] = [law for law in shipped("wire") if not law.written]
-SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
-"""Code of the law by which a wire goes slack."""
 
 PLANT_CALLS = {"force": Call("x, v, z, t, p, mode", True), "rate": Call("x, v, z, t, p, mode, dz", False)}
 WIRE_CALLS = {
@@ -39,15 +33,10 @@ NONE, POSITION, VELOCITY, FRICTION = range(4)
 """How the modes of a law meet; indices into `PARTITIONS`."""
 
 
-def _choice(laws: list[Any], calls: dict[str, Call], name: str, otherwise: Any) -> Any:
-    functions = [getattr(law, name) for law in laws]
-    return chosen(functions, otherwise, calls[name], list(calls).index(name))
-
-
-plant_force = _choice(PLANT_LAWS, PLANT_CALLS, "force", lambda x, v, z, t, p, mode: 0.0)
-plant_rate = _choice(PLANT_LAWS, PLANT_CALLS, "rate", PlantLaw.rate)
+plant_force = law_function(PLANT_CALLS, "force")
+plant_rate = law_function(PLANT_CALLS, "rate", PlantLaw.rate)
 wire_settle, wire_drive, wire_law_force, wire_rate = (
-    _choice(WIRE_LAWS, WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
+    law_function(WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
 )
 
 
@@ -78,8 +67,8 @@ class WireTable(NamedTuple):
         Of the wire itself and k_tot, N/m.
     drive, force : (m, ny + m) arrays
         Drive side of the wire (motor or pulley), and force of a linear wire, from [y, u].
-    laws : (W, 4) array
-        Code, actuator, first own state, number of own states.
+    laws : (W, 5) array
+        Code, actuator, first own state, number of own states, whether it lets the wire go slack.
     parameters : (W, 8) array
         Of the laws.
     paths : (W, 2) array
@@ -106,46 +95,44 @@ class WireTable(NamedTuple):
 CODE, PLACE, STATE, STATES, PARTITION, LOADED, OTHER = range(7)
 """Columns of the tables of laws; the place is a dof or an actuator, the code as `code_of` gives it."""
 
+SLACKENS = PARTITION
+"""Column of ``WireTable.laws`` in which plant laws have how their modes meet."""
+
 DOF, PULLEY, NONLINEAR = range(3)
 """Columns of ``WireTable.numbers``."""
 
 
-_ADDED: dict[int, Any] = {}
-"""Laws of a user's own that have a code."""
+_LAWS: dict[int, Any] = {}
+"""Laws by code."""
 
 
 @cache
 def code_of(law: Any) -> int:
-    """Number by which compiled code knows a law: its place in the list of those that it was compiled with;
-    of a law of a user's own the address of its functions, which are compiled here.
+    """Number by which compiled code knows a law: the address of a table of its functions, which are compiled
+    here or read from the disk. It is another one in every process.
 
     Raises
     ------
     InputError
         If they cannot be compiled.
     """
-    known, calls = (PLANT_LAWS, PLANT_CALLS) if issubclass(law, PlantLaw) else (WIRE_LAWS, WIRE_CALLS)
-    if law in known:
-        return known.index(law)
+    base, calls = (PlantLaw, PLANT_CALLS) if issubclass(law, PlantLaw) else (WireLaw, WIRE_CALLS)
+    functions = {name: getattr(law, name) for name in calls}
+    own = [None if function is getattr(base, name) else function for name, function in functions.items()]
     try:
-        code = table_of([(getattr(law, name), how) for name, how in calls.items()])
+        code = table_of(list(zip(own, calls.values(), strict=True)))
     except NumbaError as error:
         reason = " ".join(str(error).split())[:300]
         raise InputError(
             f"the law {law.kind} cannot be compiled ({reason}); write it with numbers and the module math."
         ) from None
-    _ADDED[code] = law
+    _LAWS[code] = law
     return code
 
 
-def plant_law(code: int) -> Any:
-    """Law on the plant that has this code."""
-    return PLANT_LAWS[code] if code < FIRST_ADDRESS else _ADDED[int(code)]
-
-
-def wire_law(code: int) -> Any:
-    """Law of a wire that has this code."""
-    return WIRE_LAWS[code] if code < FIRST_ADDRESS else _ADDED[int(code)]
+def law_of(code: int) -> Any:
+    """Law that has this code."""
+    return _LAWS[int(code)]
 
 
 def _law(entry: EffectSpec) -> tuple[Any, tuple[float, ...]]:
@@ -192,7 +179,7 @@ def _wire_effects(spec: Spec, actuator: str, pretension: float) -> list[tuple[An
     """
     found = [_law(e) for e in spec.effects if e.block == "wire" and e.actuator == actuator]
     if pretension > 0.0 and not any(law.changes == "pretension" for law, _ in found):
-        found.append((WIRE_LAWS[SLACK], (pretension,)))
+        found.append((changing("wire", "pretension"), (pretension,)))
     return sorted(found, key=lambda pair: pair[0].order)
 
 
@@ -215,7 +202,10 @@ def wire_table(spec: Spec, at: int, m: int) -> tuple[WireTable, int]:
             rows.append((law, p, a, at))
             at += law.states
     empty, paths = np.empty((0, 0)), np.array([law.path for law, *_ in rows], dtype=float).reshape(-1, 2)
-    return WireTable(numbers, stiffness, empty, empty, *_rows(rows), paths), at
+    slackens = np.array([[law.changes == "pretension"] for law, *_ in rows], dtype=np.int64)
+    placed, parameters = _rows(rows)
+    placed = np.hstack([placed, slackens.reshape(-1, 1)])
+    return WireTable(numbers, stiffness, empty, empty, placed, parameters, paths), at
 
 
 def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float, ...], int, int]], int]:
@@ -234,8 +224,8 @@ def wire_laws(spec: Spec, at: int, m: int) -> tuple[list[tuple[Any, tuple[float,
 def nonlinear_wires(table: WireTable) -> list[tuple[Any, tuple[float, ...], int, int]]:
     """Law, parameters, actuator and first own state of every law on a wire that is not linear."""
     return [
-        (wire_law(code), tuple(p[: len(wire_law(code).parameters)]), int(actuator), int(state))
-        for (code, actuator, state, _), p in zip(table.laws, table.parameters, strict=True)
+        (law_of(code), tuple(p[: len(law_of(code).parameters)]), int(actuator), int(state))
+        for (code, actuator, state, *_), p in zip(table.laws, table.parameters, strict=True)
     ]
 
 

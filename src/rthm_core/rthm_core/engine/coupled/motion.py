@@ -8,6 +8,8 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place
 from rthm_core.engine.linear.loop import Exosystem, exosystem, with_loads
+from rthm_core.engine.nonlinear.loop import alone
+from rthm_core.engine.nonlinear.run import rows_alone
 from rthm_core.exponential import exponentials
 from rthm_core.physical.advance import Physical, advance_physical, listed_loads, present_rate
 
@@ -77,11 +79,25 @@ def _linear_motions(
     return [seen(rows), *(seen(rows[:-1] @ after.T) for after in exponentials(linear.a, offsets))]
 
 
+def _by_kernel(side: Physical, count: int, step: int) -> Motion | None:
+    """Motion at the rows alone, by the kernel of loops whose plant has laws; without accelerations and loads,
+    which only energies need. None where that kernel does not fit.
+    """
+    loop = alone(side)
+    rows = None if loop is None else rows_alone(loop, count, step)
+    if rows is None:
+        return None
+    n, none = side.model.n, np.empty((count, 0))
+    return Motion(rows[:, :n], rows[:, n:], none, none)
+
+
 def motions(side: Physical, count: int, step: int, offsets: Integers) -> list[Motion]:
     """Motion at `count` rows, and at each of the offsets after all of them but the last."""
     loads = exosystem(side.model.loads)
     if side.model.laws is None and loads is not None:
         return _linear_motions(side, loads, count, step, offsets)
+    if (fast := None if offsets.size else _by_kernel(side, count, step)) is not None:
+        return [fast]
     each = 1 + offsets.size
     instants = np.arange(count)[:, None] * step + np.concatenate([[0], offsets])
     motion = _followed(side, instants.ravel()[: (count - 1) * each + 1])

@@ -6,13 +6,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
-from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, probe_powers
+from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, power_forms
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.exponential import SCRATCH, exponentials, put_exponential, put_product, rate_bound
@@ -112,12 +111,7 @@ def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bo
 
 def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floats:
     b = bodies(spec)
-    signals = _signals(spec, loop, believed, joint, b)
-    flat = np.zeros(sum(rows.shape[0] for rows in signals))
-    ends = np.cumsum([0, *(rows.shape[0] for rows in signals)]).tolist()
-    at = Moment(*(flat[begin:end] for begin, end in pairwise(ends)))
-    forms = np.zeros((len(TERMS) + 1, joint.shape[0], joint.shape[0]))
-    probe_powers(b, np.ascontiguousarray(np.vstack(signals)), at, flat, forms)
+    forms = power_forms(b, Moment(*_signals(spec, loop, believed, joint, b)))
     if nothing_added(spec, shared_model(spec)[0], believed):
         forms[EFFECTS] = 0.0
     return forms

@@ -15,7 +15,8 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import EFFECTS
 from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
-from rthm_core.engine.linear.loop import LinearLoop, linear_part
+from rthm_core.engine.linear.loop import LinearLoop, exosystem, linear_part, with_loads
+from rthm_core.loads import together
 from rthm_core.physical.laws import (
     CODE,
     DOF,
@@ -28,9 +29,8 @@ from rthm_core.physical.laws import (
     STATES,
     LawTable,
     WireTable,
+    law_of,
     law_table,
-    plant_law,
-    wire_law,
 )
 from rthm_core.physical.side import build
 
@@ -147,11 +147,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     """Matrices of a loop in which laws on the plant may be not linear; None where anything else is not."""
     physical = build(spec)
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
-    if linear is None or not _smooth(physical.model.wires):
-        return None
-    if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
-        return None
-    if np.any(laws.numbers[:, [LOADED, OTHER]] >= 0):
+    if linear is None or not _smooth(physical.model.wires) or not _fits(laws):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:
@@ -166,7 +162,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
 
 def _smooth(wires: WireTable) -> bool:
     """Whether the forces of all wires follow smoothly from where their ends are."""
-    laws = map(wire_law, wires.laws[:, CODE])
+    laws = map(law_of, wires.laws[:, CODE])
     return not (np.any(wires.laws[:, STATES]) or any(law.kinked or any(law.path) for law in laws))
 
 
@@ -175,7 +171,7 @@ def _wires(physical: Physical, linear: LinearLoop, before: int) -> Wires:
     table = physical.model.wires
     chosen, which = np.unique(table.laws[:, PLACE], return_inverse=True)
     places = _places(linear)
-    drive = np.zeros((chosen.size, places[-1][-1] + 1))
+    drive = np.zeros((chosen.size, sum(map(len, places))))
     drive[:, np.concatenate(places[::2])] = linear.motors[chosen]
     size = places[0].size + places[1].size
     return Wires(
@@ -187,6 +183,29 @@ def _wires(physical: Physical, linear: LinearLoop, before: int) -> Wires:
         np.stack([table.laws[:, CODE], which], axis=1),
         table.parameters.copy(),
     )
+
+
+def _fits(laws: LawTable) -> bool:
+    """Whether the kernel can compute with some laws."""
+    rubbing, elsewhere = laws.numbers[:, PARTITION] == FRICTION, laws.numbers[:, [LOADED, OTHER]] >= 0
+    return bool(np.sum(rubbing) <= MOST_STICKING and not np.any(elsewhere))
+
+
+def alone(physical: Physical) -> NonlinearLoop | None:
+    """A plant without actuators as a loop through which nothing passes; None where anything but its laws is
+    not linear.
+    """
+    laws, loads = physical.model.laws or law_table([]), exosystem(physical.model.loads)
+    if loads is None or not _fits(laws):
+        return None
+    no, none, nothing = np.empty(0), np.empty((0, 0)), exosystem(together([]))
+    assert nothing is not None
+    plant = with_loads(physical.model.whole.ab, physical.state.whole, no, loads)
+    rows = np.eye(2 * physical.model.n, plant.a.shape[0])
+    numerical = with_loads(none, no, no, nothing)
+    linear = LinearLoop(plant, numerical, rows[:0], no, None, rows, rows[:0], none, no, no, no)
+    nonlinear = _nonlinear(physical, laws, 0, _joint(linear), _wires(physical, linear, 0))
+    return NonlinearLoop(linear, nonlinear, plant.state(0.0), *_looks(linear, nonlinear), np.empty((0, 0, 0)))
 
 
 def _places(loop: LinearLoop) -> list[Integers]:
@@ -226,7 +245,7 @@ def _nonlinear(physical: Physical, laws: LawTable, before: int, joint: Floats, w
     stuck = (_sticking(free, input_matrix.shape[1], laws, model.n, rows) for rows in sets)
     systems, holds = zip(*stuck, strict=True)
     fastest = max(np.abs(np.linalg.eigvals(one[:, :size])).max(initial=0.0) for one in systems)
-    constant = all(law.constant and law.partition == "friction" for law in map(plant_law, numbers[:, CODE]))
+    constant = all(law.constant and law.partition == "friction" for law in map(law_of, numbers[:, CODE]))
     modes = physical.state.modes[:count].copy()
     return Nonlinear(
         np.stack(systems),

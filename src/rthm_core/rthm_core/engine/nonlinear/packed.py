@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, inlined
+from rthm_core.compiled import Floats, Integers, called, inlined
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.steps import Steps, fill
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, put_numbers_from, simd_empty
@@ -78,25 +78,29 @@ def _put_seen(matrix, g, columns, seen, slot):  # type: ignore[no-untyped-def]
             put_numbers(seen, (slot, row, group), total)
 
 
-@inlined
-def prepare(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-untyped-def]
-    """Make the step of `length` seconds in a slot, if it is not there."""
-    other = packed.filled.size - 1
-    if packed.filled[slot] and slot != other:
-        return
-    if not steps.filled[slot] or slot == other:
+@called
+def _make(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-untyped-def]
+    """Make the step of `length` seconds in a slot."""
+    if not steps.filled[slot] or slot == steps.filled.size - 1:
         fill(nonlinear.systems[number], nonlinear.fastest, steps, slot, length)
         steps.filled[slot] = 1
     matrices, after = steps.matrices[slot], packed.after[slot]
+    last = matrices.shape[0] - 1
     for row in range(after.shape[0]):
         for i in range(matrices.shape[2]):
-            after[row, i // WIDTH, i % WIDTH] = matrices[matrices.shape[0] - 1, row, i]
+            after[row, i // WIDTH, i % WIDTH] = matrices[last, row, i]
     if packed.stages.shape[2]:
         for stage in range(matrices.shape[0]):
             _put_rows(matrices[stage], nonlinear.felt, stage * nonlinear.felt.size, packed.stages[slot])
-    last = matrices.shape[0] - 1
     _put_seen(matrices[last], nonlinear.weight.size, packed.columns, packed.seen, slot)
     packed.filled[slot] = 1
+
+
+@inlined
+def prepare(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-untyped-def]
+    """Make the step of `length` seconds in a slot, if it is not there."""
+    if not packed.filled[slot] or slot == packed.filled.size - 1:
+        _make(nonlinear, steps, packed, number, slot, length)
 
 
 @inlined

@@ -26,6 +26,7 @@ from rthm_core.engine.nonlinear.packed import HALVINGS, Packed, packed
 from rthm_core.engine.nonlinear.steps import ORDERS, Steps
 from rthm_core.engine.nonlinear.tables import tables_over, tables_over_digits
 from rthm_core.engine.program import (
+    Program,
     period_ns,
     program,
     reach_ns,
@@ -33,7 +34,7 @@ from rthm_core.engine.program import (
 )
 from rthm_core.kept import kept
 from rthm_core.physical.sensors import Sensors
-from rthm_core.schedule import Schedule
+from rthm_core.schedule import OUTPUT, Schedule
 from rthm_core.simd import WIDTH, simd_copy
 
 if TYPE_CHECKING:
@@ -133,12 +134,16 @@ def _repeating(spec: Spec, step: int, energies: bool) -> _Prepared | None:
     operations = without_unused_samples(program(schedule, begin, begin + period, step))
     operations = operations._replace(time=operations.time - begin)
     lengths = np.diff(operations.time, prepend=operations.time[-1] - period)
-    chosen, different = numbered(*split(operations, lengths, longest_step(loop)), period, loop)
-    tables, halvings = tables_over(loop, different), 0 if loop.nonlinear.steady else HALVINGS
-    steps = _steps(loop, different, halvings, tables) or _steps(loop, different, 0, tables)
+    return _prepared(loop, *numbered(*split(operations, lengths, longest_step(loop)), period, loop))
+
+
+def _prepared(loop: NonlinearLoop, operations: Operations, lengths: Integers) -> _Prepared | None:
+    """A program with memory for its steps, and for their halves where these may be needed."""
+    tables, halvings = tables_over(loop, lengths), 0 if loop.nonlinear.steady else HALVINGS
+    steps = _steps(loop, lengths, halvings, tables) or _steps(loop, lengths, 0, tables)
     if steps is None:
         return None
-    return _Prepared(chosen, steps, packed(steps, loop.nonlinear, _columns(loop), different.size))
+    return _Prepared(operations, steps, packed(steps, loop.nonlinear, _columns(loop), lengths.size))
 
 
 @kept
@@ -239,6 +244,18 @@ def _irregular(
         since = int(operations.time[-1])
         numbers = step_by_step(chosen, chosen.plant, arcs=arcs)
         yield Portion(numbers, steps, room, 1, rows_within(begin, stop, step))
+
+
+def rows_alone(loop: NonlinearLoop, count: int, step: int) -> Floats | None:
+    """Positions and velocities (count, 2 n) of a plant without actuators, every `step` ns; None where the
+    memory of the steps would be too large.
+    """
+    zero = np.zeros(1, dtype=np.int64)
+    row = Program(zero + OUTPUT, zero, zero, zero, zero, zero)
+    one = _prepared(loop, *numbered(*split(row, zero + step, longest_step(loop)), step, loop))
+    if one is None:
+        return None
+    return _block(loop, looks_of(loop), Portion(*one, count, count), start_state(loop, 0, 0)).plant
 
 
 def outputs(loop: NonlinearLoop, rows: int) -> Outputs:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
-from rthm_core.physical.laws import CODE, FRICTION, PARTITION, plant_law
+from rthm_core.physical.laws import CODE, FRICTION, PARTITION, law_of
 from rthm_core.simd import WIDTH, simd_copy, simd_empty
 from rthm_core.spec import apply, number_at
 
@@ -140,7 +140,7 @@ def _forces(numbers: Integers, parameters: Floats) -> Floats:
     """Force (L, 3) in the modes -1, 0 and 1 of laws that are constant in each."""
     found = np.zeros((numbers.shape[0], 3))
     for row, (law, p) in enumerate(zip(numbers, parameters, strict=True)):
-        of_mode: Any = plant_law(law[CODE]).force
+        of_mode: Any = law_of(law[CODE]).force
         for mode in (-1, 1):
             found[row, mode + 1] = of_mode(0.0, 0.0, [], 0.0, p, mode)
         assert law[PARTITION] == FRICTION

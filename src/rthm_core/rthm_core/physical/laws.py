@@ -11,7 +11,7 @@ from numba.core.errors import NumbaError
 
 from rthm_core.addressed import FIRST_ADDRESS, Call, table_of
 from rthm_core.compiled import Floats, Integers, chosen
-from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
+from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw, has_inertia
 from rthm_core.effects.registry import changing, shipped
 from rthm_core.errors import InputError
 
@@ -25,7 +25,11 @@ WIRE_LAWS: list[Any] = [law for law in shipped("wire") if not law.written]
 SLACK = WIRE_LAWS.index(changing("wire", "pretension"))
 """Code of the law by which a wire goes slack."""
 
-PLANT_CALLS = {"force": Call("x, v, z, t, p, mode", True), "rate": Call("x, v, z, t, p, mode, dz", False)}
+PLANT_CALLS = {
+    "force": Call("x, v, z, t, p, mode", True),
+    "rate": Call("x, v, z, t, p, mode, dz", False),
+    "inertia": Call("x, v, z, t, p, mode", True),
+}
 WIRE_CALLS = {
     "settle": Call("u, x, k, z, p", False),
     "drive": Call("u, z, p", True),
@@ -34,8 +38,8 @@ WIRE_CALLS = {
 }
 """Functions of a law that are compiled, and how they are called; in the order of the slots of a table."""
 
-PARTITIONS = ("none", "position", "velocity", "friction")
-NONE, POSITION, VELOCITY, FRICTION = range(4)
+PARTITIONS = ("none", "position", "velocity", "friction", "time")
+NONE, POSITION, VELOCITY, FRICTION, TIME = range(5)
 """How the modes of a law meet; indices into `PARTITIONS`."""
 
 
@@ -46,6 +50,7 @@ def _choice(laws: list[Any], calls: dict[str, Call], name: str, otherwise: Any) 
 
 plant_force = _choice(PLANT_LAWS, PLANT_CALLS, "force", lambda x, v, z, t, p, mode: 0.0)
 plant_rate = _choice(PLANT_LAWS, PLANT_CALLS, "rate", PlantLaw.rate)
+plant_inertia = _choice(PLANT_LAWS, PLANT_CALLS, "inertia", PlantLaw.inertia)
 wire_settle, wire_drive, wire_law_force, wire_rate = (
     _choice(WIRE_LAWS, WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
 )
@@ -57,13 +62,16 @@ class LawTable(NamedTuple):
     Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, which load
     the law depends on (-1: none), and the dof relative to which the first moves (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
-    `breakaway` (L,) in N.
+    `breakaway` (L,) in N; `heavy` are the rows of laws that have inertia, and `inverse_mass` (n, n) is that
+    of all that moves, when a rate was last computed.
     """
 
     numbers: Integers
     parameters: Floats
     thresholds: Floats
     breakaway: Floats
+    heavy: Integers
+    inverse_mass: Floats
 
 
 class WireTable(NamedTuple):
@@ -254,10 +262,10 @@ def reads_load(law: Any) -> bool:
 
 
 def law_table(
-    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = ()
+    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = (), dofs: int = 0
 ) -> LawTable:
-    """Table of the nonlinear laws: (law, parameters, place, first own state); `known` are the dofs of the
-    first loads, which are known.
+    """Table of the nonlinear laws: (law, parameters, place, first own state), of a plant with so many dofs;
+    `known` are the dofs of the first loads, which are known.
     """
     numbers, parameters = _rows([(law, p, place.dof, z) for law, p, place, z in nonlinear])
     at = {dof: load for load, dof in enumerate(known)}
@@ -275,4 +283,6 @@ def law_table(
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),
+        np.array([row for row, (law, *_) in enumerate(nonlinear) if has_inertia(law)], dtype=np.int64),
+        np.zeros((dofs, dofs)),
     )

@@ -25,6 +25,7 @@ from rthm_core.physical.laws import (
     PLACE,
     STATE,
     STATES,
+    TIME,
     LawTable,
     law_table,
     plant_law,
@@ -115,6 +116,8 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     if np.sum(laws.numbers[:, PARTITION] == FRICTION) > MOST_STICKING:
         return None
     if np.any(laws.numbers[:, [LOADED, OTHER]] >= 0):
+        return None
+    if laws.heavy.size or np.any(laws.numbers[:, PARTITION] == TIME):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

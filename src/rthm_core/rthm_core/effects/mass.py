@@ -22,6 +22,9 @@ MOST_LOST = 0.9
 PLACES = 12
 """Instants within a recording at which a fit may begin."""
 
+SPANS = (0.1, 0.3)
+"""Parts of a recording that a change takes where a fit of a slow one may begin."""
+
 
 def within_the_recording(p: Values, seen: Seen) -> tuple[float, float]:
     """Instants and spans of time that a recording shows."""
@@ -63,7 +66,7 @@ class MassChange(Joining):
         "within": EffectParameter("s", "time that it takes, steadily; 0: at once", minimum=0.0, default=0.0),
     }
     equation = "F = -m a; m goes from 0 to the change"
-    words = "the mass that moves with {dof} changes by {change} at {at}, within {within}"
+    words = "the mass that moves with {dof} changes by {change} at {at}"
     noun = "a change of mass"
     rank = 140
     possible = {"change": less_than_all, "at": within_the_recording, "within": within_the_recording}
@@ -71,12 +74,16 @@ class MassChange(Joining):
 
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
-        """At once, at instants all over the recording."""
+        """At once, and slowly, at instants all over the recording."""
         first, last = float(signals.time[0]), float(signals.time[-1])
-        for at in np.linspace(first, last, PLACES + 2)[1:-1]:
-            values = {"change": _trial(signals), "at": float(at), "within": 0.0}
-            scales = {"at": (last - first) / PLACES}
-            yield Guess(values, ("change",), signed=True, fixed=("within",), scales=scales)
+        apart = (last - first) / PLACES
+        for share in (0.0, *SPANS):
+            for at in np.arange(
+                first + (0.5 if share else 1.0) * apart, last - share * (last - first), apart
+            ):
+                values = {"change": _trial(signals), "at": float(at), "within": share * (last - first)}
+                fixed = () if share else ("within",)
+                yield Guess(values, ("change",), signed=True, fixed=fixed, scales={"at": apart})
 
     @staticmethod
     def inertia(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
@@ -108,9 +115,12 @@ class GrowingMass(Joining):
 
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
-        """From the beginning on."""
-        last = float(signals.time[-1])
-        yield Guess({"rate": _trial(signals) / last, "at": 0.0}, ("rate",), signed=True, fixed=("at",))
+        """From the beginning on, and from instants in the first half."""
+        rate, last = _trial(signals) / float(signals.time[-1]), float(signals.time[-1])
+        yield Guess({"rate": rate, "at": 0.0}, ("rate",), signed=True, fixed=("at",))
+        for at in np.arange(1, PLACES // 2) * last / PLACES:
+            values, scales = {"rate": rate, "at": float(at)}, {"at": last / PLACES}
+            yield Guess(values, ("rate",), signed=True, scales=scales)
 
     @staticmethod
     def inertia(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]

@@ -140,6 +140,20 @@ def square(size: float, s: Scene) -> Values:
     return {"coefficient": s.sign() * size * s.F / float(np.sqrt(np.mean(s.pilot[:, 0] ** 4)))}
 
 
+def mass_change(size: float, s: Scene) -> Values:
+    """Mass of either sign, within the first periods, at once or slowly."""
+    period = 2.0 * np.pi / s.w
+    within = period * s.between(0.1, 1.0) if s.rng.random() < 0.5 else 0.0
+    change = s.sign() * size * s.F / (s.w * s.v)
+    return {"change": change, "at": period * s.between(0.1, 1.0), "within": within}
+
+
+def growing_mass(size: float, s: Scene) -> Values:
+    """Twice the size after twenty periods."""
+    period = 2.0 * np.pi / s.w
+    return {"rate": 0.1 * size * s.F / (s.w * s.v) / period, "at": period * s.between(0.05, 0.5)}
+
+
 def drag(size: float, s: Scene) -> Values:
     """Quadratic drag."""
     return {"coefficient": size * s.F / float(np.sqrt(np.mean(s.pilot[:, 1] ** 4)))}

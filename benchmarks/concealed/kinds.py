@@ -32,6 +32,8 @@ CATALOGUE: dict[tuple[str, str], Callable[[float, Scene], Values]] = {
     ("plant", "fluid_memory"): of.fluid,
     ("plant", "harmonic_load"): of.harmonic,
     ("plant", "constant_load"): lambda size, s: {"force": s.sign() * size * s.F},
+    ("plant", "mass_change"): of.mass_change,
+    ("plant", "growing_mass"): of.growing_mass,
     ("wire", "backlash"): lambda size, s: {"gap": 2.0 * size * s.d},
     ("wire", "slack"): lambda size, s: {"pretension": s.level(3, 2.0 * size)},
     ("wire", "hardening"): of.hardening,
@@ -80,6 +82,7 @@ _FAMILIES = {
     "hysteresis": ("bouc_wen",),
     "memory": ("maxwell_branch", "hidden_mode", "fluid_memory", "pulley_inertia"),
     "load": ("harmonic_load", "constant_load"),
+    "varying": ("mass_change", "growing_mass"),
     "motor dynamics": ("lag", "second_order", "extra_delay"),
     "motor limits": ("rate_limit", "saturation", "quantisation"),
 }

@@ -127,7 +127,7 @@ def runge_kutta(
 @njit
 def region(t: float, elapsed: float, y: np.ndarray, memory: np.ndarray, held: Held, world: World) -> int:
     """Which smooth piece of the physics holds."""
-    piece = plants.region(y, world.plant)
+    piece = plants.region(y, world.plant) + 256 * plants.span_of_time(t, world.plant)
     slew = motors.slewed(held.command, elapsed, memory, world.motor)
     u, du = motors.position(slew, y, world.motor), motors.speed(slew, held.command, y, world.motor)
     piece += 8 * wires.region(u, du, y, memory, world.wire)

@@ -52,6 +52,11 @@ class Plant(NamedTuple):
     wave_gain: float  # fluid memory
     wave_frequency: float
     wave_damping_ratio: float
+    joining: float  # kg, mass that joins at an instant, within some time
+    joining_at: float  # s
+    joining_within: float
+    growing: float  # kg/s, mass that joins from an instant on
+    growing_from: float
     load_constant: float  # N, loads that nobody recorded
     load_amplitude: float
     load_frequency: float
@@ -77,7 +82,25 @@ def friction(t: float, x1: float, v1: float, side: float, plant: Plant) -> float
 @njit
 def mass(t: float, plant: Plant) -> float:
     """Mass that moves at t, in kg."""
-    return plant.mass + strange.more_mass(t, plant.strange)
+    return plant.mass + joined(t, plant) + strange.more_mass(t, plant.strange)
+
+
+@njit
+def joined(t: float, plant: Plant) -> float:
+    """Mass that has joined by t, or left, in kg."""
+    more = plant.growing * max(t - plant.growing_from, 0.0)
+    if t < plant.joining_at:
+        return more
+    if t < plant.joining_at + plant.joining_within:
+        return more + plant.joining * (t - plant.joining_at) / plant.joining_within
+    return more + plant.joining
+
+
+@njit
+def span_of_time(t: float, plant: Plant) -> int:
+    """Between which instants of its mass t lies, so that no step crosses one."""
+    begun, ended = t >= plant.joining_at, t >= plant.joining_at + plant.joining_within
+    return int(begun) + 2 * int(ended) + 4 * int(t >= plant.growing_from)
 
 
 @njit

@@ -44,6 +44,12 @@ FIELDS: dict[tuple[str, str], dict[str, str]] = {
         "frequency": "wave_frequency",
         "damping_ratio": "wave_damping_ratio",
     },
+    ("plant", "mass_change"): {
+        "change": "joining",
+        "at": "joining_at",
+        "within": "joining_within",
+    },
+    ("plant", "growing_mass"): {"rate": "growing", "at": "growing_from"},
     ("plant", "harmonic_load"): {
         "amplitude": "load_amplitude",
         "frequency": "load_frequency",

@@ -11,8 +11,8 @@ _TO_COME = {
     "position_friction": "friction", "asymmetric_friction": "friction", "lugre": "friction",
     "power_drag": "drag", "cogging": "stiffness", "pole_spring": "stiffness",
     "saturating_spring": "stiffness", "sine_stiffness": "stiffness", "position_damping": "damping",
-    "drifting_parameter": "varying", "stepping_parameter": "varying", "mass_change": "varying",
-    "parametric_stiffness": "varying", "intermittent_contact": "contact",
+    "drifting_parameter": "varying", "stepping_parameter": "varying", "parametric_stiffness": "varying",
+    "intermittent_contact": "contact",
 }  # fmt: skip
 
 

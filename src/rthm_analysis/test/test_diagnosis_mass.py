@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
 from rthm_analysis.diagnosis.missing.describe import described, told
 from rthm_analysis.diagnosis.missing.formulas import shown_by
+from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.side import diagnose_physical
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 
-from .plain import MASS, left_of, recorded
+from .plain import MASS, left_of, plant, recorded
 
 
 def _told(seen: Evidence) -> CurveFit | None:
@@ -37,3 +40,29 @@ def test_a_mass_that_changes_is_told_with_its_change(mass, last: float) -> None:
 def test_a_stiffness_that_changes_is_no_mass() -> None:
     one = _told(recorded(lambda t, x, v: -0.05 * t * x))
     assert one is not None and not one.feature.of_mass and one.feature.depends_on == ("x", "t")
+
+
+@pytest.mark.parametrize(
+    ("mass", "kind", "truth"),
+    [
+        (lambda t: MASS - (0.2 if t > 4.321 else 0.0), "mass_change", {"change": -0.2, "at": 4.321}),
+        (lambda t: MASS + 0.02 * max(t - 3.0, 0.0), "growing_mass", {"rate": 0.02, "at": 3.0}),
+        (
+            lambda t: MASS + 0.15 * min(max(t - 4.0, 0.0) / 3.0, 1.0),
+            "mass_change",
+            {"change": 0.15, "at": 4.0, "within": 3.0},
+        ),
+    ],
+    ids=["drops off", "is scooped", "joins slowly"],
+)
+def test_a_mass_that_changes_is_an_effect_of_the_patched_spec(mass, kind: str, truth) -> None:  # type: ignore[no-untyped-def]
+    seen = recorded(mass=mass, duration=15.0)
+    part = physical_part(diagnose_physical(seen, plant(), np.empty(0), lambda said: None))
+    (one,) = part.physics
+    assert one.kind == kind and not (part.unexplained or part.described)
+    for name, value in truth.items():
+        found = one.parameters[name]
+        assert abs(found.value - value) < max(5.0 * found.std, 0.01 * abs(value))
+        assert found.std < 0.01 * abs(value)
+    (section,) = part.effects
+    assert section["kind"] == kind and section["dof"] == "x1"

@@ -83,6 +83,7 @@ def rig(block: str, kind: str, place: str, **parameters: float) -> Trajectory:
         ("plant", "maxwell_branch", "x1", {"stiffness": 5.0, "damping": 1.0}),
         ("plant", "end_stop", "x1", {"position": 0.2, "stiffness": 500.0, "damping": 1.0}),
         ("plant", "constant_load", "x1", {"force": 0.5}),
+        ("plant", "mass_change", "x1", {"change": 0.4, "at": 1.0, "within": 0.5}),
         ("wire", "hardening", "a1", {"coefficient": 2000.0}),
         ("wire", "backlash", "a1", {"gap": 0.01}),
     ],

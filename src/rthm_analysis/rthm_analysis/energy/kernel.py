@@ -20,7 +20,7 @@ from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
-from rthm_core.physical.laws import FRICTION, PARTITION, POSITION
+from rthm_core.physical.laws import FRICTION, PARTITION, POSITION, VELOCITY
 from rthm_core.physical.switching import motion_of, stop
 
 COMMAND, TICK, SAMPLE = range(3)
@@ -129,7 +129,7 @@ def _moved(balance, laws, sample):  # type: ignore[no-untyped-def]
                 state.modes[row] = mode
             elif partition == FRICTION and state.modes[row] == 0 and abs(v) <= balance.quiet:
                 stop(laws, n, row, state.y)
-            elif partition:
+            elif partition in (VELOCITY, FRICTION):
                 state.modes[row] = -1 if v < 0.0 else 1
 
 

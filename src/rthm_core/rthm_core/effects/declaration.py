@@ -109,6 +109,9 @@ class Effect:
         Whether it is looked for between two dofs, too.
     written
         Whether its law is written in the spec, so that `given` makes it.
+    shown_by
+        Variable over which a free curve of the missing force has to be told before it is looked for; empty:
+        it is always looked for.
     """
 
     kind: ClassVar[str]
@@ -139,6 +142,7 @@ class Effect:
     common: ClassVar[bool] = False
     between_dofs: ClassVar[bool] = False
     written: ClassVar[bool] = False
+    shown_by: ClassVar[str] = ""
 
     @classmethod
     def given(cls, values: Mapping[str, Any]) -> type[Effect]:

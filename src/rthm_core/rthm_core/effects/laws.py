@@ -12,6 +12,7 @@ in which variable the modes meet:
 
 * ``"none"``: one mode, 0;
 * ``"position"``: mode k lies between ``thresholds(p)[k - 1]`` and ``thresholds(p)[k]``;
+* ``"time"``: likewise between instants, in s;
 * ``"velocity"``: mode +1 for v > 0, -1 for v < 0;
 * ``"friction"``: as velocity, and 0 where the dof sticks; it breaks away when the force that holds it exceeds
 ``breakaway(p)``.
@@ -46,6 +47,14 @@ class PlantLaw(Effect):
         raise NotImplementedError
 
     @staticmethod
+    def inertia(x: float, v: float, z: list[float], t: float, p: list[float], mode: int) -> float:
+        """Mass that moves with the dof beside the plant's own, in kg: a force ``-inertia a`` beside `force`.
+
+        What joins the dof or leaves it does so with the dof's velocity, so that it adds no thrust.
+        """
+        return 0.0
+
+    @staticmethod
     def rate(
         x: float, v: float, z: list[float], t: float, p: list[float], mode: int, dz: list[float]
     ) -> None:
@@ -53,7 +62,7 @@ class PlantLaw(Effect):
 
     @staticmethod
     def thresholds(p: Parameters) -> tuple[float, ...]:
-        """Positions at which the modes meet, ascending; at most two."""
+        """Positions, or instants, at which the modes meet, ascending; at most two."""
         return ()
 
     @staticmethod
@@ -79,6 +88,11 @@ class PlantLaw(Effect):
     def initial(x: float, p: Parameters) -> tuple[float, ...]:
         """Own states in steady state, the dof at rest at `x`."""
         return ()
+
+
+def has_inertia(law: type[Effect]) -> bool:
+    """Whether something moves with a dof by a law, so that its force depends on the acceleration."""
+    return issubclass(law, PlantLaw) and law.inertia is not PlantLaw.inertia
 
 
 class WireLaw(Effect):

@@ -78,9 +78,12 @@ def own_laws(block: str) -> tuple[type[Effect], ...]:
     return tuple(one for one in (effect(kind, block) for kind in kinds(block)) if one not in known)
 
 
-def ranked(block: str) -> tuple[type[Effect], ...]:
-    """Kinds that `block` can have, in the order in which a search tries them."""
-    return tuple(sorted((effect(kind, block) for kind in kinds(block)), key=lambda one: (one.rank, one.kind)))
+def ranked(block: str, shown_by: str = "") -> tuple[type[Effect], ...]:
+    """Kinds that `block` can have, in the order in which a search tries them: those that are always looked
+    for, or where a free curve over a variable was told.
+    """
+    found = (one for one in (effect(kind, block) for kind in kinds(block)) if one.shown_by == shown_by)
+    return tuple(sorted(found, key=lambda one: (one.rank, one.kind)))
 
 
 def changing(block: str, what: Change) -> type[Effect]:

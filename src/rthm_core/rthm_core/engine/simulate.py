@@ -22,6 +22,7 @@ from rthm_core.errors import InputError
 from rthm_core.numerical import numerical
 from rthm_core.physical.side import build
 from rthm_core.schedule import Schedule
+from rthm_core.spec.masses import heavy, mass_at
 from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
@@ -150,6 +151,11 @@ def checked_step(spec: Spec, duration: float, sample: float | None, system: str 
         raise InputError(
             f"duration {duration!r} is not allowed, it must be a positive number of seconds; "
             f"give one above zero."
+        )
+    if heavy(spec) and np.linalg.eigvalsh(mass_at(spec, duration))[0] <= 0.0:
+        raise InputError(
+            f"duration {duration:g} s is not allowed, it must end before effects have taken all mass away; "
+            "simulate less, or let less mass leave."
         )
     default = spec.timing.td1 if spec.timing is not None else 0.001
     value = default if sample is None else sample

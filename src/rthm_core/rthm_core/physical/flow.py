@@ -19,6 +19,7 @@ from rthm_core.physical.laws import (
     STATE,
     STATES,
     plant_force,
+    plant_inertia,
     plant_rate,
     wire_drive,
     wire_law_force,
@@ -171,8 +172,45 @@ def _add_nonlinear(laws, model, modes, y, u, w, first, t, dy, hold, scratch):  #
             sticking += 1
         else:
             _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, w, t, dy)
+    inverse_mass = model.inverse_mass
+    if laws.heavy.size:
+        inverse_mass = laws.inverse_mass
+        _carry(laws, model, modes, y, t, dy, scratch)
     if sticking:
-        _hold(laws, model.mechanics, first + m, model.n, model.inverse_mass, modes, dy, hold, sticking)
+        _hold(laws, model.n, inverse_mass, modes, dy, hold, sticking)
+
+
+@inlined
+def _carry(laws, model, modes, y, t, dy, scratch):  # type: ignore[no-untyped-def]
+    """Let the forces accelerate what moves with the dofs, too; ``laws.inverse_mass`` becomes the inverse
+    of all mass. One law after the other (Sherman and Morrison); where no mass is left, nothing is a number.
+    """
+    n, inverse = model.n, laws.inverse_mass
+    for i in range(n):
+        copy_into(inverse[i], model.inverse_mass[i])
+    for row in laws.heavy:
+        begin, end = laws.numbers[row, STATE], laws.numbers[row, STATE] + laws.numbers[row, STATES]
+        x, v = motion_of(laws, n, row, y)
+        mass = plant_inertia(laws.numbers[row, CODE], x, v, y[begin:end], t, laws.parameters[row], modes[row])
+        whole = 1.0 + mass * _mobility(laws, row, inverse)
+        share = mass / whole if whole > 0.0 else np.nan
+        _, apart = motion_of(laws, n, row, dy)
+        for i in range(n):
+            scratch[i] = _pushed(laws, row, inverse, i)
+        for i in range(n):
+            dy[n + i] -= share * apart * scratch[i]
+            for j in range(n):
+                inverse[i, j] -= share * scratch[i] * scratch[j]
+
+
+@inlined
+def _pushed(laws, row, inverse_mass, i):  # type: ignore[no-untyped-def]
+    """Acceleration of dof `i` by a unit of a law's force."""
+    dof, other = laws.numbers[row, PLACE], laws.numbers[row, OTHER]
+    found = inverse_mass[i, dof]
+    if other >= 0:
+        found -= inverse_mass[i, other]
+    return found
 
 
 @inlined
@@ -186,7 +224,7 @@ def _mobility(laws, row, inverse_mass):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _hold(laws, mechanics, first, n, inverse_mass, modes, dy, hold, sticking):  # type: ignore[no-untyped-def]
+def _hold(laws, n, inverse_mass, modes, dy, hold, sticking):  # type: ignore[no-untyped-def]
     """Find the forces that keep the sticking dofs at rest together, by sweeps over them; one dof alone needs
     one sweep.
     """
@@ -198,7 +236,8 @@ def _hold(laws, mechanics, first, n, inverse_mass, modes, dy, hold, sticking):  
                 force = -apart / _mobility(laws, row, inverse_mass)
                 hold[row] += force
                 change = max(change, abs(force) - 1e-15 * abs(hold[row]))
-                _add(mechanics, first + row, force, dy)
+                for i in range(n):
+                    dy[n + i] += _pushed(laws, row, inverse_mass, i) * force
                 stop(laws, n, row, dy)
         if change <= 0.0:
             return

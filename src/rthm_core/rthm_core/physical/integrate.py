@@ -20,7 +20,7 @@ from rthm_core.linear import polynomial, step_linear
 from rthm_core.physical.drive import motor_position, motor_velocity
 from rthm_core.physical.flow import mechanics_rate, product, settle_wires
 from rthm_core.physical.laws import DOF, FRICTION, PARTITION, PLACE
-from rthm_core.physical.switching import between, breakaway_mode, guard, narrowed, next_mode
+from rthm_core.physical.switching import between, breakaway_mode, guard, keep_time, narrowed, next_mode
 
 RELATIVE_ERROR = 1e-11
 SMALLEST_SCALE = 1e-2
@@ -226,8 +226,9 @@ def _switch(model, state, work, t, row):  # type: ignore[no-untyped-def]
 @called
 def begin_step(model, state, work, t):  # type: ignore[no-untyped-def]
     """Rate at the start of a step, into ``work.stages[0]``; a dof that is held by more than its breakaway
-    force comes loose first.
+    force comes loose first. Returns how long the step may be, in s, for laws that change with time.
     """
+    longest = keep_time(model.laws, t, state.modes)
     for _ in range(2 * state.modes.size + 1):
         rate(model, state.modes, work, state.y, t, work.stages[0])
         loose = -1
@@ -239,8 +240,9 @@ def begin_step(model, state, work, t):  # type: ignore[no-untyped-def]
             ):
                 loose = row
         if loose < 0:
-            return
+            break
         state.modes[loose] = breakaway_mode(work.hold[loose])
+    return longest
 
 
 @inlined
@@ -293,7 +295,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
     y, start, trial = state.y, work.rows[START], work.rows[TRIAL]
     inputs_at(model, work, state.q, state.inputs, 0.0)
     settle_wires(model.wires, y, work.u)
-    begin_step(model, state, work, t0)
+    longest = begin_step(model, state, work, t0)
     _path_rates(model, work, state.inputs, y, work.stages[0], 0.0)
     for row in range(model.laws.numbers.shape[0], state.modes.size):
         state.modes[row] = 1 if work.hold[row] >= 0.0 else -1
@@ -304,6 +306,7 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
         h = min(state.step[0], dt - s)
         if dt - s - h < 1e-3 * h:
             h = dt - s
+        h = min(h, longest)
         _try(model, state, work, t0, s, h)
         error = _error(work, state.scale, h)
         if error > 1.0 and h > 1e-10:
@@ -325,4 +328,4 @@ def integrate(model, state, work, trace, t0, dt):  # type: ignore[no-untyped-def
         else:
             still = 0
             state.step[0] = _step_size(state.step[0], h, error)
-        begin_step(model, state, work, t0 + s)
+        longest = begin_step(model, state, work, t0 + s)

@@ -11,7 +11,7 @@ from numba.core.errors import NumbaError
 
 from rthm_core.addressed import Call, law_function, table_of
 from rthm_core.compiled import Floats, Integers
-from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw
+from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw, has_inertia
 from rthm_core.effects.registry import changing
 from rthm_core.errors import InputError
 
@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
     from rthm_core.spec.schema import EffectSpec
 
-PLANT_CALLS = {"force": Call("x, v, z, t, p, mode", True), "rate": Call("x, v, z, t, p, mode, dz", False)}
+PLANT_CALLS = {
+    "force": Call("x, v, z, t, p, mode", True),
+    "rate": Call("x, v, z, t, p, mode, dz", False),
+    "inertia": Call("x, v, z, t, p, mode", True),
+}
 WIRE_CALLS = {
     "settle": Call("u, x, k, z, p", False),
     "drive": Call("u, z, p", True),
@@ -28,13 +32,14 @@ WIRE_CALLS = {
 }
 """Functions of a law that are compiled, and how they are called; in the order of the slots of a table."""
 
-PARTITIONS = ("none", "position", "velocity", "friction")
-NONE, POSITION, VELOCITY, FRICTION = range(4)
+PARTITIONS = ("none", "position", "velocity", "friction", "time")
+NONE, POSITION, VELOCITY, FRICTION, TIME = range(5)
 """How the modes of a law meet; indices into `PARTITIONS`."""
 
 
 plant_force = law_function(PLANT_CALLS, "force")
 plant_rate = law_function(PLANT_CALLS, "rate", PlantLaw.rate)
+plant_inertia = law_function(PLANT_CALLS, "inertia", PlantLaw.inertia)
 wire_settle, wire_drive, wire_law_force, wire_rate = (
     law_function(WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
 )
@@ -46,13 +51,16 @@ class LawTable(NamedTuple):
     Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, which load
     the law depends on (-1: none), and the dof relative to which the first moves (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
-    `breakaway` (L,) in N.
+    `breakaway` (L,) in N; `heavy` are the rows of laws that have inertia, and `inverse_mass` (n, n) is that
+    of all that moves, when a rate was last computed.
     """
 
     numbers: Integers
     parameters: Floats
     thresholds: Floats
     breakaway: Floats
+    heavy: Integers
+    inverse_mass: Floats
 
 
 class WireTable(NamedTuple):
@@ -244,10 +252,10 @@ def reads_load(law: Any) -> bool:
 
 
 def law_table(
-    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = ()
+    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = (), dofs: int = 0
 ) -> LawTable:
-    """Table of the nonlinear laws: (law, parameters, place, first own state); `known` are the dofs of the
-    first loads, which are known.
+    """Table of the nonlinear laws: (law, parameters, place, first own state), of a plant with so many dofs;
+    `known` are the dofs of the first loads, which are known.
     """
     numbers, parameters = _rows([(law, p, place.dof, z) for law, p, place, z in nonlinear])
     at = {dof: load for load, dof in enumerate(known)}
@@ -265,4 +273,6 @@ def law_table(
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),
+        np.array([row for row, (law, *_) in enumerate(nonlinear) if has_inertia(law)], dtype=np.int64),
+        np.zeros((dofs, dofs)),
     )

@@ -316,7 +316,8 @@ def mechanical(
             parts.add_linear_wire(wires, actuator, wire_list)
     resting: list[Resting] = [one for one in placed if one[0].states]
     resting += [one for one in (*wire_list, *nonlinear_wires(wires)) if one[0].states]
-    laws = law_table(nonlinear, load_dofs[:known]) if nonlinear or wires.numbers[:, NONLINEAR].any() else None
+    some = nonlinear or wires.numbers[:, NONLINEAR].any()
+    laws = law_table(nonlinear, load_dofs[:known], plant.dofs) if some else None
     return Mechanical(parts, wires, laws, sensed, resting)
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from rthm_core.compiled import inlined
-from rthm_core.physical.laws import FRICTION, OTHER, PARTITION, PLACE, POSITION, VELOCITY
+from rthm_core.physical.laws import FRICTION, OTHER, PARTITION, PLACE, POSITION, TIME, VELOCITY
+
+SAME_INSTANT = 1e-12
+"""Time, s, before an instant from which on it has come: no step is that short."""
 
 
 @inlined
@@ -28,7 +31,7 @@ def stop(laws, n, row, y):  # type: ignore[no-untyped-def]
 
 @inlined
 def first_mode(laws, row, x, v):  # type: ignore[no-untyped-def]
-    """Mode of a law in which a motion begins; a dof without velocity sticks."""
+    """Mode of a law in which a motion begins; a dof without velocity sticks, and instants are to come."""
     partition, mode = laws.numbers[row, PARTITION], 0
     if partition == POSITION:
         for k in range(laws.thresholds.shape[1]):
@@ -38,6 +41,24 @@ def first_mode(laws, row, x, v):  # type: ignore[no-untyped-def]
     elif partition == FRICTION:
         mode = 1 if v > 0.0 else -1 if v < 0.0 else 0
     return mode
+
+
+@inlined
+def keep_time(laws, t, modes):  # type: ignore[no-untyped-def]
+    """Put laws whose modes meet at instants into those in force from time `t` (s) on; returns how long they
+    stay, in s.
+    """
+    left = np.inf
+    for row in range(laws.numbers.shape[0]):
+        if laws.numbers[row, PARTITION] == TIME:
+            modes[row] = 0
+            for k in range(laws.thresholds.shape[1]):
+                ahead = laws.thresholds[row, k] - t
+                if ahead <= SAME_INSTANT:
+                    modes[row] += 1
+                else:
+                    left = min(left, ahead)
+    return left
 
 
 @inlined

@@ -14,6 +14,7 @@ from rthm_core.clock import to_ns
 from rthm_core.effects.blocks import PLACES, check_block, family
 from rthm_core.errors import MISSING, RefusedError, suggestion
 from rthm_core.spec.load import MultisineLoad
+from rthm_core.spec.masses import heavy, instants, mass_at
 from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def check(spec: Spec) -> None:
     _zero(spec)
     for one in spec.effects:
         _effect(spec, one)
+    check_mass(spec)
     check_delays(spec)
 
 
@@ -213,6 +215,15 @@ def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
         raise RefusedError(
             one.parameters["value"], f"{known[name].bounds}, as {name}", within=f"{one.name}.value"
         )
+
+
+def check_mass(spec: Spec) -> None:
+    """No effect takes away more than there is."""
+    for one in heavy(spec):
+        if not all(_positive_definite(mass_at(spec, t)) for t in instants(spec)):
+            name, value = next(iter(one.numbers.items()))
+            allowed = "such that what leaves the plant is less than its mass"
+            raise RefusedError(value, allowed, within=f"{one.name}.{name}")
 
 
 def check_delays(spec: Spec) -> None:

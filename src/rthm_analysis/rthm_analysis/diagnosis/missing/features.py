@@ -77,7 +77,7 @@ class Feature:
 
     @property
     def of_mass(self) -> bool:
-        """Whether it is over the acceleration, as the force of a mass that changes is: no law states that."""
+        """Whether it is over the acceleration, as the force of a mass that changes is."""
         return "a" in self.depends_on
 
     @property
@@ -96,7 +96,7 @@ def features(at: Along) -> Iterator[Feature]:
     """Curves over one variable, surfaces over motion, coefficients that change with time.
 
     What grows steadily with time is told by straight lines: they alone say what follows. A mass that changes
-    with time is no law, so that its force is described and has no formula.
+    with time has no formula: its force is a kind's, or described.
     """
     variables = at._asdict()
     x, v, t, load = at

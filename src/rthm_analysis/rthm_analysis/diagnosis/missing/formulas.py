@@ -52,8 +52,10 @@ def composed(
     first; none where the free curves show no shape.
 
     Laws without numbers of their own are preferred where `plain` says so. A law of the load is also sought
-    beside another gain of the load, as a law of the motion is beside another mass, damping and stiffness.
+    beside another gain of the load, as a law of the motion is beside another mass, damping and stiffness. A
+    mass that changes has no formula.
     """
+    curves = [one for one in curves if not one.feature.of_mass]
     terms = _composed(regression, curves, [], most, plain=plain)
     gain = next((_gain_of_load(regression, one.dof) for one in terms if one.depends_on == ("load",)), None)
     if gain is None or most < 2:
@@ -244,7 +246,7 @@ def _response_of(regression: Regression, term: Term) -> Floats:
 
 def shown_by(fit: CurveFit) -> list[Term]:
     """The best shapes of each curve of a feature, with the gain that each has within the curve; none of a
-    straight line over time, and of a mass that changes, which no law states.
+    straight line over time, and of a mass that changes, which has no formula.
     """
     if fit.normal is None or fit.feature.straight or fit.feature.of_mass:
         return []

@@ -44,7 +44,7 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     judged.physical.fitting.progress("looking for a formula of the missing force")
     whole = max((one.excess for one in missing.curves), default=0.0)
     found: list[Judgement] = []
-    for some in _ways(missing.regression, [one for one in missing.curves if not one.feature.of_mass]):
+    for some in _ways(missing.regression, missing.curves):
         one = _large(judged, base, some, whole, curve.held_out_share)
         found += [one] if one is not None else []
         if one is not None and one.at_noise:

@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
+from rthm_analysis.diagnosis.physical.shown_kinds import with_shown_kind
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
 from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
@@ -153,6 +154,8 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
+        if free is not None and (shown := with_shown_kind(judged, free)) is not None:
+            return _with_force(shown)
         of_mass = free is not None and free.feature.of_mass and is_foretold(free)
         rests = judged.physical.evidence.comes_to_rest
         composed = None if rests or of_mass else compose_best(judged, free)

@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.replay.experiment import Experiment, Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
-from rthm_core.effects.laws import LOAD, MOST_PARAMETERS
+from rthm_core.effects.laws import LOAD, MOST_PARAMETERS, has_inertia
 from rthm_core.loads import sinusoid
 from rthm_core.physical.laws import place_of, reads_load
 
@@ -57,15 +57,13 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats, load: Floats)
     limits = law.thresholds(one.ordered)
     rows = zip(time.tolist(), x.tolist(), v.tolist(), load.tolist(), strict=True)
     before: tuple[float, float, float, int] | None = None
-    reads = reads_load(law)
+    reads, heavy = reads_load(law), has_inertia(law)
+    rates = np.gradient(v, time) if heavy else v
     for k, (t, here, speed, known) in enumerate(rows):
         if reads:
             p[LOAD] = known
-        mode = (
-            sum(here > limit for limit in limits)
-            if law.partition == "position"
-            else (speed > 0.0) - (speed < 0.0)
-        )
+        met = {"position": here, "time": t}.get(law.partition)
+        mode = (speed > 0.0) - (speed < 0.0) if met is None else sum(met > limit for limit in limits)
         if before is not None and z:
             t0, x0, v0, mode0 = before
             law.rate(x0, v0, z, t0, p, mode0, first)
@@ -74,6 +72,8 @@ def law_force(one: EffectSpec, time: Floats, x: Floats, v: Floats, load: Floats)
             z = [a + 0.5 * (t - t0) * (b + c) for a, b, c in zip(z, first, second, strict=True)]
         try:
             force[k] = law.force(here, speed, z, t, p, mode)
+            if heavy:
+                force[k] -= law.inertia(here, speed, z, t, p, mode) * rates[k]
         except (ArithmeticError, ValueError):  # what compiled code makes infinite, or no number
             force[k] = np.nan
         before = (t, here, speed, mode)

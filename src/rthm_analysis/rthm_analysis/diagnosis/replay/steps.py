@@ -112,13 +112,13 @@ def _step(model, replay, working, g, begin, whole, t, h):  # type: ignore[no-unt
 @inlined
 def step_to_switch(model, replay, working, g, begin, whole, t, h, following):  # type: ignore[no-untyped-def]
     """Step of at most `h` from what comes in at its start to where the first law leaves its mode: its length,
-    and that law (-1: none).
+    and that law (-1: none, or one that changes at an instant).
     """
     y, end, modes, u = working.y, working.work.rows[TRIAL], working.modes, working.work.u
     at(replay.motor, replay.load, g, begin / whole, u, working.work.w)
     settle_wires(model.wires, y, u)
     follow(model.laws, model.n, y, modes, False)
-    begin_step(model, working, working.work, t)
+    h = min(h, begin_step(model, working, working.work, t))
     held, hold = working.held, working.work.hold
     copy_into(held, hold)
     law, share, before, after = -1, 1.0, 0.0, 0.0

@@ -27,6 +27,7 @@ from rthm_core.physical.laws import (
     PLACE,
     STATE,
     STATES,
+    TIME,
     LawTable,
     WireTable,
     law_of,
@@ -148,6 +149,8 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     physical = build(spec)
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or not _smooth(physical.model.wires) or not _fits(laws):
+        return None
+    if laws.heavy.size or np.any(laws.numbers[:, PARTITION] == TIME):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

@@ -1,0 +1,88 @@
+"""Kinds that are looked for where a free curve shows them: a mass that changes, over the acceleration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.missing import SHOWN_KIND_BUDGET, SHOWN_KIND_STARTS, SHOWN_KIND_STEPS
+from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.missing.curves import CurveFit
+from rthm_analysis.diagnosis.physical.fewer import judged_of
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.search.judging import (
+    FittedCandidate,
+    best_of_labels,
+    better,
+    in_order,
+    reduced_chi2,
+)
+from rthm_analysis.diagnosis.search.refining import finished_by_itself, fit_further, unfitted
+from rthm_analysis.diagnosis.search.scene import dof_scene
+from rthm_analysis.diagnosis.search.screening import ScoredCandidate, screen
+from rthm_analysis.diagnosis.search.starts import InitialGuess, guessed
+from rthm_core.effects.registry import ranked
+
+C = TypeVar("C", ScoredCandidate, FittedCandidate)
+
+
+def with_shown_kind(judged: Judgement, curve: CurveFit) -> Judgement | None:
+    """The model with the best kind that is shown by a variable of a free curve, beside what was earned
+    before, judged; None where there is no such kind, or it is not earned.
+    """
+    physical, base = judged.physical, judged.told_fit
+    starts = list(_starts(physical, curve, base))
+    tried = _tried(physical, base, starts) if starts else []
+    if not tried or not better(tried[0], base):
+        return None
+    before = physical.selection.rounds if judged.earned else []
+    selection = replace(physical.selection, best=tried[0].fitted, rounds=[*before, tried])
+    after = judged_of(replace(physical, selection=selection))
+    return after if after.earned else None
+
+
+def _starts(physical: Physical, curve: CurveFit, base: Fitted) -> Iterator[InitialGuess]:
+    """Where fits of these kinds begin on the dof of a curve, which has one of them at most."""
+    spec, fitting = base.model.spec, physical.fitting
+    there = {(one.law.shown_by, one.place) for one in spec.effects}
+    motion = fitting.experiment.motion(spec, fitting.windows)
+    scene = dof_scene(spec, fitting.experiment.evidence, motion, curve.dof)
+    for variable in curve.feature.depends_on:
+        if (variable, curve.dof) not in there:
+            for law in ranked("plant", shown_by=variable):
+                yield from guessed(law, "plant", curve.dof, scene, scene.seen)
+
+
+def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list[FittedCandidate]:
+    """Fits of the training part, the best of each kind, best first.
+
+    What begins at once and what takes its time are fitted to the end: the one that is nearer at first need
+    not be the law.
+    """
+    fitting = physical.fitting
+    fitting.progress(f"refining {', '.join(dict.fromkeys(one.added.kind for one in starts))}")
+    fitting.budget.allow(SHOWN_KIND_BUDGET)
+    fitting.reduced_chi2 = reduced_chi2(fitting, base)
+    known = fitting.known(base)
+
+    def begun(one: ScoredCandidate) -> FittedCandidate:
+        candidate = unfitted(one.start, base, one.start.added_to(base.model))
+        return fit_further(fitting, candidate, known, SHOWN_KIND_STEPS)
+
+    worth = [one for way in _ways(screen(fitting, base, known, starts)) for one in way[:SHOWN_KIND_STARTS]]
+    tried = in_order(fitting.cores.each_in_parts(begun, worth))
+    firsts = [way[0] for way in _ways(tried) if np.isfinite(way[0].error)]
+    found = best_of_labels([finished_by_itself(fitting, one) for one in firsts])
+    if found:
+        fitting.reduced_chi2 = reduced_chi2(fitting, found[0].fitted)
+    return found
+
+
+def _ways(some: list[C]) -> list[list[C]]:
+    """Candidates of each kind and of each set of parameters that are free, in order."""
+    keys = dict.fromkeys((one.start.label, one.start.free) for one in some)
+    return [[one for one in some if (one.start.label, one.start.free) == key] for key in keys]

@@ -118,7 +118,7 @@ def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Ev
     if evidence.driven_by != "force" or spec.plant is None or len(spec.plant.dofs) != 1:
         return evidence, faults
     motion = [one for one in _motion_of(spec.plant.dofs[0]) if one in evidence.channels]
-    position, rates = motion[:1], motion[1:]
+    rates = motion[1:]
     wrong = [one for one in faults if one.channel in map(field_of, rates) and one.kind in FACTORS]
     if len(wrong) < len(rates) or not wrong or not wrong[0].value:
         return evidence, faults
@@ -127,5 +127,5 @@ def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Ev
     before, after = _force_ratios(evidence, spec), _force_ratios(moved, spec)
     if not after or not _agree(after, 1.0) or _agree(before, 1.0):
         return evidence, faults
-    alone = factor_fault(*position, factor, f"what its {rates[0].family} and the known force ask for")
+    alone = factor_fault(motion[0], factor, f"what its {rates[0].family} and the known force ask for")
     return moved, [alone, *(one for one in faults if one not in wrong)]

@@ -21,7 +21,8 @@ from rthm_analysis.exchange.bag import write_bag
 from rthm_analysis.recording import Recording, Table, read_recording
 from rthm_analysis.recording.cdr import FIELDS
 from rthm_core.errors import InputError
-from rthm_core.spec import Spec
+from rthm_core.physical.side import PhysicalSide
+from rthm_core.spec import Spec, apply, spec_from_parameters
 from rthm_core.topics import ACCELERATION, PLANT_STATE
 
 from .faulty import PLAIN, having, plain
@@ -122,6 +123,29 @@ def test_each_recording_has_an_offset_of_its_own() -> None:
     assert [float(note.split()[3]) for note in told] == pytest.approx([0.3, -0.2, 0.5], abs=0.005)
 
 
+def test_an_accelerometer_that_drifts_is_told_with_its_offset() -> None:
+    clean = seen(accelerated(), POSITION, MEASURED)
+    drift = np.column_stack([np.zeros(clean.time.size), 0.01 * clean.time])
+    found = diagnosed(replace(clean, measured=clean.measured + drift))
+    (one,) = found.physics
+    rate = one.parameters["rate"]
+    assert (one.block, one.kind) == ("sensor.acceleration", "drift") and isinstance(rate, Value)
+    assert rate.value == pytest.approx(0.01, rel=0.1)
+    (note,) = (note for note in found.notes if "offset" in note)
+    assert float(note.split()[3]) == pytest.approx(0.3, abs=0.01)
+
+
+def test_an_accelerometer_that_loses_what_is_slow_is_where_the_error_is() -> None:
+    clean = seen(accelerated(), POSITION, MEASURED)
+    slow = np.zeros(clean.time.size)
+    for i, reading in enumerate(clean.measured[:-1, 1]):
+        slow[i + 1] = slow[i] + 2.0 * np.pi * 0.1 * 0.005 * (reading - slow[i])
+    measured = np.column_stack([clean.measured[:, 0], clean.measured[:, 1] - slow])
+    found = diagnosed(replace(clean, measured=measured))
+    assert not found.physics and not found.described and not found.retuned
+    assert found.located == ("sensor.acceleration",)
+
+
 def test_a_contact_is_known_better_with_the_acceleration() -> None:
     stop = {"position": 0.1, "stiffness": 2000.0, "damping": 2.0}
     evidence = with_accelerometer(having(PLAIN, "plant", "end_stop", **stop), seed=1).kept(slice(5000))
@@ -184,6 +208,26 @@ def test_an_impact_is_no_spike_and_rest_no_drop_out() -> None:
     sticks = accelerated(lambda t, x, v: -0.5 * np.tanh(1e4 * v), noise=0.0)
     for one in (bounces, sticks):
         assert not [fault for fault in mend(one, plant()).faults if fault.block == "sensor.acceleration"]
+
+
+def test_of_two_dofs_one_may_have_a_position_and_the_other_an_acceleration() -> None:
+    mass, damping, stiffness = [1.2, 0.0, 0.0, 0.8], [0.3, -0.1, -0.1, 0.2], [40.0, -15.0, -15.0, 25.0]
+    section = {"dofs": ["x1", "x2"], "mass": mass, "damping": damping, "stiffness": stiffness}
+    load = {"dof": "x1", "kind": "multisine", "rms": 1.0, "low": 1.0, "high": 8.0, "count": 15, "seed": 2}
+    spec = spec_from_parameters(
+        {"plant": section | {"initial_position": [0.0, 0.0], "initial_velocity": [0.0, 0.0]}}
+    )
+    side, stamps = PhysicalSide(apply(spec, {"load.plant": load})), np.arange(4000) * 5_000_000
+    samples = [side.sample(stamp) for stamp in stamps.tolist()]
+    x, v = (np.array([getattr(one, name) for one in samples]) for name in ("position", "velocity"))
+    forces = np.array([one.load for one in samples])
+    held = v @ np.reshape(damping, (2, 2)) + x @ np.reshape(stiffness, (2, 2))
+    true = np.column_stack([x[:, 0], (forces[:, 1] - held[:, 1]) / 0.8 + 0.4])
+    noise = np.random.default_rng(1).normal(size=true.shape) * (1e-4, 0.03)
+    channels = Channel("position", "x1"), Channel("acceleration", "x2")
+    nothing = np.empty(0, dtype=np.int64), np.empty((0, 0))
+    found = diagnosed(Evidence(stamps, *nothing, forces, channels, true + noise, "force"), spec)
+    assert found.verdict == "match" and any("acceleration of x2" in note for note in found.notes)
 
 
 def test_a_bag_with_an_acceleration_is_diagnosed(tmp_path: Path) -> None:

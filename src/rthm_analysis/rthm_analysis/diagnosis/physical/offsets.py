@@ -10,6 +10,8 @@ from rthm_analysis.diagnosis.criteria.noise import OFFSET_TOLD_STDS
 from rthm_analysis.diagnosis.numbers import number
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import UNIT_OF
+from rthm_analysis.diagnosis.replay.experiment import effects_on
+from rthm_analysis.diagnosis.replay.sensing import sensed
 from rthm_core.compiled import Floats
 
 
@@ -28,7 +30,8 @@ def offsets(physical: Physical, predicted: Floats) -> Iterator[str]:
         if channel.family != "acceleration":
             continue
         moved = physical.experiment.motion(spec, physical.windows).acceleration
-        beyond = predicted[:, k] - moved[:, spec.plant.dofs.index(channel.place)]
+        true = moved[:, spec.plant.dofs.index(channel.place)]
+        beyond = predicted[:, k] - sensed(evidence.time, true, effects_on(spec, channel))
         for name, one in zip(evidence.names, evidence.recordings, strict=True):
             offset = float(np.mean(beyond[one]))
             std = float(physical.sigma[k]) / np.sqrt(np.count_nonzero(np.isfinite(evidence.measured[one, k])))

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.windows import Windows
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
 
 
 SENSORS = tuple(f"sensor.{family}" for family in (*MOTION, "force"))
@@ -194,7 +195,7 @@ class Experiment:
         """
         assert spec.plant is not None
         bare, channels = _without_sensors(spec), self.evidence.channels
-        effects = [_effects_on(spec, channel) for channel in channels]
+        effects = [effects_on(spec, channel) for channel in channels]
         lags = [time_constant(some) for some in effects]
         between = any(lags)
         motion, steps = self._motion(bare, _key(bare, windows), windows, between=between)
@@ -306,5 +307,6 @@ def _without_sensors(spec: Spec) -> Spec:
     return apply(spec, {"effects": [e.name for e in spec.effects if e.block not in SENSORS]})
 
 
-def _effects_on(spec: Spec, channel: Channel) -> list:  # type: ignore[type-arg]
+def effects_on(spec: Spec, channel: Channel) -> list[EffectSpec]:
+    """What a spec says that is wrong with the sensor of a channel."""
     return [e for e in spec.effects if e.block == f"sensor.{channel.family}" and e.place == channel.place]

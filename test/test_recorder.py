@@ -43,8 +43,10 @@ def recorder(tmp_path: Path) -> Process:
     return Process("recorder", roles.command("recorder", spec, told), tmp_path / "recorder.log")
 
 
-def flooding(environment: dict[str, str], seconds: float) -> subprocess.Popen[str]:
-    words = [sys.executable, str(FLOOD), str(seconds), *(f"{topic}={rate}" for topic, rate in RATES.items())]
+def flooding(
+    environment: dict[str, str], seconds: float, rates: dict[str, float] = RATES
+) -> subprocess.Popen[str]:
+    words = [sys.executable, str(FLOOD), str(seconds), *(f"{topic}={rate}" for topic, rate in rates.items())]
     return subprocess.Popen(words, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
 
@@ -81,6 +83,23 @@ def test_nothing_is_lost_at_one_and_a_half_times_the_rates_of_the_demo(
         expected = [int(begin) + round(k * 1e9 / rate) for k in range(published[f"/rthm/{topic}"])]
         assert stamps[f"/rthm/{topic}"] == expected, topic
     assert "lost: '0'" in (tmp_path / "bag" / "metadata.yaml").read_text()
+
+
+def test_accelerations_that_a_driver_publishes_are_recorded(
+    recorder: Process, environment: dict[str, str], network: Network, tmp_path: Path
+) -> None:
+    rates = dict.fromkeys([*RATES, "plant/acceleration"], 80.0)
+    with Processes() as processes, Conductor(lambda: None, network.domain) as conductor:
+        processes.start(recorder, environment)
+        with flooding(environment, 1.0, rates) as flood:
+            begin_recording(conductor, flood)
+            _, *pairs = flood.stdout.readline().split()
+            time.sleep(0.3)
+            conductor.step("deactivate", ["recorder"])
+            flood.communicate("end\n")
+    recording = read_recording(tmp_path / "bag")
+    counts = dict(pair.split("=") for pair in pairs)
+    assert len(recording.tables["plant/acceleration"]) == int(counts["plant/acceleration"]) > 50
 
 
 def test_the_spec_is_the_first_message(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -105,3 +107,22 @@ def left_of(seen: Evidence, scale: float = 1.0, train: int | None = None) -> Reg
     noise = white_noise(scale * np.array(NOISE))
     samples = seen.time.size if train is None else train
     return Regression(Experiment(seen, np.empty(0)), from_rest(), noise, Model(plant()), samples)
+
+
+@cache
+def accelerated(
+    law: Law = lambda t, x, v: 0.0,
+    noise: float = 0.05,
+    offset: float = 0.3,
+    gain: float = 1.0,
+    seed: int = 0,
+    **given: float,
+) -> Evidence:
+    """The same as `recorded`, with an accelerometer behind position and velocity."""
+    exact = recorded(law, seed=seed, noise=lambda rng, count: np.zeros((count, 2)), **given)
+    x, v = exact.measured.T
+    forces = [law(t, *motion) for t, motion in zip(exact.time, exact.measured, strict=True)]
+    a = (exact.load[:, 0] - DAMPING * v - STIFFNESS * x + np.array(forces)) / MASS
+    deviates = np.random.default_rng(1000 + seed).normal(size=(a.size, 3)) * (*NOISE, noise)
+    measured = np.column_stack([x, v, gain * a + offset]) + deviates
+    return replace(exact, channels=(*exact.channels, Channel("acceleration", "x1")), measured=measured)

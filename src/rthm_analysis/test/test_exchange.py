@@ -130,6 +130,37 @@ def test_what_the_user_says_about_units_overrules_the_file(tmp_path: Path) -> No
     assert plant.stamp_ns.tolist() == [0, 100_000]
 
 
+def test_an_acceleration_goes_into_a_topic_of_its_own_and_back(tmp_path: Path) -> None:
+    rig = table(tmp_path / "rig.csv", "t,y [mm],acc [mV]\n0,1,200\n0.1,2,250\n0.2,3,\n")
+    maps = ["position=y", "acceleration=acc"]
+    said = wanted(maps, ["acceleration=0.01 g"], spec=PLANT, offsets=["acceleration:x1=150"])
+    (found,) = import_files([rig], tmp_path / "bag", said, PLANT)
+    recording = read_recording(found.bag)
+    measured = recording.tables["plant/acceleration"]
+    assert recording.plant.names == measured.names == ("x1",) and found.names == ("x1",)
+    assert np.isnan(recording.plant.effort).all()
+    assert measured.effort[:2, 0] == pytest.approx([50 * 0.0980665, 100 * 0.0980665])
+    assert np.isnan(measured.effort[2, 0])
+    np.testing.assert_array_equal(measured.stamp_ns, recording.plant.stamp_ns)
+    words = next(one.words for one in found.channels if one.role == "acceleration")
+    assert words == "acceleration x1 is acc in 0.01 g: 4.9 to 9.81 m/s^2, mean 7.35 m/s^2"
+    export_bag(recording, tmp_path / "files")
+    (again,) = import_files([str(tmp_path / "files")], tmp_path / "again", wanted([]))
+    same(recording, read_recording(again.bag))
+    export_bag(recording, tmp_path / "one.csv")
+    assert "plant/acceleration/x1.effort [m/s^2]" in (tmp_path / "one.csv").read_text()
+
+
+def test_an_acceleration_alone_is_a_recording_of_its_dof(tmp_path: Path) -> None:
+    rig = table(tmp_path / "rig.csv", "t,acc (deg/s^2),torque (N m)\n0,1,5\n0.1,180,6\n")
+    said = wanted(["acceleration:arm=acc", "load:arm=torque"])
+    (found,) = import_files([rig], tmp_path / "bag", said)
+    recording = read_recording(found.bag)
+    assert recording.plant.names == ("arm",) and recording.plant.effort[:, 0].tolist() == [5.0, 6.0]
+    assert recording.tables["plant/acceleration"].effort[1, 0] == pytest.approx(np.pi)
+    assert found.channels[0].unit == "rad/s^2"
+
+
 def test_a_rate_gives_stamps_that_never_drift(tmp_path: Path) -> None:
     write_columns(tmp_path / "long.parquet", Columns("", {"y": np.sin(np.arange(200_000.0))}))
     said = wanted(["position=y"], rate=750.0)
@@ -237,6 +268,14 @@ def test_what_is_odd_is_said_and_kept(tmp_path: Path) -> None:
         ("0.5 kN", "N", 500.0),
         ("2*mm/s", "m/s", 2e-3),
         ("µm", "m", 1e-6),
+        ("g", "m/s^2", 9.80665),
+        ("mG", "m/s^2", 9.80665e-3),
+        ("Gal", "m/s^2", 0.01),
+        ("mm/s²", "m/s^2", 1e-3),
+        ("m/s/s", "m/s^2", 1.0),
+        ("cm s^-2", "m/s^2", 1e-2),
+        ("-0.5 m/s2", "m/s^2", -0.5),
+        ("deg/s**2", "m/s^2", np.pi / 180.0),
     ],
 )
 def test_units_are_factors_to_si(unit: str, si: str, value: float) -> None:

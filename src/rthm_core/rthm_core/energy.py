@@ -212,6 +212,15 @@ def cubic(y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
     return y0 + r * (h * dy0 + r * (3.0 * d - h * (2.0 * dy0 + dy1) + r * (h * (dy0 + dy1) - 2.0 * d)))
 
 
+@called
+def cubic_slope(y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
+    """Slope of `cubic` at the fraction `r` of a step `h`; that at the start where the step has no length."""
+    if h <= 0.0:
+        return dy0
+    d = (y1 - y0) / h
+    return dy0 + r * (6.0 * d - 4.0 * dy0 - 2.0 * dy1 + r * (3.0 * (dy0 + dy1) - 6.0 * d))
+
+
 @compiled_in_place
 def powers_of(bodies: Bodies, at: Moment, out: Floats) -> None:
     """Powers of one moment (compiled face)."""

@@ -15,6 +15,8 @@ FORCE_REFERENCE = "numerical/force_reference"
 COMMAND, DRY_COMMAND = "actuator/command", "actuator/command_dry"
 INPUTS = "plant/inputs"
 """What is recorded of a component beside motion and force, such as a voltage: efforts in their own units."""
+ACCELERATION = "plant/acceleration"
+"""Measured accelerations of the plant's dofs, m/s^2, as efforts: JointState has no field for them."""
 LINKS = ("tau1", "tau2", "tau3", "tau4")
 """Delays of the loop."""
 
@@ -35,10 +37,11 @@ LOOP = {
 
 SPEC, ENERGY, CLOCKS, EVENTS, DIAGNOSTICS = "spec", "energy", "clocks", "events", "/diagnostics"
 BESIDE = {
+    ACCELERATION: JOINT_STATE,
     ENERGY: JOINT_STATE,
     CLOCKS: JOINT_STATE,
     DIAGNOSTICS: DIAGNOSTIC_ARRAY,
     EVENTS: STRING,
     DRY_COMMAND: JOINT_STATE,
 }
-"""What is said about the test."""
+"""What is measured beside the loop, or said about the test."""

@@ -88,7 +88,7 @@ def test_every_parameter_has_a_unit_and_a_description(block: str, kind: str) -> 
 
 def test_the_unit_of_a_sensors_effect_follows_its_signal() -> None:
     bias = effect("bias", "sensor.force")
-    assert [bias.unit("bias", f"sensor.{name}") for name in SENSORS] == ["m", "m/s", "N"]
+    assert [bias.unit("bias", f"sensor.{name}") for name in SENSORS] == ["m", "m/s", "m/s^2", "N"]
     assert effect("drift", "sensor.force").unit("rate", "sensor.force") == "N/s"
 
 

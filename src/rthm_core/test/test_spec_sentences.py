@@ -260,7 +260,7 @@ EFFECTS = [
         "block: plan",
         "guide.block is 'plan', but must be one of plant, wire, motor, numerical, "
         "controller, link.tau1, link.tau2, link.tau3, link.tau4, sensor.position, "
-        "sensor.velocity, sensor.force; write plant.",
+        "sensor.velocity, sensor.acceleration, sensor.force; write plant.",
     ),
     (
         "block: plant, ",

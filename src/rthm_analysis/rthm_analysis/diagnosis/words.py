@@ -41,6 +41,7 @@ BLOCK_WORDS = {
     "controller": "the controller",
     "sensor.position": "the position sensor",
     "sensor.velocity": "the velocity sensor",
+    "sensor.acceleration": "the accelerometer",
     "sensor.force": "the force sensor",
 }
 

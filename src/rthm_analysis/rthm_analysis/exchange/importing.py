@@ -14,12 +14,12 @@ from rthm_analysis.exchange.columns import Columns
 from rthm_analysis.exchange.formats import READERS, read_columns
 from rthm_analysis.exchange.mapping import USUAL, Signal, Wanted
 from rthm_analysis.exchange.overview import Understood, sampling_words, understood
-from rthm_analysis.exchange.signals import plant_table
+from rthm_analysis.exchange.signals import plant_tables
 from rthm_analysis.recording import LinkTable, Table
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, read_spec
-from rthm_core.topics import INPUTS, PLANT_STATE
+from rthm_core.topics import PLANT_STATE
 
 SPEC_FILE = "spec.yaml"
 
@@ -121,12 +121,10 @@ def _places(out: Path, recordings: Sequence[Columns]) -> list[Path]:
 def _from_columns(columns: Columns, bag: Path, wanted: Wanted, spec: Spec | None) -> Imported:
     if not wanted.signals and {"u", "y"} <= set(columns.values):
         wanted = replace(wanted, signals=_input_and_output(spec))
-    table, notes = plant_table(columns, wanted, spec)
-    inputs = [one.name for one in wanted.signals if one.role == "input"]
-    plant = table.only([name for name in table.names if name not in inputs])
-    tables = {PLANT_STATE: plant} | ({INPUTS: table.only(inputs)} if inputs else {})
+    tables, notes = plant_tables(columns, wanted, spec)
     written = _written(bag, tables, {}, spec.expanded() if spec else "", notes)
-    return replace(written, names=table.names, channels=tuple(understood(columns, wanted, table)))
+    names = tuple(dict.fromkeys(name for table in tables.values() for name in table.names))
+    return replace(written, names=names, channels=tuple(understood(columns, wanted, tables)))
 
 
 def _input_and_output(spec: Spec | None) -> tuple[Signal, ...]:

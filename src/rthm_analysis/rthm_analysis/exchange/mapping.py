@@ -8,23 +8,26 @@ from typing import NamedTuple
 
 from rthm_core.errors import InputError, refusal, shown
 from rthm_core.spec import Spec
+from rthm_core.topics import ACCELERATION, INPUTS, PLANT_STATE
 
 
 class Role(NamedTuple):
-    """Where values of a signal go: SI unit, field of JointState, and whether its name is a dof's."""
+    """Where values of a signal go: SI unit, field of JointState, whether its name is a dof's, and topic."""
 
     unit: str
     field: str
     of_dof: bool
+    topic: str = PLANT_STATE
 
 
 ROLES = {
     "position": Role("m", "position", True),
     "velocity": Role("m/s", "velocity", True),
+    "acceleration": Role("m/s^2", "effort", True, ACCELERATION),
     "load": Role("N", "effort", True),
     "force": Role("N", "effort", False),
     "motor": Role("m", "position", False),
-    "input": Role("1", "effort", False),
+    "input": Role("1", "effort", False, INPUTS),
 }
 """`load` is a known external force on a dof, `force` what an actuator or a known drive exerts; `input` is
 anything else that was set, as the voltage of a damper, in a unit of its own.
@@ -94,7 +97,7 @@ def wanted(
         Something in it has another form, names a role that is not known, or names what the spec has not.
     """
     signals = tuple(_signal(text, spec) for text in maps)
-    places = [(ROLES[one.role].field, one.name) for one in signals]
+    places = [(ROLES[one.role].topic, ROLES[one.role].field, one.name) for one in signals]
     for one, place in zip(signals, places, strict=True):
         if places.count(place) > 1:
             raise InputError(f"{one.role} of {one.name} is mapped twice; give it once.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -64,11 +64,11 @@ class Understood:
         return said + steps + seldom
 
 
-def understood(columns: Columns, wanted: Wanted, table: Table) -> Iterator[Understood]:
-    """Every signal of a table that was made of columns."""
+def understood(columns: Columns, wanted: Wanted, tables: Mapping[str, Table]) -> Iterator[Understood]:
+    """Every signal of the tables, by topic, that were made of columns."""
     for one in wanted.signals:
         role, file_unit = ROLES[one.role], unit_in_file(columns, one, wanted)
-        values = getattr(table, role.field)[:, table.names.index(one.name)]
+        values = tables[role.topic].columns(role.field, [one.name])[:, 0]
         known = values[np.isfinite(values)]
         yield Understood(
             one.role, one.name, one.column, file_unit, si_unit(file_unit, role.unit),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,27 +13,32 @@ from rthm_analysis.exchange.mapping import ROLES, USUAL, Signal, Wanted
 from rthm_analysis.exchange.stamps import no_column, stamps_of
 from rthm_analysis.exchange.units import factor
 from rthm_analysis.recording import Table
+from rthm_analysis.recording.cdr import FIELDS
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec
+from rthm_core.topics import PLANT_STATE
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Floats
+    from rthm_core.compiled import Floats, Integers
 
-LARGEST = {"m": 50.0, "m/s": 200.0, "N": 1e8, "1": math.inf}
+MOTION = ("position", "velocity", "acceleration")
+"""Roles of which one at least has to be there."""
+
+LARGEST = {"m": 50.0, "m/s": 200.0, "m/s^2": 1e4, "N": 1e8, "1": math.inf}
 """Values beyond which a unit is probably another one."""
 
 DISAGREE = 3.0
-"""Factor between a velocity and the rate of its position that no noise makes."""
+"""Factor between a signal and the rate of another that no noise makes."""
 
 
-def plant_table(columns: Columns, wanted: Wanted, spec: Spec | None) -> tuple[Table, list[str]]:
-    """Samples of the plant, and remarks on them, one sentence each.
+def plant_tables(columns: Columns, wanted: Wanted, spec: Spec | None) -> tuple[dict[str, Table], list[str]]:
+    """Samples of the plant by topic, and remarks on them, one sentence each.
 
     Raises
     ------
     InputError
         A column is not there or has no numbers, columns have different lengths, a value is infinite, a unit
-        is not known, or nothing is said to be a position or a velocity.
+        is not known, or nothing is said to be a position, a velocity or an acceleration.
     """
     _check_roles(columns, wanted)
     values = {one: _in_si(columns, one, wanted) for one in wanted.signals}
@@ -46,31 +51,39 @@ def plant_table(columns: Columns, wanted: Wanted, spec: Spec | None) -> tuple[Ta
     stamps, notes = stamps_of(columns, wanted, next(iter(sizes.values())))
     for one, column in values.items():
         notes += _remarks(one, column)
-    names = _names(wanted, spec)
-    fields = {
-        field: np.full((stamps.size, len(names)), np.nan) for field in ("position", "velocity", "effort")
+    tables = {
+        topic: _table(
+            stamps, names, {one: of for one, of in values.items() if ROLES[one.role].topic == topic}
+        )
+        for topic, names in _names(wanted, spec).items()
     }
+    return tables, [*notes, *_disagreements(tables[PLANT_STATE])]
+
+
+def _table(stamps: Integers, names: Sequence[str], values: Mapping[Signal, Floats]) -> Table:
+    fields = {field: np.full((stamps.size, len(names)), np.nan) for field in FIELDS}
     for one, column in values.items():
         fields[ROLES[one.role].field][:, names.index(one.name)] = column
-    table = Table(stamps, stamps, stamps, names, **fields)
-    return table, [*notes, *_disagreements(table)]
+    return Table(stamps, stamps, stamps, tuple(names), **fields)
 
 
 def _check_roles(columns: Columns, wanted: Wanted) -> None:
-    if not any(one.role in ("position", "velocity") for one in wanted.signals):
+    if not any(one.role in MOTION for one in wanted.signals):
         raise InputError(
             f"{columns.source} has the columns {', '.join(columns.values)}, and none is said to be a "
-            f"position or velocity; say which is which, as --map position:{USUAL[True]}=COLUMN --map "
-            f"force:{USUAL[False]}=COLUMN."
+            f"position, velocity or acceleration; say which is which, as --map position:{USUAL[True]}=COLUMN "
+            f"--map force:{USUAL[False]}=COLUMN."
         )
 
 
-def _names(wanted: Wanted, spec: Spec | None) -> tuple[str, ...]:
-    """Dofs, then what acts on them."""
+def _names(wanted: Wanted, spec: Spec | None) -> dict[str, list[str]]:
+    """Names by topic: of the plant's state all dofs, then what acts on them."""
     dofs = list(spec.plant.dofs) if spec and spec.plant else []
-    for of_dof in (True, False):
-        dofs += [one.name for one in wanted.signals if ROLES[one.role].of_dof is of_dof]
-    return tuple(dict.fromkeys(dofs))
+    dofs += [one.name for one in wanted.signals if ROLES[one.role].of_dof]
+    found = {PLANT_STATE: dict.fromkeys(dofs)}
+    for one in wanted.signals:
+        found.setdefault(ROLES[one.role].topic, {})[one.name] = None
+    return {topic: list(names) for topic, names in found.items()}
 
 
 def _in_si(columns: Columns, one: Signal, wanted: Wanted) -> Floats:

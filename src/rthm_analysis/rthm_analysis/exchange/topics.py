@@ -9,10 +9,10 @@ from rthm_analysis.recording import LinkTable, Recording, Table
 from rthm_analysis.recording.cdr import FIELDS
 from rthm_analysis.recording.reading import STATES
 from rthm_core.errors import InputError
-from rthm_core.topics import ENERGY, INPUTS, LINKS
+from rthm_core.topics import ACCELERATION, ENERGY, INPUTS, LINKS
 
 UNITS = {"position": "m", "velocity": "m/s", "effort": "N"}
-OTHER_UNITS = {ENERGY: "J", INPUTS: "1"}
+OTHER_UNITS = {ENERGY: "J", INPUTS: "1", ACCELERATION: "m/s^2"}
 """Units of the fields, and of all fields of topics that have another."""
 
 STAMP, RECEIVED, SENT, SAMPLE = "stamp", "received", "sent", "sample"

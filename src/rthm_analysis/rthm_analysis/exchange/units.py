@@ -31,11 +31,20 @@ _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605, "
 
 _MOMENTS = {f"{unit}{gap}m": _FORCES[unit] for unit in ("N", "mN", "kN", "MN") for gap in (" ", "")}
 
+_RATES = {f"{unit}/s": factor for unit, factor in (_LENGTHS | _ANGLES).items()}
+
+_ACCELERATIONS = {f"{unit}^2": factor for unit, factor in _RATES.items()} | {
+    "g": 9.80665,
+    "mg": 9.80665e-3,
+    "gal": 1e-2,
+    "mgal": 1e-5,
+}
+
 FACTORS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
     "m": _LENGTHS | _ANGLES,
-    "m/s": {f"{unit}/s": factor for unit, factor in (_LENGTHS | _ANGLES).items()}
-    | {"km/h": 1.0 / 3.6, "rpm": math.pi / 30.0},
+    "m/s": _RATES | {"km/h": 1.0 / 3.6, "rpm": math.pi / 30.0},
+    "m/s^2": _ACCELERATIONS,
     "N": _FORCES | _MOMENTS,
     "1": {
         "1": 1.0, "V": 1.0, "mV": 1e-3, "A": 1.0, "mA": 1e-3, "%": 1.0, "K": 1.0, "degC": 1.0, "Pa": 1.0,
@@ -47,10 +56,15 @@ FACTORS: dict[str, dict[str, float]] = {
 INPUT_UNITS = {"mV": "V", "mA": "A", "kPa": "Pa", "bar": "Pa"}
 """SI unit of an input, where it is another than that of the file."""
 
-TURNING = {"m": "rad", "m/s": "rad/s", "N": "N m"}
-"""SI unit of an angle, its rate or a moment, by that of what it stands for."""
+TURNING = {"m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "N": "N m"}
+"""SI unit of an angle, its rates or a moment, by that of what it stands for."""
 
-_TURNING_UNITS = {*_ANGLES, *(f"{unit}/s" for unit in _ANGLES), "rpm", *_MOMENTS}
+_TURNING_UNITS = {*(f"{unit}{over}" for unit in _ANGLES for over in ("", "/s", "/s^2")), "rpm", *_MOMENTS}
+
+_PER_SECOND_SQUARED = re.compile(r"(/s/s|/s\*{0,2}2|/s\N{SUPERSCRIPT TWO}|[ .*]s\^?-2)$")
+"""Other ways to write /s^2."""
+
+_OTHER_SPELLINGS = {"G": "g", "g_n": "g", "gn": "g", "g0": "g", "mG": "mg", "Gal": "gal", "mGal": "mgal"}
 
 _FACTOR = re.compile(r"^(?P<number>[-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*\*?\s*(?P<unit>.*)$")
 
@@ -63,7 +77,7 @@ def factor(text: str, si: str, what: str) -> float:
     text : str
         A unit (``mm``), a number of SI units (``35.15``) or of other units (``0.5 kN``).
     si : str
-        ``s``, ``m``, ``m/s``, ``N``, or ``1`` for an input.
+        ``s``, ``m``, ``m/s``, ``m/s^2``, ``N``, or ``1`` for an input.
     what : str
         What has the unit, for the sentence.
 
@@ -94,4 +108,7 @@ def _split(text: str, si: str) -> tuple[float, str]:
     """Number and unit of a factor."""
     found = _FACTOR.match(text.strip())
     number, unit = (float(found["number"]), found["unit"] or si) if found else (1.0, text.strip())
-    return number, unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    unit = unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    if si == "m/s^2":
+        unit = _PER_SECOND_SQUARED.sub("/s^2", _OTHER_SPELLINGS.get(unit, unit))
+    return number, unit

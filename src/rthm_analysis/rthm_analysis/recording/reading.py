@@ -20,6 +20,7 @@ from rthm_core.errors import InputError
 from rthm_core.events import read_event
 from rthm_core.spec import Spec, read_spec
 from rthm_core.topics import (
+    ACCELERATION,
     CLOCKS,
     COMMAND,
     DIAGNOSTICS,
@@ -40,7 +41,7 @@ from rthm_core.topics import (
 if TYPE_CHECKING:
     from rthm_core.compiled import Integers
 
-STATES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND, ENERGY, INPUTS)
+STATES = (PLANT_STATE, NUMERICAL_STATE, FORCE_REFERENCE, COMMAND, ENERGY, INPUTS, ACCELERATION)
 
 T = TypeVar("T", Table, LinkTable)
 

@@ -13,13 +13,14 @@ from rthm_analysis.recording.table import LinkTable, Table
 from rthm_core.clock import NS
 from rthm_core.clocks import ENDS, TICKS
 from rthm_core.compiled import Integers
-from rthm_core.topics import COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
+from rthm_core.topics import ACCELERATION, COMMAND, FORCE_REFERENCE, NUMERICAL_STATE, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 OWNERS = {
     PLANT_STATE: "plant",
+    ACCELERATION: "plant",
     NUMERICAL_STATE: "numerical",
     FORCE_REFERENCE: "numerical",
     COMMAND: "actuator",

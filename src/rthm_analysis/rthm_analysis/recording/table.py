@@ -33,7 +33,8 @@ class Table:
     names : tuple of k str
         Column names: degrees of freedom, actuators or energy terms.
     position, velocity, effort : (n, k) arrays
-        m, m/s and N (J for the topic ``energy``, units of their own for inputs).
+        m, m/s and N (J for the topic ``energy``, m/s^2 for ``plant/acceleration``, units of their own for
+        inputs).
     """
 
     stamp_ns: Integers

@@ -18,6 +18,7 @@ DRAWN_AS = {
     "wire": "motor",
     "sensor.position": "sampling",
     "sensor.velocity": "sampling",
+    "sensor.acceleration": "sampling",
     "sensor.force": "sampling",
 }
 """Blocks that share a box of the drawing with another."""

@@ -79,6 +79,8 @@ def _quantity(fit: Fit) -> str:
         return "force (N)"
     if fit.signal == "age":
         return "age (s)"
+    if fit.signal.startswith("acc"):
+        return "acceleration (m/s^2)"
     return "velocity (m/s)" if fit.signal.startswith("v") else "position (m)"
 
 

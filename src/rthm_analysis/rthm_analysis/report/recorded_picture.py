@@ -1,4 +1,4 @@
-"""What was recorded of a plant as a picture: one panel for positions, one for velocities, one for forces."""
+"""What was recorded of a plant as a picture: one panel for each quantity."""
 
 from __future__ import annotations
 
@@ -12,33 +12,41 @@ from rthm_analysis.exchange.mapping import ROLES
 from rthm_analysis.recording import Table
 from rthm_analysis.report.trajectory_picture import write_panels
 from rthm_core.clock import NS
+from rthm_core.topics import ACCELERATION, PLANT_STATE
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
 
-FIELDS = {"position": ("position", "m"), "velocity": ("velocity", "m/s"), "effort": ("force", "N")}
-"""Fields of a table, what they are called, and their units."""
+PANELS = {
+    (PLANT_STATE, "position"): ("position", "m"),
+    (PLANT_STATE, "velocity"): ("velocity", "m/s"),
+    (ACCELERATION, "effort"): ("acceleration", "m/s^2"),
+    (PLANT_STATE, "effort"): ("force", "N"),
+}
+"""Topics and fields, what they are called, and their units."""
 
 
-def draw(table: Table, units: Mapping[tuple[str, str], str], path: Path) -> None:
+def draw(tables: Mapping[str, Table], units: Mapping[tuple[str, str], str], path: Path) -> None:
     """Write a PNG, SVG or PDF file.
 
     Parameters
     ----------
-    table : Table
-        Samples of the plant.
+    tables : mapping
+        Samples of the plant by topic.
     units : mapping
         Units by role and name, where they are not those of the contract.
     path : Path
     """
-    turning = {ROLES[role].field: unit for (role, _), unit in units.items()}
+    turning = {(ROLES[role].topic, ROLES[role].field): unit for (role, _), unit in units.items()}
     panels = {}
-    for field, (words, unit) in FIELDS.items():
+    for (topic, field), (words, unit) in PANELS.items():
+        if (table := tables.get(topic)) is None:
+            continue
         columns = getattr(table, field).T
         curves = {n: one for n, one in zip(table.names, columns, strict=True) if np.isfinite(one).any()}
         if curves:
-            panels[f"{words} ({turning.get(field, unit)})"] = curves
-    write_panels(_seconds(table), panels, path)
+            panels[f"{words} ({turning.get((topic, field), unit)})"] = curves
+    write_panels(_seconds(tables[PLANT_STATE]), panels, path)
 
 
 def _seconds(table: Table) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rthm_core.errors import RefusedError, suggestion
 from rthm_core.topics import LINKS
 
-SENSORS = {"position": "m", "velocity": "m/s", "force": "N"}
+SENSORS = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N"}
 BLOCKS = (
     "plant",
     "wire",
@@ -22,6 +22,7 @@ PLACES = {
     "motor": "actuator",
     "sensor.position": "dof",
     "sensor.velocity": "dof",
+    "sensor.acceleration": "dof",
     "sensor.force": "actuator",
 }
 """Which key of the spec names the place within a block; blocks that are one thing have none."""

@@ -141,3 +141,8 @@ DRIVE_COLOUR_RATIO_TO_WHITE = 2.0
 DRIVE_COLOUR_SHARE_OF_SIGNAL = 0.01
 """Size of an error over that of white noise from which it may be noise with a colour; over that of the
 motion, up to which it may."""
+
+# Accelerometers.
+
+OFFSET_TOLD_STDS = 5.0
+"""Standard deviations from which an offset is told that was taken out."""

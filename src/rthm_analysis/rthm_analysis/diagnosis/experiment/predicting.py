@@ -75,6 +75,7 @@ class Predictor:
         self.channels = [
             *(Channel("position", dof) for dof in spec.plant.dofs),
             *(Channel("velocity", dof) for dof in spec.plant.dofs),
+            *(Channel("acceleration", dof) for dof in spec.plant.dofs),
             *(Channel("force", name) for name in (spec.actuator.names if spec.actuator else ())),
         ]
 
@@ -89,7 +90,7 @@ class Predictor:
         if numerical is not None and m:
             motor[:, :, 0] = load(section).force(points)
         start = arrays._replace(initial=trial.start * arrays.initial)
-        out = np.zeros((points.shape[0], 2 * n + m))
+        out = np.zeros((points.shape[0], 3 * n + m))
         first, state = np.zeros(1, dtype=np.int64), np.ascontiguousarray(start.initial[None, : 2 * n])
         no_motor = np.zeros((points.shape[0], m))
         replay = Replay(self.grid.time, motor, forces, first, state, self.grid.time, no_motor)
@@ -119,7 +120,7 @@ class Predictor:
             return np.empty((out.shape[0], 0))
         loop = self.spec.loop()
         places = [loop.plant.dofs.index(dof) for dof in loop.interface.plant_dof]
-        return np.asarray(out[:, places] + out[:, 2 * n :] / np.array(self.spec.k_tot))
+        return np.asarray(out[:, places] + out[:, 3 * n :] / np.array(self.spec.k_tot))
 
 
 def step_of(spec: Spec) -> float:

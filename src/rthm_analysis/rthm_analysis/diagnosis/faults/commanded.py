@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def told_to(evidence: Evidence, column: int, one: Stretch) -> bool:
     """Whether commands explain that motor or force jump where a stretch begins or ends.
 
-    Positions and velocities of the plant never jump because of a command.
+    The motion of the plant never jumps because of a command.
     """
     channel = evidence.channels[column]
     if channel.family not in ("force", "motor") or not evidence.commands.size:
@@ -28,10 +28,10 @@ def told_to(evidence: Evidence, column: int, one: Stretch) -> bool:
 
 
 def is_real(evidence: Evidence, column: int, one: Stretch) -> bool:
-    """Whether zeros may be true: commanded, or of a velocity whose position stands still, or is not known."""
+    """Whether zeros may be true: commanded, or of rates whose position stands still, or is not known."""
     channel = evidence.channels[column]
     position = Channel("position", channel.place)
-    if channel.family != "velocity":
+    if channel.family not in ("velocity", "acceleration"):
         return told_to(evidence, column, one)
     if position not in evidence.channels:
         return True

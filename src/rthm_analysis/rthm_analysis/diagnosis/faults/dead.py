@@ -6,7 +6,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.samples import DEAD_COMMAND_RATIO
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
-from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.spec import Spec
 
@@ -27,10 +27,9 @@ def find_dead(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
 
 def _denied(evidence: Evidence, spec: Spec, channel: Channel) -> bool:
     """Whether another channel shows that this one should change."""
-    if channel.family == "velocity":
-        return _travel(evidence, Channel("position", channel.place)) > 0.0
-    if channel.family == "position":
-        return _travel(evidence, Channel("velocity", channel.place)) > 0.0
+    if channel.family in MOTION:
+        others = (one for one in ("position", "velocity") if one != channel.family)
+        return any(_travel(evidence, Channel(one, channel.place)) > 0.0 for one in others)
     goes_slack = any(e.law.changes == "pretension" for e in spec.effects)
     if spec.actuator is None or not evidence.due_ns.size or goes_slack:
         return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.relations import Wire, wires_of
 from rthm_analysis.diagnosis.faults.smooth import channel_at
 from rthm_analysis.diagnosis.faults.stretches import filled, with_column
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
@@ -23,13 +24,14 @@ if TYPE_CHECKING:
 def find_delays(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     """Find channels that are late or early by a constant time, and move them back.
 
-    A velocity is compared with the rate of its position. Where the two disagree and the dof has a wire whose
-    force and motor were measured, these say which of the two is late; else the velocity is taken to be.
+    A velocity is compared with the rate of its position, an acceleration with that of the velocity, or of the
+    position. Where the two disagree and the dof has a wire whose force and motor were measured, these say
+    whether the position is late; else the rate is taken to be.
     """
     assert spec.plant is not None
     faults: list[Fault] = []
-    for dof in spec.plant.dofs:
-        evidence, found = _kinematic(evidence, spec, dof)
+    for dof, family in product(spec.plant.dofs, MOTION[1:]):
+        evidence, found = _kinematic(evidence, spec, Channel(family, dof))
         faults += found
     for wire in wires_of(spec):
         evidence, found = _elastic(evidence, wire)
@@ -37,16 +39,22 @@ def find_delays(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
     return evidence, faults
 
 
-def _kinematic(evidence: Evidence, spec: Spec, dof: str) -> tuple[Evidence, list[Fault]]:
-    """Compare a velocity with the rate of its position."""
-    x, v = channel_at(evidence, "position", dof), channel_at(evidence, "velocity", dof)
-    if x is None or v is None:
+def _kinematic(evidence: Evidence, spec: Spec, channel: Channel) -> tuple[Evidence, list[Fault]]:
+    """Compare a velocity or an acceleration with the rate of the motion that is nearest to it."""
+    slower = MOTION[MOTION.index(channel.family) - 1 :: -1]
+    known = [
+        (k, x)
+        for k, one in enumerate(slower, 1)
+        if (x := channel_at(evidence, one, channel.place)) is not None
+    ]
+    if channel not in evidence.channels or not known:
         return evidence, []
-    position, velocity = (filled(evidence.measured[:, column]) for column in (x, v))
-    found = late(position, velocity, _step(evidence), rate=True)
+    (rate, x), v = known[0], evidence.channels.index(channel)
+    slow, fast = (filled(evidence.measured[:, column]) for column in (x, v))
+    found = late(slow, fast, _step(evidence), rate=rate)
     if found is None:
         return evidence, []
-    if _position_is_late(evidence, spec, dof, found):
+    if evidence.channels[x].family == "position" and _position_is_late(evidence, spec, channel.place, found):
         return _corrected(evidence, x, -found.delay)
     return _corrected(evidence, v, found.delay)
 

@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.faults.relations import (
     Name,
     Relation,
     Wire,
+    accelerated,
     corrected,
     exchanged,
     followed,
@@ -91,7 +92,7 @@ def _factors(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> 
     """Recorded over true value of each signal that has another sign or unit.
 
     Commands are what they are; they tell the motors, motors tell the positions at the other end of their
-    wires, and positions the velocities.
+    wires, and each motion tells its rate.
     """
     found: dict[Name, float] = {}
     for wire in wires:
@@ -100,9 +101,10 @@ def _factors(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> 
             _note(found, ("motor", wire.actuator), motor.gain)
         _note_wire(found, smooth, wire)
     for dof in dofs:
-        relation = kinematic(smooth, dof)
-        if relation is not None and abs(relation.correlation) > RELATED_CORRELATION:
-            _note(found, ("velocity", dof), relation.gain * found.get(("position", dof), 1.0))
+        for relation in (kinematic(smooth, dof), accelerated(smooth, dof)):
+            if relation is not None and abs(relation.correlation) > RELATED_CORRELATION:
+                slow, rate = relation.signals
+                _note(found, rate, relation.gain * found.get(slow, 1.0))
     return found
 
 

@@ -26,7 +26,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.smooth import channel_at, good_length
 from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
-from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.substructure import natural_frequencies
@@ -190,12 +190,11 @@ def _is_motion(evidence: Evidence, column: int, line: Line) -> bool:
     """Whether another channel shows what a motion with this line would make there."""
     channel, omega = evidence.channels[column], 2.0 * np.pi * line.frequency
     shows = [(evidence.load[:, i], 0.0) for i in range(evidence.load.shape[1])]
-    if channel.family in ("position", "velocity"):
-        other = "velocity" if channel.family == "position" else "position"
-        partner = channel_at(evidence, other, channel.place)
-        ratio = omega if channel.family == "position" else 1.0 / omega
-        if partner is not None:
-            shows.append((filled(evidence.measured[:, partner]), ratio))
+    if channel.family in MOTION:
+        for rates, other in enumerate(MOTION, -MOTION.index(channel.family)):
+            partner = channel_at(evidence, other, channel.place)
+            if rates and partner is not None:
+                shows.append((filled(evidence.measured[:, partner]), omega**rates))
     else:
         for i, one in enumerate(evidence.channels):
             if one.family in ("force", "motor") and one.family != channel.family:

@@ -21,7 +21,7 @@ from rthm_analysis.diagnosis.faults.plant import plant_seen
 from rthm_analysis.diagnosis.faults.scaling import FACTORS, factor_fault
 from rthm_analysis.diagnosis.faults.smooth import smoothed
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 
 if TYPE_CHECKING:
@@ -99,28 +99,33 @@ def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | N
 def _position(
     evidence: Evidence, channel: Channel, factor: float, shown: str
 ) -> tuple[Evidence, list[Fault]]:
-    """Correct a position, and its velocity with it: these two agree."""
-    both = [one for one in (channel, Channel("velocity", channel.place)) if one in evidence.channels]
-    faults = [factor_fault(one, factor, shown) for one in both]
-    return scaled(evidence, {(one.family, one.place): factor for one in both}), faults
+    """Correct a position, and its rates with it: these agree."""
+    every = [one for one in _motion_of(channel.place) if one in evidence.channels]
+    faults = [factor_fault(one, factor, shown) for one in every]
+    return scaled(evidence, {(one.family, one.place): factor for one in every}), faults
+
+
+def _motion_of(dof: str) -> list[Channel]:
+    return [Channel(family, dof) for family in MOTION]
 
 
 def told_by_one(evidence: Evidence, faults: list[Fault], spec: Spec) -> tuple[Evidence, list[Fault]]:
-    """One wrong position in place of a wrong velocity, where the known force says so.
+    """One wrong position in place of wrong rates, where the known force says so.
 
-    A velocity is judged by the rate of the position: where the position is wrong, the velocity is found to
-    be, and the known force does not fit the motion.
+    Rates are judged by the position: where that is wrong, they are found to be, and the known force does not
+    fit the motion.
     """
     if evidence.driven_by != "force" or spec.plant is None or len(spec.plant.dofs) != 1:
         return evidence, faults
-    position, velocity = (Channel(family, spec.plant.dofs[0]) for family in ("position", "velocity"))
-    found = next((one for one in faults if one.channel == field_of(velocity) and one.kind in FACTORS), None)
-    if found is None or not found.value:
+    motion = [one for one in _motion_of(spec.plant.dofs[0]) if one in evidence.channels]
+    rates = motion[1:]
+    wrong = [one for one in faults if one.channel in map(field_of, rates) and one.kind in FACTORS]
+    if len(wrong) < len(rates) or not wrong or not wrong[0].value:
         return evidence, faults
-    factor = 1.0 / found.value
-    moved = scaled(evidence, {(one.family, one.place): factor for one in (position, velocity)})
+    factor = 1.0 / wrong[0].value
+    moved = scaled(evidence, {(one.family, one.place): factor for one in motion})
     before, after = _force_ratios(evidence, spec), _force_ratios(moved, spec)
     if not after or not _agree(after, 1.0) or _agree(before, 1.0):
         return evidence, faults
-    alone = factor_fault(position, factor, "what its velocity and the known force ask for")
-    return moved, [alone, *(one for one in faults if one is not found)]
+    alone = factor_fault(motion[0], factor, f"what its {rates[0].family} and the known force ask for")
+    return moved, [alone, *(one for one in faults if one not in wrong)]

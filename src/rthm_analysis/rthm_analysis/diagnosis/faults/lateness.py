@@ -68,16 +68,18 @@ class Response:
         return float(np.sum(np.square(wanted - columns @ found))), float(found[1] / found[0])
 
 
-def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) -> Late | None:
+def late(reference: Floats, signal: Floats, step: float, *, rate: int = 0) -> Late | None:
     """Delay of `signal` after `reference`, both (s,), of any gain; None where there is none, or it is a lag.
 
-    With `rate` the reference is a position, and the signal is compared with its rate. A delay
+    With a `rate` the signal is compared with the first or second derivative of the reference. A delay
     turns phases in proportion to the frequency and leaves amplitudes; a first-order lag, of the one
     or of the other, loses amplitude with the frequency. Both are tried in time, so that strong lines do
     not leak
     into the comparison.
     """
-    known = np.gradient(reference, step) if rate else reference
+    known = reference
+    for _ in range(rate):
+        known = np.gradient(known, step)
     first = _response(known, signal, step, rate)
     if first is None:
         return None
@@ -99,7 +101,7 @@ def late(reference: Floats, signal: Floats, step: float, *, rate: bool = False) 
 
 
 def _aligned(
-    known: Floats, signal: Floats, about: float, step: float, rate: bool
+    known: Floats, signal: Floats, about: float, step: float, rate: int
 ) -> tuple[float, float, Response] | None:
     """Delay, what it leaves, and the response that is left, after a few steps towards the best delay."""
     at = np.arange(signal.size) * step
@@ -116,7 +118,7 @@ def _aligned(
     return found
 
 
-def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Response | None:
+def _response(reference: Floats, signal: Floats, step: float, rate: int) -> Response | None:
     """How a signal follows another; None where they have too few frequencies in common."""
     seen = spectra(np.column_stack([reference, signal]), step)
     kept = seen.coherence(0, 1) > LATENESS_COHERENCE
@@ -125,7 +127,7 @@ def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Res
     omega, coherence = seen.omega[kept], seen.coherence(0, 1)[kept]
     value = seen.cross[kept, 0, 1] / seen.cross[kept, 0, 0].real
     if rate:  # what differences of samples lose
-        value = value * np.sin(omega * step) / (omega * step)
+        value = value * (np.sin(omega * step) / (omega * step)) ** rate
     sampling = (
         SAMPLED_GAIN_STD + np.square(omega * step) / 8.0
     )  # the latter is what straight lines between samples lose
@@ -133,7 +135,7 @@ def _response(reference: Floats, signal: Floats, step: float, rate: bool) -> Res
     return Response(omega, value, 1.0 / (share * np.abs(value) ** 2))
 
 
-def _left_by_lag(first: Response, known: Floats, signal: Floats, step: float, rate: bool) -> float:
+def _left_by_lag(first: Response, known: Floats, signal: Floats, step: float, rate: int) -> float:
     """What is left where the signal lags behind the reference, or this behind the signal."""
     lags = np.geomspace(0.2 * step, 2.0 * LONGEST_LATENESS, 120)
     shapes = 1.0 / (1.0 + 1j * np.outer(lags, first.omega))

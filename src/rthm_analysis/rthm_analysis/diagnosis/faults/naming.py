@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from rthm_analysis.diagnosis.replay.evidence import Channel
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel
 from rthm_analysis.diagnosis.result import Fault
 
-FIELDS = {"position": "position", "velocity": "velocity", "force": "effort", "motor": "position"}
-"""Field of ``JointState`` that has a family."""
+FIELDS = {family: family for family in MOTION} | {"force": "effort", "motor": "position"}
+"""What follows the place in the name of a channel: its field of ``JointState``, or the quantity itself."""
 
 BLOCKS = {
     "position": "sensor.position",
     "velocity": "sensor.velocity",
+    "acceleration": "sensor.acceleration",
     "force": "sensor.force",
     "motor": "motor",
     "load": "sensor.force",
@@ -20,6 +21,7 @@ BLOCKS = {
 WORDS = {
     "position": "the position of {}",
     "velocity": "the velocity of {}",
+    "acceleration": "the acceleration of {}",
     "force": "the force of {}",
     "motor": "the motor position of {}",
     "load": "the known force on {}",

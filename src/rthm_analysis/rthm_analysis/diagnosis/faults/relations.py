@@ -99,6 +99,15 @@ def kinematic(smooth: Smooth, dof: str) -> Relation | None:
     return Relation((x, v), *related(smooth.rates[x], smooth.values[v]), KINEMATIC_GAIN)
 
 
+def accelerated(smooth: Smooth, dof: str) -> Relation | None:
+    """``a = dv/dt`` at a dof, or ``d2x/dt2`` where its velocity is not measured."""
+    x, v, a = (("position", dof), ("velocity", dof), ("acceleration", dof))
+    if a not in smooth.values or not (v in smooth.values or x in smooth.values):
+        return None
+    slow, rate = (v, smooth.rates[v]) if v in smooth.values else (x, smooth.seconds[x])
+    return Relation((slow, a), *related(rate, smooth.values[a]), KINEMATIC_GAIN)
+
+
 def followed(smooth: Smooth, wire: Wire) -> Relation | None:
     """The motor's position is what was commanded."""
     u, c = ("motor", wire.actuator), ("command", wire.actuator)
@@ -133,7 +142,7 @@ def wire_signals(smooth: Smooth, wire: Wire) -> tuple[Name, Name, Name] | None:
 
 def relations(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) -> list[Relation]:
     """All relations between what was measured."""
-    all_of_them = [kinematic(smooth, dof) for dof in dofs]
+    all_of_them = [of(smooth, dof) for dof in dofs for of in (kinematic, accelerated)]
     for wire in wires:
         all_of_them += [followed(smooth, wire), elastic(smooth, wire)]
     return [one for one in all_of_them if one is not None]
@@ -141,10 +150,12 @@ def relations(smooth: Smooth, dofs: tuple[str, ...], wires: tuple[Wire, ...]) ->
 
 def exchanged(smooth: Smooth, one: Name, other: Name) -> Smooth:
     """Smoothed signals in which two have changed their places."""
-    values, rates = dict(smooth.values), dict(smooth.rates)
-    for known in (values, rates):
-        known[one], known[other] = known[other], known[one]
-    return replace(smooth, values=values, rates=rates)
+    places = {one: other, other: one}
+
+    def over(known: dict[Name, Floats]) -> dict[Name, Floats]:
+        return {places.get(name, name): column for name, column in known.items()}
+
+    return replace(smooth, values=over(smooth.values), rates=over(smooth.rates), seconds=over(smooth.seconds))
 
 
 def corrected(smooth: Smooth, factors: dict[Name, float]) -> Smooth:

@@ -15,6 +15,7 @@ FACTORS = ("sign", "unit")
 SHOWN_BY = {
     "position": "the position that the wire's force and the motor give",
     "velocity": "the rate of the recorded position",
+    "acceleration": "the rate of the recorded motion",
     "motor": "the commands",
     "force": "what the wire's stiffness makes of its elongation",
     "load": "the force that the recorded motion needs",

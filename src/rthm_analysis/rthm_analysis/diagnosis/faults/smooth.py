@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.criteria.signals import (
     SMOOTH_REACH_STDS,
 )
 from rthm_analysis.diagnosis.faults.stretches import filled, flagged, held_commands, stretches
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
@@ -44,7 +44,7 @@ class Smooth:
     values, rates : dict of (p,) arrays
         By family and place; ``("command", actuator)`` and ``("load", dof)`` are among them.
     seconds : dict of (p,) arrays
-        Second derivatives, of the positions.
+        Second derivatives, of the motion.
     """
 
     width: float
@@ -93,7 +93,7 @@ def smoothed(evidence: Evidence, dofs: tuple[str, ...], actuators: tuple[str, ..
         spectrum = np.fft.rfft(whole - whole.mean(), padded) * bell
         values[name] = np.fft.irfft(spectrum, padded)[rows] + whole.mean()
         rates[name] = np.fft.irfft(1j * omega * spectrum, padded)[rows]
-        if name[0] == "position":
+        if name[0] in MOTION:
             seconds[name] = np.fft.irfft(-np.square(omega) * spectrum, padded)[rows]
     return Smooth(width, step, rows, values, rates, seconds)
 

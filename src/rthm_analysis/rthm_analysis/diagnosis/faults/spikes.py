@@ -52,7 +52,7 @@ def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
     """Leave out the spikes of all channels, and tell them.
 
     Motor and force follow the commands, and the force follows the motor: what these do at the same time is
-    no fault of the sensor behind them.
+    no fault of the sensor behind them. An acceleration that leaves its neighbours may be an impact.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def find_spikes(evidence: Evidence) -> tuple[Evidence, list[Fault]]:
     faults = []
     seen = evidence
     for column, channel in enumerate(seen.channels):
-        found = _spikes(seen.measured[:, column])
+        found = [] if channel.family == "acceleration" else _spikes(seen.measured[:, column])
         if found and channel.family in ("force", "motor"):
             real = np.maximum(
                 _passed_on(seen, column), SPIKE_TO_LARGE_STEPS * _busy(filled(seen.measured[:, column]))

@@ -19,6 +19,7 @@ RATIOS: dict[str, dict[str, float]] = {
     "position": _LENGTHS,
     "motor": _LENGTHS,
     "velocity": {f"{unit}/s": ratio for unit, ratio in _LENGTHS.items()} | {"km/h": 3.6, "rpm": 30.0 / np.pi},
+    "acceleration": {f"{unit}/s^2": ratio for unit, ratio in _LENGTHS.items()} | {"g": 1.0 / 9.80665},
     "force": {
         "mN": 1e3,
         "kN": 1e-3,
@@ -38,7 +39,7 @@ def known_factor(gain: float, family: str, more: float = 0.0) -> float | None:
     gain : float
         As it was measured.
     family : str
-        ``position``, ``velocity``, ``force``, ``motor`` or ``load``.
+        ``position``, ``velocity``, ``acceleration``, ``force``, ``motor`` or ``load``.
     more : float
         Relative uncertainty of the gain itself; where it is large, ratios below a hundred are no evidence.
 

@@ -39,6 +39,7 @@
 ``rounding``     sensors whose readings lie on a lattice
 ``curves``       force that the plant lacks, over the variable that explains it best
 ``wire_curves``  the same of a wire
+``offsets``      offsets of accelerometers
 ``work``         energy of what was found
 ``findings``     from what was found to a `Part`
 ===============  ==============================================================================

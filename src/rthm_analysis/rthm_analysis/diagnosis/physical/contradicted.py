@@ -13,16 +13,21 @@ from rthm_analysis.diagnosis.criteria.noise import (
 )
 from rthm_analysis.diagnosis.physical.remainder import averages
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.evidence import Channel
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel
 from rthm_core.compiled import Floats
 from rthm_core.substructure import interface, substructure
 
-PARTNERS = {"position": ("velocity", "force"), "velocity": ("position",), "force": ("position",)}
+PARTNERS = {
+    "position": ("velocity", "force"),
+    "velocity": ("position",),
+    "acceleration": ("velocity", "position"),
+    "force": ("position",),
+}
 """Signals of the same dof in which errors of a signal would show."""
 
 
 def denied(physical: Physical, predicted: Floats, channel: int) -> bool:
-    """Whether what is left of a position or velocity is no motion, since another signal of the dof does not
+    """Whether what is left of a position or a rate is no motion, since another signal of the dof does not
     show it; or what is left of a force no force, since the plant does not move by it.
 
     Such errors are the sensor's own: noise that wanders within the band of the motion, where its spectrum
@@ -93,7 +98,10 @@ def _shown(slow: Floats, families: tuple[str, str], step: float, response: Float
     """What errors of a signal would make of another."""
     if "force" in families:
         return np.fft.irfft(np.fft.rfft(slow - slow.mean()) * response, slow.size)
-    if families[0] == "position":
-        return np.asarray(np.gradient(slow, step))
-    moved, at = np.cumsum(slow - slow.mean()) * step, np.arange(slow.size)
-    return np.asarray(moved - np.polyval(np.polyfit(at, moved, 2), at))
+    rates = MOTION.index(families[1]) - MOTION.index(families[0])
+    for _ in range(rates):
+        slow = np.gradient(slow, step)
+    for _ in range(-rates):
+        moved, at = np.cumsum(slow - slow.mean()) * step, np.arange(slow.size)
+        slow = moved - np.polyval(np.polyfit(at, moved, 2), at)
+    return slow

@@ -26,6 +26,7 @@ from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
+from rthm_analysis.diagnosis.physical.offsets import offsets
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.shown_kinds import with_shown_kind
@@ -113,6 +114,7 @@ def physical_part(physical: Physical) -> Part:
             *physical.evidence.notes,
             *_on_the_load(physical),
             *inseparable(physics),
+            *offsets(physical, runs["explained"].predicted),
             *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),
             *filter(None, [physical.fitting.budget.note]),
         ),

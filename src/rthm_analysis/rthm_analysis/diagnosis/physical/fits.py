@@ -6,6 +6,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, spread
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.evidence import MOTION
 from rthm_analysis.diagnosis.replay.windows import Windows, state_at
 from rthm_analysis.diagnosis.result import Fit, FreeRun, RecordingFit
 
@@ -15,10 +16,11 @@ SIGNAL_OF = {
     "motor": "motor",
     "sensor.position": "position",
     "sensor.velocity": "velocity",
+    "sensor.acceleration": "acceleration",
     "sensor.force": "force",
 }
 
-BLOCK_OF = {"position": "plant", "velocity": "plant", "force": "wire"}
+BLOCK_OF = dict.fromkeys(MOTION, "plant") | {"force": "wire"}
 
 
 def channel_of(physical: Physical, block: str) -> int | None:

@@ -7,6 +7,7 @@ import numpy as np
 from rthm_analysis.diagnosis.physical.fits import channel_of
 from rthm_analysis.diagnosis.physical.judged import Simulated
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.experiment import SENSORS
 from rthm_analysis.diagnosis.result import Mismatch
 from rthm_core.compiled import Floats
 
@@ -16,7 +17,7 @@ def mismatches(physical: Physical, runs: dict[str, Simulated], located: set[str]
     measured, settled = physical.evidence.measured, runs["nominal"].predicted
     residual = measured - settled
     found = []
-    for block in ("plant", "wire", "sensor.position", "sensor.velocity", "sensor.force"):
+    for block in ("plant", "wire", *SENSORS):
         k = channel_of(physical, block)
         if k is None:
             continue

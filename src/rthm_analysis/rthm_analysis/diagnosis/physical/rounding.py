@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     ROUNDING_STEP_RATIO,
 )
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.evidence import UNIT_OF
 from rthm_analysis.diagnosis.replay.readings import lattice
 from rthm_analysis.diagnosis.result import Physics, Value
 from rthm_analysis.diagnosis.words import physics_words
@@ -33,7 +34,7 @@ def rounded_sensors(physical: Physical, predicted: Floats) -> list[Physics]:
         left = float(np.sqrt(np.nanmean(np.square(measured - predicted[: physical.train, k]))))
         if step is None or step < ROUNDING_STEP_RATIO * left:
             continue
-        values: dict[str, Value | str] = {"step": Value(step, 1e-6 * step, _unit(channel.family))}
+        values: dict[str, Value | str] = {"step": Value(step, 1e-6 * step, UNIT_OF[channel.family])}
         kind = changing(block, "step").kind
         words = physics_words(block, kind, channel.place, values, float("nan"), 0.0)
         found.append(Physics(block, kind, channel.place, values, words, 0.0, 0.0))
@@ -55,7 +56,3 @@ def rounded_section(one: Physics) -> dict[str, Any]:
     step = one.parameters["step"]
     assert isinstance(step, Value)
     return {"block": one.block, "kind": one.kind, **placed(one.block, str(one.place)), "step": step.value}
-
-
-def _unit(family: str) -> str:
-    return {"position": "m", "velocity": "m/s", "force": "N"}[family]

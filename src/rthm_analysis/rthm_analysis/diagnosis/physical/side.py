@@ -24,7 +24,7 @@ from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.motor_composing import with_formula
 from rthm_analysis.diagnosis.physical.whitening import whitened
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -111,7 +111,7 @@ def diagnose_physical(
     if evidence.only("motor").channels:
         progress("checking the motors")
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
-    seen = evidence.only("position", "velocity", "force")
+    seen = evidence.only(*MOTION, "force")
     settled = drives.model
     begun, *others = whitened(begin(seen, settled, first, train, progress))
     if (more := with_formula(drives, begun, evidence, spec, first)) is not None:
@@ -158,7 +158,7 @@ def _of_plain_kinds(
 def _over_everything(begun: Baseline, seen: Evidence, first: Floats) -> Experiment:
     """Simulations of the whole recording, as exact as those of its first part."""
     part = begun.fitting.experiment
-    experiment = Experiment(seen, first, between=part.between, sharp=part.sharp)
+    experiment = Experiment(seen, first, between=part.between, sharp=part.sharp, seen=seen.trained)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
     return experiment
 

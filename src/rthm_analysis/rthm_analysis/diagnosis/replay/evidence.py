@@ -19,10 +19,12 @@ from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.diagnosis.replay.resting import rest_begin, rests
 from rthm_analysis.recording import Recording, hold
+from rthm_analysis.recording.table import rows_of
 from rthm_core.clock import NS
+from rthm_core.errors import InputError
 from rthm_core.link import Link
 from rthm_core.schedule import overtaking
-from rthm_core.topics import COMMAND, INPUTS
+from rthm_core.topics import ACCELERATION, COMMAND, INPUTS
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -30,11 +32,18 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
-CHANNELS = ("position", "velocity", "force", "motor")
+MOTION = ("position", "velocity", "acceleration")
+"""Families of measured signals of a dof, each the rate of the one before."""
+
+CHANNELS = (*MOTION, "force", "motor")
 """Families of measured signals of the physical side."""
 
 
-UNIT_OF = {"position": "m", "velocity": "m/s", "force": "N", "motor": "m"}
+UNIT_OF = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2", "force": "N", "motor": "m"}
+
+
+RATES = {"velocity": "v", "acceleration": "acc"}
+"""What the names of their signals begin with; a1 would be an actuator."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +55,14 @@ class Channel:
 
     @property
     def signal(self) -> str:
-        """Name for the eye: x1, v1, F and u where there is one of each."""
+        """Name for the eye: x1, v1, acc1, F and u where there is one of each."""
         number = (
             self.place[1:] if self.place[:1] in ("x", "a") and self.place[1:].isdigit() else f"_{self.place}"
         )
         if self.family == "position":
             return self.place
-        if self.family == "velocity":
-            return f"v{number}"
+        if self.family in RATES:
+            return f"{RATES[self.family]}{number}"
         return ("F" if self.family == "force" else "u") + (number if number != "1" else "")
 
 
@@ -201,7 +210,13 @@ class Evidence:
 
 
 def gather(recording: Recording, spec: Spec) -> Evidence:
-    """Collect what drives the physical side and what was measured of it."""
+    """Collect what drives the physical side and what was measured of it.
+
+    Raises
+    ------
+    InputError
+        Nothing was measured of a plant under known forces, or its acceleration alone.
+    """
     assert spec.plant is not None
     plant = recording.plant
     stamps = plant.stamp_ns - recording.start_ns
@@ -226,19 +241,20 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
             "what it does."
         )
     channels, columns = [], []
-    for family, field, places in (
-        ("position", "position", dofs),
-        ("velocity", "velocity", dofs),
-        ("force", "effort", names),
-        ("motor", "position", names),
+    for family, places, values in (
+        ("position", dofs, plant.columns("position", dofs)),
+        ("velocity", dofs, plant.columns("velocity", dofs)),
+        ("acceleration", *_accelerations(recording, dofs, notes)),
+        ("force", names, plant.columns("effort", names)),
+        ("motor", names, plant.columns("position", names)),
     ):
-        values = plant.columns(field, places)
         for place, column in zip(places, values.T, strict=True):
             if np.isfinite(column).mean() > CHANNEL_FEWEST_SHARE:
                 channels.append(Channel(family, place))
                 columns.append(column)
             else:
                 notes.append(f"The {family} of {place} is not recorded.")
+    _check_motion(recording, channels, "command" if due.size else "force")
     return Evidence(
         stamps,
         due,
@@ -250,6 +266,38 @@ def gather(recording: Recording, spec: Spec) -> Evidence:
         tuple(notes),
         under_way,
     )
+
+
+def _check_motion(recording: Recording, channels: list[Channel], driven_by: str) -> None:
+    """Raise InputError where nothing says around which position, and from where, a plant moves."""
+    families = {one.family for one in channels}
+    if families & {"position", "velocity"} or (families and driven_by == "command"):
+        return
+    has = "the acceleration of its plant alone" if families else "nothing of the motion of its plant"
+    raise InputError(
+        f"{recording.path} has {has}: where a motion begins, and around which position, does not show in an "
+        "acceleration, which has an offset of its own; record a position or a velocity beside it."
+    )
+
+
+def _accelerations(
+    recording: Recording, dofs: tuple[str, ...], notes: list[str]
+) -> tuple[tuple[str, ...], Floats]:
+    """Dofs of which an acceleration is recorded, and these at the samples of the plant (s, k), m/s^2; NaN
+    where the accelerometer has no sample of that instant.
+    """
+    table, stamps = recording.tables.get(ACCELERATION), recording.plant.stamp_ns
+    if table is None:
+        return (), np.empty((stamps.size, 0))
+    seen = tuple(dof for dof in dofs if dof in table.names)
+    row, found = rows_of(table.stamp_ns, stamps)
+    if not found.any():
+        notes.append(
+            f"No sample of {ACCELERATION} has the stamp of one of plant/state, so that accelerations are not "
+            "used: resample both to the same instants."
+        )
+        return (), np.empty((stamps.size, 0))
+    return seen, np.where(found[:, None], table.columns("effort", seen)[row], np.nan)
 
 
 def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats:  # type: ignore[no-untyped-def]

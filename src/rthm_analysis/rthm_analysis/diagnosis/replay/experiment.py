@@ -11,14 +11,14 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.replay import LONGEST_GRID_INTERVAL_NS, MOTIONS_KEPT, WIRELESS_STEP_COST
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.budget import Budget
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, on_columns, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
-from rthm_analysis.diagnosis.replay.sensing import lagged, sensed, time_constant
+from rthm_analysis.diagnosis.replay.sensing import lagged, levelled, sensed, time_constant
 from rthm_core.spec import apply
 from rthm_core.spec.effect import sizes
 
@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.windows import Windows
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
+    from rthm_core.spec.schema import EffectSpec
 
 
-SENSORS = ("sensor.position", "sensor.velocity", "sensor.force")
+SENSORS = tuple(f"sensor.{family}" for family in (*MOTION, "force"))
 
 
 class Inputs(NamedTuple):
@@ -64,13 +65,14 @@ class Motion(NamedTuple):
 
     Attributes
     ----------
-    position, velocity : (..., n) arrays
+    position, velocity, acceleration : (..., n) arrays
     force, motor : (..., m) arrays
         Wire forces and motor positions.
     """
 
     position: Floats
     velocity: Floats
+    acceleration: Floats
     force: Floats
     motor: Floats
 
@@ -94,6 +96,8 @@ class Experiment:
         What tells the loads, where it has more samples than `evidence`, as in a draft; its steps are coarser.
     budget : Budget
         Charged with every prediction, whether its motion was kept or not.
+    seen : int, optional
+        Samples from which the offsets of accelerometers are taken; by default all.
     """
 
     evidence: Evidence
@@ -103,6 +107,7 @@ class Experiment:
     sharp: bool = False
     loads: Evidence | None = None
     budget: Budget = field(default_factory=Budget)
+    seen: int | None = None
     _motors: dict[str, Inputs] = field(default_factory=dict)
     _motions: dict[str, tuple[Motion, int]] = field(default_factory=dict)
     _grids: dict[tuple[int, int, bool], Grid] = field(default_factory=dict)
@@ -184,24 +189,35 @@ class Experiment:
             results[key] = value
 
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
-        """What the sensors of `spec` would have read, without noise: (s, k), one column per channel."""
+        """What the sensors of `spec` would have read, without noise: (s, k), one column per channel.
+
+        Accelerations have the offset that leaves least of each recording: every accelerometer has one.
+        """
         assert spec.plant is not None
         bare, channels = _without_sensors(spec), self.evidence.channels
-        effects = [_effects_on(spec, channel) for channel in channels]
+        effects = [effects_on(spec, channel) for channel in channels]
         lags = [time_constant(some) for some in effects]
         between = any(lags)
         motion, steps = self._motion(bare, _key(bare, windows), windows, between=between)
         inputs = self._inputs(spec) if between else None
         columns = []
         for channel, some, lag in zip(channels, effects, lags, strict=True):
-            places = spec.plant.dofs if channel.family in ("position", "velocity") else spec.actuator.names  # type: ignore[union-attr]
+            places = spec.plant.dofs if channel.family in MOTION else spec.actuator.names  # type: ignore[union-attr]
             reading = getattr(motion, channel.family)[..., places.index(channel.place)]
             if inputs is not None:
                 lagging = lagged(inputs.fine.time, reading, lag) if lag else reading[:, 0]
                 reading = lagging[inputs.samples]
             columns.append(sensed(self.evidence.time, reading, some))
         self.budget.charge(steps if spec.actuator else WIRELESS_STEP_COST * steps)
+        self._level(columns)
         return np.stack(columns, axis=1)
+
+    def _level(self, columns: list[Floats]) -> None:
+        """Give accelerations their offsets."""
+        e, seen = self.evidence, self.evidence.stamps_ns.size if self.seen is None else self.seen
+        for k, channel in enumerate(e.channels):
+            if channel.family == "acceleration":
+                columns[k] = levelled(columns[k], e.measured[:, k], e.recordings, seen)
 
     @property
     def _motors_alone(self) -> bool:
@@ -215,19 +231,19 @@ class Experiment:
         seen = course if between else np.ascontiguousarray(course[samples, 0])
         if self._motors_alone:
             nothing = np.empty((*time.shape, 0))
-            return Motion(nothing, nothing, nothing, seen), time.size
+            return Motion(nothing, nothing, nothing, nothing, seen), time.size
         arrays = mechanics(spec, motor[0, 0])
         load = on_columns(arrays, known, hidden_loads(spec, points), further)
         longest = float(np.diff(points.time).max(initial=0.0))
-        out = np.zeros((time.size, 2 * n + m))
+        out = np.zeros((time.size, 3 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
         steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self.is_draft)
         sample, seen_motor = time.ravel(), seen.reshape(time.size, m)
         replay = Replay(points.time, motor, load, starts, windows.state, sample, seen_motor)
         replay_mechanics(arrays, replay, steps, out, working(arrays))
-        x, v, force = np.split(out.reshape(*time.shape, 2 * n + m), [n, 2 * n], axis=-1)
-        return Motion(x, v, force, seen), worth(spec) * steps * points.time.size + time.size
+        x, v, a, force = np.split(out.reshape(*time.shape, 3 * n + m), [n, 2 * n, 3 * n], axis=-1)
+        return Motion(x, v, a, force, seen), worth(spec) * steps * points.time.size + time.size
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""
@@ -291,5 +307,6 @@ def _without_sensors(spec: Spec) -> Spec:
     return apply(spec, {"effects": [e.name for e in spec.effects if e.block not in SENSORS]})
 
 
-def _effects_on(spec: Spec, channel: Channel) -> list:  # type: ignore[type-arg]
+def effects_on(spec: Spec, channel: Channel) -> list[EffectSpec]:
+    """What a spec says that is wrong with the sensor of a channel."""
     return [e for e in spec.effects if e.block == f"sensor.{channel.family}" and e.place == channel.place]

@@ -12,7 +12,7 @@ from rthm_analysis.diagnosis.replay.mechanics import Mechanics
 from rthm_analysis.diagnosis.replay.steps import Replay, Working, at, step_to_switch, working
 from rthm_analysis.diagnosis.replay.switching import follow, switch
 from rthm_core.compiled import Floats, copy_into
-from rthm_core.energy import cubic
+from rthm_core.energy import cubic, cubic_slope
 from rthm_core.physical.flow import settle_wires, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, TRIAL, rate
 
@@ -24,7 +24,9 @@ SWITCHES_OF_AN_INTERVAL = 20
 
 @inlined
 def _see(model, replay, working, s, t, h, out):  # type: ignore[no-untyped-def]
-    """Motion and wire forces at sample `s`, in a step of `h` from time `t` on, whose rates are there."""
+    """Motion, accelerations and wire forces at sample `s`, in a step of `h` from time `t` on, whose rates
+    are there.
+    """
     n, m, y, work, stages = model.n, model.m, working.y, working.work, working.work.stages
     seen, end, u = work.rows[POINT], work.rows[TRIAL], replay.seen_motor[s]
     share = min(max((replay.sample[s] - t) / h, 0.0), 1.0) if h > 0.0 else 0.0
@@ -34,8 +36,10 @@ def _see(model, replay, working, s, t, h, out):  # type: ignore[no-untyped-def]
         seen[i] = y[i] if settles else cubic(y[i], first, end[i], last, h, share)
     for i in range(2 * n):
         out[s, i] = seen[i]
+    for i in range(n, 2 * n):
+        out[s, n + i] = cubic_slope(y[i], stages[0, i], end[i], working.end_rate[i], h, share)
     for actuator in range(m):
-        out[s, 2 * n + actuator] = wire_force(
+        out[s, 3 * n + actuator] = wire_force(
             model.laws, model.wires, n, seen, u, actuator, work.rows[SCRATCH], stages[1], work.hold
         )
 
@@ -50,8 +54,8 @@ def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Float
     replay : Replay
     substeps : int
         Steps per interval of the grid.
-    out : (s, 2 n + m) array
-        Gets positions, velocities and wire forces.
+    out : (s, 3 n + m) array
+        Gets positions, velocities, accelerations and wire forces.
     working : Working
     """
     time, sample, y, end = replay.time, replay.sample, working.y, working.work.rows[TRIAL]

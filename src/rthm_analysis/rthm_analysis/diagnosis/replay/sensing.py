@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,20 @@ def sensed(time: Floats, reading: Floats, effects: list[EffectSpec]) -> Floats:
             value = value + size
         elif one.law.changes == "growth":
             value = value + size * time
+    return value
+
+
+def levelled(reading: Floats, measured: Floats, recordings: Sequence[slice], seen: int) -> Floats:
+    """Reading (s,) with the constant that brings it nearest to what was measured (s,) in each recording.
+
+    Only the first `seen` samples tell that constant, but for recordings that begin behind them.
+    """
+    value = reading.copy()
+    for one in recordings:
+        told = slice(one.start, min(one.stop, seen) if one.start < seen else one.stop)
+        known = np.isfinite(measured[told])
+        if known.any():
+            value[one] += np.mean((measured[told] - reading[told])[known])
     return value
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.search.scene import between_scene, dof_scene, seen_in, sensor_scene, wire_scene
 from rthm_analysis.diagnosis.search.starts import InitialGuess, guessed
@@ -17,6 +17,7 @@ from rthm_core.effects.registry import ranked
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
+    from rthm_core.effects import Effect
     from rthm_core.spec import Spec
 
 
@@ -65,17 +66,25 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[InitialGuess]:
 
     In a recording with one channel alone a sensor cannot be told from what it measures. Of a plant alone, a
     position that is off may be a force, and a velocity that is late a position that is early; but no plant
-    has a velocity of which a part goes nowhere.
+    has a velocity of which a part goes nowhere, or an acceleration that is no rate of its motion. The offset
+    of an acceleration is nothing that is wrong.
     """
     if len(evidence.channels) < 2:
         return
     alone = evidence.driven_by == "force"
-    checked = ("velocity",) if alone else ("position", "velocity", "force")
+    checked = ("velocity", "acceleration") if alone else (*MOTION, "force")
     seen = seen_in(evidence.time)
     for channel, noise, column in zip(evidence.channels, sigma, evidence.measured.T, strict=True):
         if channel.family not in checked:
             continue
         block, scene = f"sensor.{channel.family}", sensor_scene(evidence.time, column, float(noise))
         for law in ranked(block):
-            if not alone or law.changes in ("offset", "growth"):
+            if _can_be_told(law, channel, alone=alone):
                 yield from guessed(law, block, channel.place, scene, seen)
+
+
+def _can_be_told(law: type[Effect], channel: Channel, *, alone: bool) -> bool:
+    """Whether what is wrong with the sensor of a channel is nothing that the rig could be, `alone` or not."""
+    if channel.family == "acceleration":
+        return law.changes != "offset"
+    return not alone or law.changes in ("offset", "growth")

@@ -12,14 +12,14 @@ import numpy as np
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.between import Between
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
-OF_THE_PLANT = ("plant", "sensor.position", "sensor.velocity")
+OF_THE_PLANT = ("plant", *(f"sensor.{family}" for family in MOTION))
 """Blocks that a plant alone has."""
 
 
@@ -39,12 +39,12 @@ def driven_plant(fitting: Fitting, base: Fitted) -> Fitting | None:
     if spec.actuator is None or spec.interface is None or spec.plant is None:
         return None
     force = _on_dofs(evidence, spec)
-    kept = [i for i, one in enumerate(evidence.channels) if one.family in ("position", "velocity")]
+    kept = [i for i, one in enumerate(evidence.channels) if one.family in MOTION]
     if force is None or not kept:
         return None
     nothing = np.empty(0, dtype=np.int64), np.empty((0, 0))
     alone = replace(
-        evidence.only("position", "velocity"),
+        evidence.only(*MOTION),
         due_ns=nothing[0],
         commands=nothing[1],
         load=evidence.load + force,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import TONE_HIGHEST, TONE_HIGHEST_TO_MOTION, TONE_PADDING
+from rthm_analysis.diagnosis.replay.evidence import MOTION
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics, state_matrix, wire_forces
 from rthm_analysis.diagnosis.replay.model import EffectInstance
@@ -79,11 +80,14 @@ def _gains(arrays: Mechanics, spec: Spec, experiment: Experiment, omega: Floats,
     rows = []
     for channel, noise in zip(experiment.evidence.channels, sigma, strict=True):
         row = np.zeros(ny)
-        if channel.family in ("position", "velocity"):
+        if channel.family in MOTION:
             i = spec.plant.dofs.index(channel.place)
             row[i if channel.family == "position" else n + i] = 1.0
         elif channel.family == "force" and spec.actuator is not None:
             row = force[spec.actuator.names.index(channel.place)]
         rows.append(row / noise)
     seen = np.stack(rows) @ vectors
-    return np.asarray(np.einsum("km,fm,mn->kfn", seen, 1.0 / (1j * omega[:, None] - modes), entry))
+    gains = np.einsum("km,fm,mn->kfn", seen, 1.0 / (1j * omega[:, None] - modes), entry)
+    accelerations = [c.family == "acceleration" for c in experiment.evidence.channels]
+    gains[accelerations] *= 1j * omega[:, None]
+    return np.asarray(gains)

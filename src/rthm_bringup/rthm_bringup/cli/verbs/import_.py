@@ -35,8 +35,8 @@ def verb(
         typer.Option(
             "--map",
             metavar="ROLE:NAME=COLUMN",
-            help="What a column is, such as position:x1=y: position, velocity or load of a dof, force or "
-            "motor of an actuator, or another input. Can be repeated.",
+            help="What a column is, such as position:x1=y: position, velocity, acceleration or load of a "
+            "dof, force or motor of an actuator, or another input. Can be repeated.",
         ),
     ] = None,
     units: Annotated[
@@ -92,7 +92,7 @@ def _draw(one: Imported, path: Path) -> None:
     from rthm_analysis.recording import read_recording
     from rthm_analysis.report.recorded_picture import draw
 
-    draw(read_recording(one.bag).plant, {(c.role, c.name): c.unit for c in one.channels}, path)
+    draw(read_recording(one.bag).tables, {(c.role, c.name): c.unit for c in one.channels}, path)
 
 
 def _told(one: Imported) -> dict[str, object]:

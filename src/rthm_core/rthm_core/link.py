@@ -75,9 +75,11 @@ class Link:
         stamps = np.asarray(stamps_ns, dtype=np.int64)
         due = stamps + self.delay_ns
         if self.jitter > 0.0:
-            due = due + np.rint(
-                np.abs(normal(self._seed, f"link.{self.name}.jitter", stamps)) * self.jitter * 1e9
-            ).astype(np.int64)
+            further = normal(self._seed, f"link.{self.name}.jitter", stamps)
+            np.abs(further, out=further)
+            further *= self.jitter
+            further *= 1e9
+            due += np.rint(further, out=further).astype(np.int64)
         if self.loss > 0.0:
             due = np.where(uniform(self._seed, f"link.{self.name}.loss", stamps) < self.loss, NEVER, due)
         return due

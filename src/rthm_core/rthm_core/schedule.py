@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.compiled import Integers
+from rthm_core.compiled import Flags, Integers
 from rthm_core.link import NEVER, Link
 from rthm_core.spec.effect import sizes
 from rthm_core.topics import LINKS
@@ -73,6 +73,31 @@ class Events(NamedTuple):
     reference: Integers
 
 
+class Streams(NamedTuple):
+    """What happens in a span of time, each kind of event by itself, in order.
+
+    Attributes
+    ----------
+    commands : Commands
+        From the first that can arrive within the span to the last that can use a sample taken in it.
+    ticks : array
+        Numbers of the state samples that the ticks of the numerical side use, from the first of the span to
+        the last that can use a sample taken in it.
+    due : (A,) array
+        Instants at which a command becomes the input of a motor.
+    which : (A,) array
+        Which of the commands.
+    late : (A,) array
+        Whether it does so at once, after what else happens at its instant.
+    """
+
+    commands: Commands
+    ticks: Integers
+    due: Integers
+    which: Integers
+    late: Flags
+
+
 def newest(link: Link, period: int, uses: Integers) -> Integers:
     """Number of the newest sample of a clock of `period` that has passed `link` at each of the instants
     `uses` (ascending); -1: none yet.
@@ -98,7 +123,7 @@ def overtaking(due: Integers) -> Integers:
     """Positions, in the order of their due times, of the samples that a receiver ever uses: those that no
     newer sample has overtaken.
     """
-    order = np.lexsort((np.arange(due.size), due))
+    order = np.argsort(due, kind="stable")
     order = order[due[order] < NEVER]
     if order.size == 0:
         return order
@@ -161,18 +186,20 @@ class Schedule:
     def _commands(self, begin: int, end: int) -> Commands:
         regular = self.ticks(self.td3, begin, end) * self.td3
         changes = self._reference_changes(begin, end)
-        time = np.sort(np.concatenate([regular, changes[changes % self.td3 != 0]]))
+        time = np.concatenate([regular, changes[changes % self.td3 != 0]])
+        time.sort(kind="stable")
         latched = time // self.td4 * self.td4 if self.td4 else time
+        ticks = time // self.td3 * self.td3
         return Commands(
             time,
-            newest(self.links["tau1"], self.td1, time // self.td3 * self.td3),
+            newest(self.links["tau1"], self.td1, ticks),
             newest(self.links["tau3"], self.td2, latched),
-            self._ranks(time),
+            self._ranks(time == ticks),
         )
 
-    def _ranks(self, commands: Integers) -> Integers:
+    def _ranks(self, regular: Flags) -> Integers:
         """Place in its instant of each command: an extra one is sent when a reference is due."""
-        late_in_instant = (commands % self.td3 == 0) | (self.links["tau3"].delay_ns == 0) | (self.td4 > 0)
+        late_in_instant = regular | (self.links["tau3"].delay_ns == 0) | (self.td4 > 0)
         return np.where(late_in_instant, _CONTROL, _REFERENCE_DUE)
 
     def _reference_changes(self, begin: int, end: int) -> Integers:
@@ -182,19 +209,40 @@ class Schedule:
         link = self.links["tau3"]
         numbers = self.ticks(self.td2, begin - 2 * link.reach_ns - self.td2, end)
         due = link.due_all(numbers * self.td2)
-        due = due[overtaking(due)]
-        first = np.diff(due, prepend=-1) > 0
-        return due[first & (due >= begin) & (due < end)]
+        if not link.constant:
+            due = due[overtaking(due)]
+        due = due[slice(*np.searchsorted(due, [begin, end]))]
+        first = np.ones(due.size, dtype=bool)
+        first[1:] = due[1:] > due[:-1]
+        return due[first]
 
     def arrivals(self, begin: int, end: int) -> tuple[Integers, Commands]:
         """Instants in [begin, end) at which a command becomes the input of a motor, and these commands."""
-        link = self.links["tau4"]
         sent = self.commands(self._earliest(begin), end)
-        due = link.due_all(sent.time)
-        due = np.where(due < NEVER, due + self.motor_delay, NEVER)
+        due, used = self._used_commands(sent.time, begin, end)
+        return due, sent.rows(used)
+
+    def _used_commands(self, sent: Integers, begin: int, end: int) -> tuple[Integers, Integers]:
+        """Instants in [begin, end) at which commands that are `sent` become the input of a motor, and which
+        do.
+        """
+        due = self.links["tau4"].due_all(sent)
+        if self.motor_delay:
+            due = np.where(due < NEVER, due + self.motor_delay, NEVER)
         used = overtaking(due)
-        used = used[(due[used] >= begin) & (due[used] < end)]
-        return due[used], sent.rows(used)
+        due = due[used]
+        within = slice(*np.searchsorted(due, [begin, end]))
+        return due[within], used[within]
+
+    def streams(self, begin: int, end: int) -> Streams:
+        """Everything that happens in [begin, end), each kind of event by itself."""
+        commands = self.commands(self._earliest(begin), self._latest(end))
+        sent = commands.time[: np.searchsorted(commands.time, end)]
+        due, which = self._used_commands(sent, begin, end)
+        late = due == sent[which]
+        if late.any():
+            late &= commands.rank[which] == _CONTROL
+        return Streams(commands, self.references(begin, self._latest(end))[1], due, which, late)
 
     def events(self, begin: int, end: int, output: int | None = None) -> Events:
         """Everything that happens in [begin, end), in order; with `output`, a row is written every `output`

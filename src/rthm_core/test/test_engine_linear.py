@@ -17,6 +17,8 @@ LOOSE = {"block": "link.tau2", "kind": "loss", "fraction": 0.2}
 SHAKY = {"block": "link.tau4", "kind": "jitter", "std": 0.002}
 WRONG = {"block": "controller", "kind": "wrong_parameter", "name": "actuator.stiffness", "value": 45.0}
 NOISE = {"noise.position": 1e-4, "noise.velocity": 2e-3, "noise.seed": 4}
+LATE = {"block": "link.tau1", "kind": "jitter", "std": 0.003}
+TREMBLING = {"block": "link.tau4", "kind": "jitter", "std": 1e-9}
 AT_ONCE = {f"timing.{name}": 0.0 for name in ("tau1", "tau2", "tau3", "tau4")}
 
 CASES = {
@@ -32,6 +34,12 @@ CASES = {
     "noise": NOISE,
     "effects": {"effects": [STAGE, BRANCH, SLOW, SHIFT, WRONG]},
     "irregular links": {"effects": [LOOSE, SHAKY]},
+    "irregular, noise": {"effects": [SHAKY, LATE], **NOISE},
+    "irregular, motor poles": {"effects": [SHAKY], "actuator.motor_poles": [400.0, 2000.0]},
+    "irregular, three masses": {"name": "three_mass", "effects": [SHAKY, LOOSE]},
+    "irregular, loads": {"effects": [SHAKY], "load.plant": {"dof": "x1", **WAVE}},
+    "irregular, clocked references": {"effects": [SHAKY, LATE], "timing.td4": 0.003},
+    "irregular by a nanosecond": {"effects": [TREMBLING], **AT_ONCE},
 }
 
 
@@ -55,6 +63,18 @@ def test_fast_way_gives_the_same_motion(case):
         assert np.abs(getattr(fast, name) - getattr(slow, name)).max() < 1e-12
     for name in ("plant_velocity", "numerical_velocity", "force_reference", "actuator_force"):
         assert np.abs(getattr(fast, name) - getattr(slow, name)).max() < 1e-11
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.startswith("irregular")])
+@pytest.mark.parametrize("step", [1_700_000, 30_000_000, 1_700_001], ids=["near", "far", "off the clocks"])
+def test_irregular_events_give_the_same_motion_for_rows_anywhere(case, step):
+    spec = changed(**CASES[case])
+    slow = simulate_any(spec, 3_000_000_000, step)
+    fast = simulate(spec, 3.0, step * 1e-9)
+    for name in ("plant_position", "numerical_velocity", "force_reference", "actuator_force"):
+        assert np.abs(getattr(fast, name) - getattr(slow, name)).max() < 1e-12
+    for term, work in slow.energies.items():
+        assert np.abs(fast.energies[term] - work).max() < 1e-11, term
 
 
 def test_what_is_not_linear_takes_the_other_way():

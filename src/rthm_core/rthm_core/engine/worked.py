@@ -1,4 +1,4 @@
-"""Work over a step as products of what it begins with, compiled."""
+"""Work over a step as products of what it begins with, compiled; the loops over a tuple are written out."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def worked(tables, k, z):  # type: ignore[no-untyped-def]
     Table `k` of `tables` (K, d (d + 1) / 2, 8) has the coefficients of the products of every two elements.
     """
     total, pair = everywhere(0.0), 0
-    for i in range(z.size):
+    for i in range(len(z)):
         part = everywhere(0.0)
-        for j in range(i, z.size):
+        for j in range(i, len(z)):
             part += numbers(tables, (k, pair)) * z[j]
             pair += 1
         total += part * z[i]
@@ -26,9 +26,9 @@ def worked(tables, k, z):  # type: ignore[no-untyped-def]
 def energy(form, z):  # type: ignore[no-untyped-def]
     """Sum over every two elements of `z` of ``form[pair] z_i z_j``."""
     total, pair = 0.0, 0
-    for i in range(z.size):
+    for i in range(len(z)):
         part = 0.0
-        for j in range(i, z.size):
+        for j in range(i, len(z)):
             part += form[pair] * z[j]
             pair += 1
         total += part * z[i]

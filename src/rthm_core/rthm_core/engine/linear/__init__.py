@@ -5,7 +5,10 @@
 ``ledger``       work as quadratic forms of the state, in tables
 ``preparation``  matrices over every length that a program needs
 ``kernel``       compiled: executes a program
+``streams``      compiled: where events do not repeat, from instant to instant of the clocks
+``arrivals``     what commands add that arrive between two of these; ``arriving``: compiled
 ``blocks``       rows of a span of time
-``run``          rows of a whole test
+``irregular``    rows of a test whose events do not repeat
+``run``          rows of any
 ===============  ==============================================================================
 """

@@ -9,6 +9,7 @@ import numpy as np
 
 from rthm_core.engine.digits import LONGEST_LENGTH, in_digits
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, empty_rows, rows_within, run_block, run_program
+from rthm_core.engine.linear.irregular import Irregular, irregular, irregular_blocks
 from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
 from rthm_core.engine.linear.loop import LinearLoop, linear_loop
 from rthm_core.engine.linear.preparation import (
@@ -112,7 +113,18 @@ def linear_blocks(
     large = model.ledger is not None and model.ledger.joint.shape[0] > LARGEST_JOINT
     if large or step >= LONGEST_LENGTH:
         return None
-    return _irregular(spec, model, end, step)
+    one = _clocked(spec, step, energies)
+    if one is None:
+        return _irregular(spec, model, end, step)
+    return irregular_blocks(one, end, span)
+
+
+@kept
+def _clocked(spec: Spec, step: int, energies: bool) -> Irregular | None:
+    """What the kernel of irregular events needs; None where clocks have many lengths."""
+    model = _model(spec, energies)
+    assert model is not None
+    return irregular(Schedule(spec), model.loop, model.ledger, step)
 
 
 def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, span: int) -> Iterator[Rows]:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from rthm_core.addressed import part
 from rthm_core.compile_cache import SharedCache, cache_folder
-from rthm_core.part_of_callers import PartOfCallers
+from rthm_core.part_of_callers import PartOfCallers, Plain
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -74,6 +74,12 @@ def compiled_in_place(function: F) -> F:
     References to arrays are then not counted, which for small systems costs more than all arithmetic.
     """
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
+
+
+def compiled_plainly(function: F) -> F:
+    """As `compiled_in_place`, for what is long and goes through loops of a few turns (`Plain`)."""
+    options = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False, "pipeline_class": Plain}
+    return kept(function, numba.njit(**options))
 
 
 def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:

@@ -39,9 +39,9 @@ def _sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def
 def _comes_loose(nonlinear, number, modes, z):  # type: ignore[no-untyped-def]
     """Whether something that sticks is held by more than its breakaway force."""
     for row in range(modes.size if number else 0):
-        if nonlinear.bits[row] and modes[row] == 0:
-            if abs(scalar_product(nonlinear.holds[number, row], z)) > nonlinear.laws.breakaway[row]:
-                return True
+        held = abs(scalar_product(nonlinear.holds[number, row], z))
+        if nonlinear.bits[row] and modes[row] == 0 and held > nonlinear.laws.breakaway[row]:
+            return True
     return False
 
 
@@ -52,9 +52,9 @@ def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyp
     way or the step is too long.
     """
     number = set_of(nonlinear.bits, work.modes)
-    if not nonlinear.steady and (
-        steps.lengths[k] > work.pace[0] or _comes_loose(nonlinear, number, work.modes, z)
-    ):
+    if not nonlinear.steady and steps.lengths[k] > work.pace[0]:
+        return -1
+    if not nonlinear.steady and _comes_loose(nonlinear, number, work.modes, z):
         return -1
     slot = number * steps.lengths.size + k
     prepare(nonlinear, steps, packed, number, slot, steps.lengths[k])

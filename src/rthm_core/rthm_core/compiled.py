@@ -76,10 +76,12 @@ def compiled_in_place(function: F) -> F:
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
 
 
-def compiled_plainly(function: F) -> F:
-    """As `compiled_in_place`, for what is long and goes through loops of a few turns (`Plain`)."""
-    options = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False, "pipeline_class": Plain}
-    return kept(function, numba.njit(**options))
+def plainly(function: F) -> F:
+    """Have a compiled function optimised once and its loops left as they are (`Plain`): what goes through
+    loops of a few turns is compiled sooner then, and runs no slower.
+    """
+    function._compiler.pipeline_class = Plain  # type: ignore[attr-defined]
+    return function
 
 
 def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:

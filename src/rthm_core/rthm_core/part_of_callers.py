@@ -66,10 +66,10 @@ class _Plain(JITCodeLibrary):  # type: ignore[misc]
 
 
 class Plain(Compiler):  # type: ignore[misc]
-    """How numba compiles what is long and goes through loops of a few turns.
+    """How numba compiles what goes through loops of a few turns.
 
-    Numba optimises everything twice, for the sake of counted references in between, and makes vectors of each
-    loop, which with three or four turns take longer than the loop itself.
+    Left to itself it optimises everything twice, for the sake of counted references in between, and makes
+    vectors of each loop, which with three or four turns take longer than the loop itself.
     """
 
     def compile_extra(self, function: Any) -> Any:

@@ -117,7 +117,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
         return None
     if np.any(laws.numbers[:, [LOADED, OTHER]] >= 0):
         return None
-    if laws.heavy.size or np.any(laws.numbers[:, PARTITION] == TIME):
+    if laws.heavy is not None or np.any(laws.numbers[:, PARTITION] == TIME):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

@@ -10,11 +10,13 @@ Gauss quadrature of order 8. The same code keeps the ledger of a simulation and 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled, compiled_in_place
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, uncompiled
 from rthm_core.substructure import interface, substructure
 
 if TYPE_CHECKING:
@@ -131,24 +133,24 @@ def moment(n1: int, n2: int, m: int) -> Moment:
 @called
 def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
     total = 0.0
-    for i in range(a.size):
-        for j in range(b.size):
+    for i in range(a.shape[0]):
+        for j in range(b.shape[0]):
             total += a[i] * matrix[i, j] * b[j]
     return total
 
 
 @called
 def powers(bodies, at, out):  # type: ignore[no-untyped-def]
-    """Powers (6,), in W, of the terms `TERMS` at one moment."""
+    """Powers (6,), in W, of the terms `TERMS` at a moment; (6, N) at N of them, columns of its signals."""
     outside = 0.0
-    for i in range(at.v1.size):
+    for i in range(at.v1.shape[0]):
         outside += at.v1[i] * at.free[i]
     listed = 0.0
-    for i in range(at.v1.size):
+    for i in range(at.v1.shape[0]):
         listed += at.v1[i] * at.w1[i]
     load = listed
-    for i in range(at.v2.size):
-        load += at.v2[i] * at.w2[i]
+    for i in range(at.v2.shape[0]):
+        load = load + at.v2[i] * at.w2[i]
     out[NUM] = out[FF] = out[FX] = 0.0
     damping = _quadratic(bodies.c1, at.v1, at.v1) + _quadratic(bodies.c2, at.v2, at.v2)
     actuators = 0.0
@@ -260,25 +262,28 @@ def delay_terms(spec: Spec) -> tuple[Floats, Floats]:
     return mass, damping
 
 
-@compiled
-def probe_powers(bodies: Bodies, signals: Floats, at: Moment, flat: Floats, out: Floats) -> None:
-    """Powers, and last the energy, as quadratic forms of a state: ``out[k]`` (d, d), symmetric.
+def power_forms(bodies: Bodies, signals: Moment) -> Floats:
+    """Powers, and last the energy, as quadratic forms (7, d, d) of a state, symmetric.
 
-    Column i of `signals` (., d) is what a unit of state i is in the signals of a moment, one after the other;
-    `flat` is the memory of the fields of `at`.
+    Column i of each of the `signals` (., d) is what a unit of state i is in it.
     """
-    terms = out.shape[0] - 1
-    power = np.empty(terms)
-    for i in range(signals.shape[1]):
-        for j in range(i + 1):
-            for row in range(flat.size):
-                flat[row] = signals[row, i] + (signals[row, j] if j != i else 0.0)
-            powers(bodies, at, power)
-            for k in range(terms):
-                out[k, i, j] = power[k]
-            out[terms, i, j] = total_energy(bodies, at.x1, at.v1, at.x2, at.v2)
-    for k in range(out.shape[0]):
-        for i in range(signals.shape[1]):
-            for j in range(i):
-                out[k, i, j] = 0.5 * (out[k, i, j] - out[k, i, i] - out[k, j, j])
-                out[k, j, i] = out[k, i, j]
+    first, second = np.triu_indices(signals.x1.shape[1])
+    at = Moment(*(rows[:, first] + rows[:, second] * (first != second) for rows in signals))
+    found, single = np.zeros((len(TERMS) + 1, first.size)), first == second
+    _in_python(powers)(bodies, at, found)
+    found[-1] = _in_python(total_energy)(bodies, at.x1, at.v1, at.x2, at.v2)
+    alone = found[:, single]
+    mixed = (found - alone[:, second] - alone[:, first]) * 0.5
+    forms = np.zeros((found.shape[0], single.sum(), single.sum()))
+    forms[:, first, second] = np.where(single, found, mixed)
+    forms[:, second, first] = forms[:, first, second]
+    return forms
+
+
+def _in_python(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The Python function behind a compiled one, with those behind all that it calls: for many moments at
+    once, as columns of arrays; what runs once is not worth the wait for its compilation.
+    """
+    code = uncompiled(function)
+    names = {name: uncompiled(value) for name, value in code.__globals__.items()}
+    return FunctionType(code.__code__, names)

@@ -9,7 +9,7 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import digit_lengths, work_over_digits
 from rthm_core.engine.linear.kernel import Memory, Operations, Tables
-from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger
+from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger, work_tables
 from rthm_core.engine.linear.looks import only_further, periods_of
 from rthm_core.engine.linear.loop import LinearLoop, Side
 from rthm_core.engine.linear.periods import Periods
@@ -18,6 +18,11 @@ from rthm_core.engine.linear.vectors import Vector, matrices, vector
 from rthm_core.engine.program import Program
 from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
+
+LONGEST_TOGETHER = 1024
+"""Longest period, in operations, whose work is counted with that of others: a longer one is seldom there
+eight times, and the states of eight need memory.
+"""
 
 PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
 
@@ -109,6 +114,8 @@ def prepared(model: Model, given: Numbered) -> Prepared:
     tables = _tables(model, moves, ticks, seen1, seen2)
     if model.ledger is None:
         return Prepared(operations, tables)
+    if operations.what.size > LONGEST_TOGETHER:
+        return Prepared(operations, tables, work_tables(model.ledger, moves, rows))
     plant = model.loop.plant.a.shape[0] + model.aside.a.shape[0] + model.aside.held.size
     return Prepared(operations, tables, periods=periods_of(model.ledger, plant, operations, moves, rows))
 

@@ -32,24 +32,32 @@ def kernel_and_twin(
     return ours, _twin(*prepared, end // prepared[0].operations.period + 1, end // step + 1)
 
 
+def _plain(matrices: Floats, outputs: int) -> Floats:
+    """Matrices (K, ., outputs), which in our kernel may be in blocks of outputs."""
+    return matrices.reshape(*matrices.shape[:2], -1)[:, :, :outputs]
+
+
 def _twin(one: Prepared, start: Start, passes: int, count: int) -> Callable[[], Floats]:
     tables, operations = one.tables, one.operations
-    m, width, numerical_width = tables.k_tot.size, tables.plant_row.shape[2], tables.numerical_row.shape[2]
+    width, numerical_width, m = (len(row) for row in start.widths)
+    n1, n2 = len(start.state[0]), len(start.state[2])
     out = [np.empty((count, columns)) for columns in (width, numerical_width, m)]
-    fresh = [*start.memory[:2], *(np.array(part) for part in start.state)]
+    fresh = [*start.memory[:2], *(np.array(part) for part in start.state[:4])]
     work = [array.copy() for array in fresh]
     sizes = [operations.what.size, passes, count, MOTOR, REFERENCE, SAMPLE, OUTPUT]
     sizes += [len(memory) - 1 for memory in fresh[:2]]
     given: list[Any] = [operations.what, operations.plant, operations.numerical]
     given += [operations.sample, operations.reference]
-    given += [tables.plant, tables.numerical, tables.sample, tables.plant_row, tables.numerical_row]
-    given += [tables.reference, tables.bias, tables.k_tot, *work, *out]
+    rows = (tables.plant, tables.numerical, tables.sample, tables.plant_row, tables.numerical_row)
+    columns = zip((*rows, tables.reference), (n1, n2, 2 * m, width, numerical_width, m), strict=True)
+    given += [_plain(matrices, outputs) for matrices, outputs in columns]
+    given += [tables.bias, tables.k_tot, *work, *out]
     kept = [np.ascontiguousarray(array) for array in given]
     packed = np.array([*sizes, *(array.ctypes.data for array in kept)], dtype=np.int64)
     function = build(
         SOURCE,
-        N1=tables.plant.shape[2],
-        N2=tables.numerical.shape[2],
+        N1=n1,
+        N2=n2,
         M=m,
         WIDTH1=width,
         WIDTH2=numerical_width,

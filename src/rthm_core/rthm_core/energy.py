@@ -139,16 +139,16 @@ def _quadratic(matrix, a, b):  # type: ignore[no-untyped-def]
 
 @called
 def powers(bodies, at, out):  # type: ignore[no-untyped-def]
-    """Powers (6,), in W, of the terms `TERMS` at one moment."""
+    """Powers (6,), in W, of the terms `TERMS` at a moment; (6, N) at N of them, columns of its signals."""
     outside = 0.0
-    for i in range(len(at.v1)):
+    for i in range(at.v1.shape[0]):
         outside += at.v1[i] * at.free[i]
     listed = 0.0
-    for i in range(len(at.v1)):
+    for i in range(at.v1.shape[0]):
         listed += at.v1[i] * at.w1[i]
     load = listed
-    for i in range(len(at.v2)):
-        load += at.v2[i] * at.w2[i]
+    for i in range(at.v2.shape[0]):
+        load = load + at.v2[i] * at.w2[i]
     out[NUM] = out[FF] = out[FX] = 0.0
     damping = _quadratic(bodies.c1, at.v1, at.v1) + _quadratic(bodies.c2, at.v2, at.v2)
     actuators = 0.0

@@ -60,20 +60,25 @@ class _Model(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, kind, _NUMBERS)
 
 
-def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Address of the numbers that begin at an index."""
+def _element(context: Any, builder: Any, signature: Any, arguments: Any, *further: int) -> Any:
+    """Address of the number at an index, to which `further` ones are added."""
     array = context.make_array(signature.args[0])(context, builder, arguments[0])
     given = zip(cgutils.unpack_tuple(builder, arguments[1]), signature.args[1], strict=True)
     indices = [context.cast(builder, value, kind, types.intp) for value, kind in given]
-    indices.append(context.get_constant(types.intp, 0))
-    first = cgutils.get_item_pointer(
+    indices += [context.get_constant(types.intp, i) for i in further]
+    return cgutils.get_item_pointer(
         context, builder, signature.args[0], array, indices, wraparound=False, boundscheck=False
     )
+
+
+def _place(context: Any, builder: Any, signature: Any, arguments: Any, *further: int) -> Any:
+    """Address of the numbers that begin at an index."""
+    first = _element(context, builder, signature, arguments, *further, 0)
     return builder.bitcast(first, _NUMBERS.as_pointer())
 
 
-def _check(array: Any, index: Any) -> None:
-    if array.layout != "C" or array.dtype != types.float64 or array.ndim != len(index) + 1:
+def _check(array: Any, index: Any, axes: int = 1) -> None:
+    if array.layout != "C" or array.dtype != types.float64 or array.ndim != len(index) + axes:
         raise TypingError(f"{array} holds no SIMD values at {index}: they lie side by side in memory.")
 
 
@@ -116,6 +121,28 @@ def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
+def put_first(typing: Any, array: Any, index: Any, value: Any, count: Any) -> Any:
+    """Let so many numbers from ``array[index]`` on be the first of `value`, all where there are more."""
+    _check(array, index, 0)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        places = ir.VectorType(ir.IntType(64), WIDTH)
+        ends = _spread(builder, arguments[3])
+        mask = builder.icmp_signed("<", ir.Constant(places, list(range(WIDTH))), ends)
+        kinds = [_NUMBERS, _NUMBERS.as_pointer(), ir.IntType(32), mask.type]
+        store = cgutils.get_or_insert_function(
+            builder.module,
+            ir.FunctionType(ir.VoidType(), kinds),
+            f"llvm.masked.store.v{WIDTH}f64.p0",
+        )
+        place = builder.bitcast(_element(context, builder, signature, arguments), _NUMBERS.as_pointer())
+        builder.call(store, [arguments[2], place, ir.Constant(ir.IntType(32), 8), mask])
+        return context.get_dummy_value()
+
+    return types.none(array, index, value, types.intp), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
 def everywhere(typing: Any, number: Any) -> Any:
     """The same number `WIDTH` times."""
 
@@ -123,6 +150,58 @@ def everywhere(typing: Any, number: Any) -> Any:
         return _spread(builder, arguments[0])
 
     return simd(types.float64), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def element(typing: Any, array: Any, index: Any) -> Any:
+    """One number ``array[index]``, where `index` is a tuple of all axes and does not count from the end: not
+    to ask whether it does is what makes this faster.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.load(_element(context, builder, signature, arguments))
+
+    return array.dtype(array, index), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def put_element(typing: Any, array: Any, index: Any, value: Any) -> Any:
+    """Let one number ``array[index]`` be `value`, with an index as that of `element`."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _element(context, builder, signature, arguments))
+        return context.get_dummy_value()
+
+    return types.none(array, index, array.dtype), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def columns(typing: Any, array: Any, index: Any) -> Any:
+    """Tuple of the columns of the block ``array[index]`` (WIDTH, WIDTH)."""
+    _check(array, index, 2)
+    several_of_them: Any = types.UniTuple(simd, WIDTH)  # type: ignore[attr-defined]
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        places = [_place(context, builder, signature, arguments, row) for row in range(WIDTH)]
+        rows = [builder.load(place, align=8) for place in places]
+        return context.make_tuple(builder, several_of_them, _turned(builder, rows))
+
+    return several_of_them(array, index), code
+
+
+def _turned(builder: Any, rows: list[Any]) -> list[Any]:
+    """Columns of a block: rows a distance apart exchange what lies as far beside its diagonal."""
+    kind, distance = ir.VectorType(ir.IntType(32), WIDTH), 1
+    while distance < WIDTH:
+        first = ir.Constant(kind, [i - distance + WIDTH if i & distance else i for i in range(WIDTH)])
+        second = ir.Constant(kind, [i + WIDTH if i & distance else i + distance for i in range(WIDTH)])
+        for i in range(WIDTH):
+            if not i & distance:
+                one, other = rows[i], rows[i + distance]
+                rows[i] = builder.shuffle_vector(one, other, first)
+                rows[i + distance] = builder.shuffle_vector(one, other, second)
+        distance *= 2
+    return rows
 
 
 @intrinsic  # type: ignore[untyped-decorator]
@@ -137,7 +216,7 @@ def several(typing: Any, like: Any) -> Any:
 
 
 def _spread(builder: Any, number: Any) -> Any:
-    nothing = ir.Constant(_NUMBERS, ir.Undefined)
+    nothing = ir.Constant(ir.VectorType(number.type, WIDTH), ir.Undefined)
     first = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
     order = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
     return builder.shuffle_vector(first, nothing, order)

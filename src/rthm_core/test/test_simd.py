@@ -7,7 +7,19 @@ import pytest
 from numba.core.errors import TypingError
 
 from rthm_core.compiled import compiled_in_place
-from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, several, simd_copy, simd_empty
+from rthm_core.simd import (
+    WIDTH,
+    columns,
+    element,
+    everywhere,
+    numbers,
+    put_element,
+    put_first,
+    put_numbers,
+    several,
+    simd_copy,
+    simd_empty,
+)
 
 
 @compiled_in_place
@@ -30,6 +42,23 @@ def cleared(like, out):
         put_numbers(out, (i,), zeros)
 
 
+@compiled_in_place
+def first_ones(values, count, out):
+    put_first(out, (1, 2), numbers(values, (0,)), count)
+
+
+@compiled_in_place
+def turned(block, out):
+    for i, column in enumerate(columns(block, (1,))):
+        put_numbers(out, (i,), column)
+
+
+@compiled_in_place
+def moved(numbered, values, out):
+    for i in range(numbered.shape[0]):
+        put_element(out, (0, element(numbered, (i,))), element(values, (i, 1)))
+
+
 def test_arithmetic_is_done_on_each_number_by_itself():
     chance = np.random.default_rng(1)
     a, b = chance.normal(size=(2, 3, 4, WIDTH))
@@ -37,6 +66,27 @@ def test_arithmetic_is_done_on_each_number_by_itself():
     combined(a, b, 3.0, out)
     assert np.abs(out[:, 1] - (1.0 + (a * b / 3.0 - 2.0).sum(axis=1))).max() < 1e-14
     assert np.all(out[:, 0] == 7.0)
+
+
+@pytest.mark.parametrize("count", [-1, 0, 3, WIDTH, WIDTH + 5])
+def test_only_the_first_numbers_are_written(count):
+    values, out = np.arange(1.0, WIDTH + 1).reshape(1, WIDTH), np.zeros((3, WIDTH + 2))
+    first_ones(values, count, out)
+    expected = np.zeros_like(out)
+    expected[1, 2:] = np.where(np.arange(WIDTH) < count, values[0], 0.0)
+    assert np.array_equal(out, expected)
+
+
+def test_rows_of_a_block_become_columns():
+    block, out = np.random.default_rng(2).normal(size=(2, WIDTH, WIDTH)), np.empty((WIDTH, WIDTH))
+    turned(block, out)
+    assert np.array_equal(out, block[1].T)
+
+
+def test_single_elements_are_read_and_written():
+    values, out = np.arange(6.0).reshape(3, 2), np.zeros((1, 4))
+    moved(np.array([2, 0, 3]), values, out)
+    assert np.array_equal(out, [[3.0, 0.0, 1.0, 5.0]])
 
 
 def test_as_many_zeros_as_asked_for():

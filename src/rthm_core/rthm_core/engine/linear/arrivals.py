@@ -15,9 +15,9 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import TERMS
-from rthm_core.engine.linear.kernel import Vector, vector
 from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger, packed, work_over
 from rthm_core.engine.linear.loop import LinearLoop, Side
+from rthm_core.engine.linear.vectors import Vector, vector
 from rthm_core.exponential import exponentials, rate_bound
 from rthm_core.simd import WIDTH, simd_empty
 

@@ -12,7 +12,7 @@ from numba.extending import overload
 
 from rthm_core.compiled import inlined
 from rthm_core.engine.linear.arrivals import TERMS_KEPT
-from rthm_core.engine.linear.kernel import put
+from rthm_core.engine.linear.vectors import put
 from rthm_core.part_of_callers import PartOfCallers
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers
 

@@ -40,17 +40,21 @@ def empty_rows(loop: LinearLoop, count: int, *, energies: bool) -> Rows:
 def run_program(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[Any, ...]:
     """Run a program from a start, whose memory it changes; the state at its end."""
     counting = None if one.work_tables is None else Counting(one.work_tables, start.work, start.joint)
-    plant, commands, numerical, held = start.state
+    periods = None if one.periods is None else one.periods._replace(work=start.work)
+    plant, command, numerical, held, aside, commands = start.state
     return run(
         one.tables,
         one.operations,
         start.memory,
         start.sensors,
         counting,
+        periods,
         plant,
-        commands,
+        command,
         numerical,
         held,
+        aside,
+        commands,
         passes,
         tuple(rows),
         start.widths,

@@ -12,9 +12,9 @@ from rthm_core.compiled import Integers
 from rthm_core.engine.linear.arrivals import Responses, Works, rate_of, responses, works
 from rthm_core.engine.linear.blocks import Rows, empty_rows
 from rthm_core.engine.linear.kernel import Operations, Tables
-from rthm_core.engine.linear.ledger import LinearLedger
+from rthm_core.engine.linear.ledger import LinearLedger, work_tables
 from rthm_core.engine.linear.loop import LinearLoop
-from rthm_core.engine.linear.preparation import Numbered, Start, copied, prepared, start_of
+from rthm_core.engine.linear.preparation import Model, Numbered, Start, copied, prepared, start_of
 from rthm_core.engine.linear.streams import Clocks, Span, run_streams
 from rthm_core.engine.program import FEW_LENGTHS, reach_ns
 from rthm_core.link import NEVER
@@ -53,12 +53,13 @@ def irregular(
     if found is None:
         return None
     reach = reach_ns(schedule)
-    one = prepared(loop, _lengths(np.arange(most + 1) * clocks.unit), ledger)
+    lengths = _lengths(np.arange(most + 1) * clocks.unit)
     counting = None
-    if ledger is not None and one.work_tables is not None:
-        counting = works(ledger, one.work_tables, longest, rate)
-    start = start_of(loop, reach // schedule.td1, reach // schedule.td2)
-    return Irregular(schedule, loop, one.tables, found, counting, clocks, start)
+    if ledger is not None:
+        counting = works(ledger, work_tables(ledger, lengths.moves, lengths.rows), longest, rate)
+    start = start_of(Model(loop), reach // schedule.td1, reach // schedule.td2)
+    tables = prepared(Model(loop), lengths).tables
+    return Irregular(schedule, loop, tables, found, counting, clocks, start)
 
 
 def _lengths(lengths: Integers) -> Numbered:
@@ -73,7 +74,7 @@ def irregular_blocks(one: Irregular, end: int, span: int) -> Iterator[Rows]:
     schedule = copy(one.schedule)  # which will hold the commands of a span
     step, start = one.clocks.row * one.clocks.unit, copied(one.start)
     counting = None if one.works is None else one.works._replace(sums=np.zeros_like(one.works.sums))
-    state, last = start.state, end // step + 1
+    state, last = start.state[:4], end // step + 1
     each = -(-span // step)
     for first in range(0, last, each):
         rows = empty_rows(one.loop, min(each, last - first), energies=counting is not None)

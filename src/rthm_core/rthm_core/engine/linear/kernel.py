@@ -1,34 +1,18 @@
-"""The compiled kernel of linear loops: executes a program over step matrices.
-
-A small state is a tuple of numbers, whose length is part of the type: the compiler writes its loops out and
-keeps it in registers. A larger one is an array. Both take the same kernel.
-"""
+"""The compiled kernel of linear loops: executes a program over step matrices."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.core import types
-from numba.cpython.unsafe.tuple import tuple_setitem
-from numba.extending import overload
 
-from rthm_core.compiled import FUSED, Floats, Integers, fused, inlined, plainly
+from rthm_core.compiled import Floats, Integers, fused, inlined, plainly
+from rthm_core.engine.linear.periods import Periods, count_periods, feel, note
+from rthm_core.engine.linear.vectors import Vector, moved, put, seen
 from rthm_core.engine.worked import worked
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.simd import numbers, put_numbers
-
-LONGEST_IN_REGISTERS = 6
-"""Longest state that is kept in registers."""
-
-Vector = tuple[float, ...] | Floats
-"""Numbers of a state or an input: a tuple up to the length `LONGEST_IN_REGISTERS`, else an array."""
-
-
-def vector(values: Floats) -> Vector:
-    """State or input in the form in which the kernel is fastest."""
-    return tuple(values.tolist()) if values.size <= LONGEST_IN_REGISTERS else values.copy()
+from rthm_core.simd import WIDTH, numbers, put_numbers
 
 
 class Tables(NamedTuple):
@@ -36,8 +20,10 @@ class Tables(NamedTuple):
 
     Attributes
     ----------
-    plant, numerical : (K, ., n) arrays
-        Steps of both sides.
+    plant, numerical, aside : (K, ., n) arrays
+        Steps of both sides, and of what work depends on beside them.
+    felt : (., 2 m) array
+        What of the motion that the numerical side holds matters for work.
     sample, plant_row, numerical_row : (K, ., outputs) arrays
         What is seen a time after the last change of an input.
     reference : (., m) array
@@ -52,6 +38,8 @@ class Tables(NamedTuple):
     reference: Floats
     bias: Floats
     k_tot: Floats
+    aside: Floats
+    felt: Floats
 
 
 class Operations(NamedTuple):
@@ -92,94 +80,13 @@ ROW_COUNT = 2
 
 
 class Counting(NamedTuple):
-    """Work: coefficients (K, pairs, 8) of the products of the joint state, and the sums so far (8,)."""
+    """Work step by step: coefficients (K, pairs, 8) of the products of the joint state, and the sums so far
+    (8,).
+    """
 
     tables: Floats
     sums: Floats
     joint: Floats
-
-
-def put(target: Any, i: Any, value: Any) -> Any:
-    """`target` with element `i` replaced; an array is changed in place."""
-
-
-@overload(put)  # type: ignore[untyped-decorator]
-def _put(target: Any, i: Any, value: Any) -> Any:
-    if isinstance(target, types.Array):
-
-        def in_place(target: Any, i: Any, value: Any) -> Any:
-            target[i] = value
-            return target
-
-        return in_place
-
-    def of_tuple(target: Any, i: Any, value: Any) -> Any:
-        return tuple_setitem(target, i, value)
-
-    return of_tuple
-
-
-def moved(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
-    """`state` after the step with matrix `k`; an array is changed in place."""
-
-
-@overload(moved, jit_options={"fastmath": FUSED})  # type: ignore[untyped-decorator]
-def _moved(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
-    if isinstance(state, types.Array):
-
-        def in_place(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
-            seen(matrix, k, state, held, scratch, 0, state)
-            for i in range(state.size):
-                state[i] = scratch[0, i]
-            return state
-
-        return in_place
-
-    def of_tuple(matrix: Any, k: Any, state: Any, held: Any, scratch: Any) -> Any:
-        result = state
-        for i in range(len(state)):
-            total = 0.0
-            for j in range(len(state)):
-                total += matrix[k, j, i] * state[j]
-            for j in range(len(held)):
-                total += matrix[k, len(state) + j, i] * held[j]
-            result = tuple_setitem(result, i, total)
-        return result
-
-    return of_tuple
-
-
-def seen(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: Any) -> Any:
-    """Write what matrix `k` makes of [state, held] into a row of `out`, which is as long as `like`."""
-
-
-@overload(seen, jit_options={"fastmath": FUSED})  # type: ignore[untyped-decorator]
-def _seen(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: Any) -> Any:
-    if isinstance(state, types.Array):
-
-        def columns(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: Any) -> Any:
-            size, outputs = len(state), len(like)
-            for i in range(outputs):
-                out[row, i] = matrix[k, 0, i] * state[0]
-            for j in range(1, size):
-                for i in range(outputs):
-                    out[row, i] += matrix[k, j, i] * state[j]
-            for j in range(len(held)):
-                for i in range(outputs):
-                    out[row, i] += matrix[k, size + j, i] * held[j]
-
-        return columns
-
-    def rows(matrix: Any, k: Any, state: Any, held: Any, out: Any, row: Any, like: Any) -> Any:
-        for i in range(len(like)):
-            total = 0.0
-            for j in range(len(state)):
-                total += matrix[k, j, i] * state[j]
-            for j in range(len(held)):
-                total += matrix[k, len(state) + j, i] * held[j]
-            out[row, i] = total
-
-    return rows
 
 
 @inlined
@@ -192,11 +99,23 @@ def _joined(joint: Floats, begin: int, part: Vector) -> int:
 
 @inlined
 def _worked(
-    tables: Floats, k: int, joint: Floats, plant: Vector, command: Vector, numerical: Vector, held: Vector
+    tables: Floats,
+    k: int,
+    joint: Floats,
+    plant: Vector,
+    aside: Vector | None,
+    commands: Vector,
+    numerical: Vector,
+    held: Vector,
+    felt: Floats,
 ) -> Any:
     """Work (8,), a SIMD value, by table `k` from the joint state."""
-    d = _joined(joint, _joined(joint, 0, plant), command)
-    _joined(joint, _joined(joint, d, numerical), held)
+    d = _joined(joint, 0, plant)
+    if aside is not None:
+        d = _joined(joint, d, aside)
+    d = _joined(joint, _joined(joint, d, commands), numerical)
+    for i in range(felt.shape[0]):
+        joint[d + i] = feel(felt, i, held)
     return worked(tables, k, joint)
 
 
@@ -208,30 +127,41 @@ def run(
     memory: Memory,
     sensors: Sensors | None,
     counting: Counting | None,
+    periods: Periods | None,
     plant: Any,
     command: Any,
     numerical: Any,
     held: Any,
+    aside: Any,
+    commands: Any,
     passes: int,
     out: Any,
     like: Any,
-) -> tuple[Any, Any, Any, Any]:
+) -> tuple[Any, ...]:
     """Execute a program `passes` times or until the rows `out` are full.
 
-    With `counting`, both sides move at every change of an input, and the commands are in two parts.
+    With `counting`, step by step, or `periods`, eight of them together, work is counted: both sides move at
+    every change of an input then, with what is `aside`, whose inputs `commands` are the commands and their
+    feedforward parts.
     Returns the states and held inputs; samples, references and their number stay in `memory`.
     """
-    plant_step, numerical_step, sample_row, plant_row, numerical_row, reference_row, bias, k_tot = tables
+    plant_step, numerical_step, sample_row, plant_row, numerical_row, reference_row, bias, k_tot = tables[:8]
+    aside_step, felt = tables.aside, tables.felt
     what, time, plant_at, numerical_at, sample_back, reference_back, period, work_at = operations
     samples, references, count = memory
     plant_out, numerical_out, reference_out, work_out = out
-    scratch1, scratch2 = np.empty((1, len(plant))), np.empty((1, len(numerical)))
+    scratch = beside = np.empty((1, max(len(plant), len(numerical))))
+    if aside is not None:
+        beside = np.empty((1, len(aside)))
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
-    m = len(like[2])
-    for p in range(passes):
+    m, counted = len(like[2]), row
+    rest, parts = aside, commands  # what is none stays so: the compiler leaves all out that it is in
+    more = 0 if periods is None else 1  # what follows the last change is counted in the next pass
+    for p in range(passes + more):
         later = what.size if p > 0 else 0
-        for e in range(what.size):
+        change, lane = np.int64(0), (p - 1) % WIDTH
+        for e in range(what.size if p < passes else 0):
             kind = what[e]
             if kind == OUTPUT:
                 seen(plant_row, plant_at[later + e], plant, command, plant_out, row, like[0])
@@ -240,7 +170,9 @@ def run(
                     reference_out[row, i] = references[(r - reference_back[e]) & r_mask, i]
                 if counting is not None:
                     k = work_at[later + e]
-                    added = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
+                    added = _worked(
+                        counting.tables, k, counting.joint, plant, rest, parts, numerical, held, felt
+                    )
                     put_numbers(work_out, (row,), numbers(counting.sums, ()) + added)
                 row += 1
                 if row == reference_out.shape[0]:
@@ -260,12 +192,17 @@ def run(
             step1, step2 = plant_at[later + e], numerical_at[later + e]
             if counting is not None and step1 >= 0:
                 k = work_at[later + e]
-                added = _worked(counting.tables, k, counting.joint, plant, command, numerical, held)
+                added = _worked(counting.tables, k, counting.joint, plant, rest, parts, numerical, held, felt)
                 put_numbers(counting.sums, (), numbers(counting.sums, ()) + added)
+            if periods is not None and step1 >= 0:
+                note(periods.states, change, lane, plant, rest, parts, numerical, held, felt)
+                change += 1
             if step1 >= 0:
-                plant = moved(plant_step, step1, plant, command, scratch1)
+                plant = moved(plant_step, step1, plant, command, scratch)
+                if aside is not None:
+                    rest = moved(aside_step, step1, rest, parts, beside)
             if step2 >= 0:
-                numerical = moved(numerical_step, step2, numerical, held, scratch2)
+                numerical = moved(numerical_step, step2, numerical, held, scratch)
             if kind == REFERENCE:
                 for i in range(len(held)):
                     held = put(held, i, samples[used, i])
@@ -273,10 +210,16 @@ def run(
                 r += 1
             elif kind == MOTOR:
                 for i in range(m):
-                    if counting is None:
-                        command = put(command, i, samples[used, i] + references[asked, i] / k_tot[i])
-                    else:
-                        command = put(command, i, samples[used, i])
-                        command = put(command, m + i, references[asked, i] / k_tot[i])
+                    feedforward = references[asked, i] / k_tot[i]
+                    given = samples[used, i] + feedforward
+                    command = put(command, i, given)
+                    if commands is not None:
+                        parts = put(put(parts, i, given), m + i, feedforward)
+        if periods is not None:
+            note(periods.states, change, lane, plant, rest, parts, numerical, held, felt)
+            if lane == WIDTH - 1 or p == passes:
+                first, stop = lane if p == 0 else 0, lane if p == passes else lane + 1
+                count_periods(periods, min(p, 1), first, stop, work_out, counted, row)
+                counted += (lane + 1 - first) * periods.looks.rows
     count[0], count[1], count[2] = s, r, row
-    return plant, command, numerical, held
+    return plant, command, numerical, held, rest, parts

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers
 from rthm_core.energy import EFFECTS, TERMS, Bodies, Moment, bodies, power_forms
 from rthm_core.engine.general.ledger import nothing_added
 from rthm_core.engine.linear.loop import LinearLoop, Side
-from rthm_core.exponential import SCRATCH, exponentials, put_exponential, put_product, rate_bound
+from rthm_core.exponential import exponentials, rate_bound
 from rthm_core.numerical import shared_numerical
 from rthm_core.physical.drive import Drive, drive, settled
 from rthm_core.physical.side import shared_model
@@ -83,7 +83,7 @@ def _in_parts(loop: LinearLoop, believed: Drive) -> LinearLoop:
     )
 
 
-def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> list[Floats]:
+def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bodies) -> Moment:
     """All signals of `energy.Moment` as rows over z."""
     model, side2 = shared_model(spec)[0], shared_numerical(spec)
     n1, n2, m, chain = model.n, side2.n, model.m, believed.system.a.shape[0]
@@ -106,12 +106,12 @@ def _signals(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats, b: Bo
     velocity = int(np.flatnonzero(loop.rows[n1])[0])
     free = b.m1 @ joint[velocity : velocity + n1] + b.c1 @ v1 + b.k1 @ x1
     x2, held = unit[second : second + 2 * n2], unit[size - 2 * m :]
-    return [x1, v1, x2[:n2], x2[n2:], held, *parts, loads1, loads2, free]
+    return Moment(x1, v1, x2[:n2], x2[n2:], held, parts[0], parts[1], loads1, loads2, free)
 
 
 def _forms(spec: Spec, loop: LinearLoop, believed: Drive, joint: Floats) -> Floats:
     b = bodies(spec)
-    forms = power_forms(b, Moment(*_signals(spec, loop, believed, joint, b)))
+    forms = power_forms(b, _signals(spec, loop, believed, joint, b))
     if nothing_added(spec, shared_model(spec)[0], believed):
         forms[EFFECTS] = 0.0
     return forms
@@ -121,61 +121,38 @@ def work_tables(ledger: LinearLedger, moves_ns: Integers, rows_ns: Integers) -> 
     """Work over the lengths of moves, then that over the lengths before rows with the energy at their ends,
     as coefficients (K, d (d + 1) / 2, 8) of the products ``z_i z_j``, i <= j, of the state at the start.
     """
+    return packed(work_and_energy(ledger, moves_ns, rows_ns))
+
+
+def work_and_energy(ledger: LinearLedger, moves_ns: Integers, rows_ns: Integers) -> Floats:
+    """Work over the lengths of moves, then that over the lengths before rows with the energy at their ends,
+    as forms (K, 7, d, d) of the state at the start.
+    """
     work, ends = work_over(ledger, np.concatenate([moves_ns, rows_ns])), exponentials(ledger.joint, rows_ns)
     energy = np.zeros_like(work[:, :1])
     energy[moves_ns.size :, 0] = np.swapaxes(ends, 1, 2) @ (ledger.forms[-1] @ ends)
-    return packed(np.concatenate([work, energy], axis=1))
+    return np.concatenate([work, energy], axis=1)
 
 
 def work_over(ledger: LinearLedger, lengths_ns: Integers) -> Floats:
-    """Work (K, 6, d, d) over each of the lengths (K,) as forms of the state at its start."""
-    lengths, powers = np.asarray(lengths_ns * 1e-9, dtype=float), ledger.forms[: len(TERMS)]
-    scratch = np.empty((SCRATCH + 2, *ledger.joint.shape))
-    forms = np.zeros((lengths.size, *powers.shape))
-    _integrate(ledger.joint, rate_bound(ledger.joint), powers, lengths, NODES, WEIGHTS, scratch, forms)
-    return forms
-
-
-@compiled_in_place
-def _integrate(
-    joint: Floats,
-    bound: float,
-    powers: Floats,
-    lengths: Floats,
-    nodes: Floats,
-    weights: Floats,
-    scratch: Floats,
-    out: Floats,
-) -> None:
-    """Integrals ``E(t)' P E(t)`` of each power P over each length, by quadrature in parts that are short
-    beside the fastest motion.
+    """Work (K, 6, d, d) over each of the lengths (K,) as forms of the state at its start: integrals
+    ``E(t)' P E(t)`` of each power P, by quadrature in parts that are short beside the fastest motion.
     """
-    step, pushed = scratch[SCRATCH], scratch[SCRATCH + 1]
-    for k in range(lengths.size):
-        parts = max(1, math.ceil(bound * lengths[k]))
-        width = lengths[k] / parts
-        for node in range(parts * nodes.size):
-            part, at = node // nodes.size, node % nodes.size
-            put_exponential(joint, bound, (part + 0.5 * (nodes[at] + 1.0)) * width, scratch, step)
-            for term in range(powers.shape[0]):
-                if put_product(powers[term], step, pushed):
-                    _add_form(step, pushed, 0.5 * weights[at] * width, out[k, term])
-
-
-@inlined
-def _add_form(step, pushed, weight, out):  # type: ignore[no-untyped-def]
-    """Add ``weight step' pushed``."""
-    for i in range(step.shape[0]):
-        for j in range(step.shape[0]):
-            factor = weight * step[i, j]
-            if factor != 0.0:
-                for k in range(step.shape[0]):
-                    out[j, k] += factor * pushed[i, k]
+    d, powers, bound = ledger.joint.shape[0], ledger.forms[: len(TERMS), None], rate_bound(ledger.joint)
+    forms = np.empty((lengths_ns.size, len(TERMS), d, d))
+    for length, form in zip(lengths_ns.tolist(), forms, strict=True):
+        parts = max(1, math.ceil(bound * length * 1e-9))
+        nodes = (np.arange(parts)[:, None] + 0.5 * (NODES + 1.0)).ravel() * (length / parts)
+        weights = np.tile(0.5e-9 * length / parts * WEIGHTS, parts)
+        steps = exponentials(ledger.joint, nodes)
+        pushed = powers @ (steps * weights[:, None, None])
+        form[...] = steps.reshape(-1, d).T @ pushed.reshape(len(TERMS), -1, d)
+    return forms
 
 
 def packed(forms: Floats) -> Floats:
     """Tables (K, d (d + 1) / 2, 8) of forms (K, 6 or 7, d, d): the work, and the energy if it is there."""
-    first, second, double = _pairs(forms.shape[-1])
+    first, second, double = pairs(forms.shape[-1])
     tables = simd_empty(forms.shape[0], first.size, COLUMNS)
     tables[:, :, : forms.shape[1]] = np.swapaxes(forms[..., first, second] * double, 1, 2)
     tables[:, :, forms.shape[1] :] = 0.0
@@ -183,7 +160,7 @@ def packed(forms: Floats) -> Floats:
 
 
 @cache
-def _pairs(d: int) -> tuple[Integers, Integers, Floats]:
+def pairs(d: int) -> tuple[Integers, Integers, Floats]:
     """Every two of d elements, i <= j, and how often their product is in a form."""
     first, second = np.triu_indices(d)
     return first, second, np.where(first == second, 1.0, 2.0)

@@ -8,12 +8,21 @@ import numpy as np
 
 from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.digits import digit_lengths, work_over_digits
-from rthm_core.engine.linear.kernel import Memory, Operations, Tables, vector
+from rthm_core.engine.linear.kernel import Memory, Operations, Tables
 from rthm_core.engine.linear.ledger import COLUMNS, LinearLedger, work_tables
+from rthm_core.engine.linear.looks import only_further, periods_of
 from rthm_core.engine.linear.loop import LinearLoop, Side
+from rthm_core.engine.linear.periods import Periods
+from rthm_core.engine.linear.totals import NOTHING, Aside
+from rthm_core.engine.linear.vectors import Vector, matrices, vector
 from rthm_core.engine.program import Program
 from rthm_core.exponential import exponentials
 from rthm_core.schedule import COMMAND, MOTOR, OUTPUT, REFERENCE, SAMPLE
+
+LONGEST_TOGETHER = 1024
+"""Longest period, in operations, whose work is counted with that of others: a longer one is seldom there
+eight times, and the states of eight need memory.
+"""
 
 PLANT, NUMERICAL = (Program._fields.index(name) for name in ("plant", "numerical"))
 
@@ -31,14 +40,23 @@ class Numbered(NamedTuple):
 
 
 class Prepared(NamedTuple):
-    """A program with its matrices, and the tables of the work if it is counted."""
+    """A program with its matrices, and how work is counted if it is: step by step, or of eight periods."""
 
     operations: Operations
     tables: Tables
-    work_tables: Floats | None
+    work_tables: Floats | None = None
+    periods: Periods | None = None
 
 
-def _steps(side: Side, lengths_ns: Integers) -> Floats:
+class Model(NamedTuple):
+    """A linear loop, and its ledger with what that needs beside the loop if work is counted."""
+
+    loop: LinearLoop
+    aside: Aside = NOTHING
+    ledger: LinearLedger | None = None
+
+
+def _steps(side: Side | Aside, lengths_ns: Integers) -> Floats:
     """Matrices (K, n + m, n + m) of [y, s, held] over each length."""
     n, m = side.b.shape
     joint = np.zeros((n + m, n + m))
@@ -46,9 +64,9 @@ def _steps(side: Side, lengths_ns: Integers) -> Floats:
     return exponentials(joint, lengths_ns)
 
 
-def _seen_through(rows: Floats, steps: Floats) -> Floats:
-    """Matrices of what is seen after each step, transposed for the kernel."""
-    return np.ascontiguousarray(np.swapaxes(rows @ steps, 1, 2))
+def _seen_through(rows: Floats, steps: Floats, states: int) -> Floats:
+    """Matrices of what is seen after each step of so many states, transposed for the kernel."""
+    return matrices(np.swapaxes(rows @ steps, 1, 2), states)
 
 
 def _lengths(first: Program, further: Program, column: int, kinds: tuple[int, ...]) -> tuple[Any, Any]:
@@ -83,45 +101,52 @@ def numbered(first: Program, further: Program, period: int, *, jointly: bool) ->
     return Numbered(operations, moves, looks, ticks, rows)
 
 
-def prepared(loop: LinearLoop, given: Numbered, ledger: LinearLedger | None) -> Prepared:
+def _moves(side: Side | Aside, lengths_ns: Integers) -> Floats:
+    """Matrices of the state after each step, transposed for the kernel."""
+    n, m = side.b.shape
+    return _seen_through(np.eye(n, n + m), _steps(side, lengths_ns), n)
+
+
+def prepared(model: Model, given: Numbered) -> Prepared:
     """Matrices over the lengths of a program in which, with a ledger, both sides move jointly."""
     operations, moves, looks, ticks, rows = given
-    one, two = loop.plant, loop.numerical
-    n1, n2 = one.a.shape[0], two.a.shape[0]
-    seen1 = _steps(one, looks)
-    tables = Tables(
-        _seen_through(np.eye(n1, n1 + one.b.shape[1]), _steps(one, moves)),
-        _seen_through(np.eye(n2, n2 + two.b.shape[1]), _steps(two, ticks)),
-        _seen_through(loop.sample, seen1),
-        _seen_through(loop.rows, seen1),
-        _seen_through(np.eye(two.y.size, n2 + two.b.shape[1]), _steps(two, rows)),
-        np.ascontiguousarray(loop.reference.T[None]),
+    seen1, seen2 = _steps(model.loop.plant, looks), _steps(model.loop.numerical, rows)
+    tables = _tables(model, moves, ticks, seen1, seen2)
+    if model.ledger is None:
+        return Prepared(operations, tables)
+    if operations.what.size > LONGEST_TOGETHER:
+        return Prepared(operations, tables, work_tables(model.ledger, moves, rows))
+    plant = model.loop.plant.a.shape[0] + model.aside.a.shape[0] + model.aside.held.size
+    return Prepared(operations, tables, periods=periods_of(model.ledger, plant, operations, moves, rows))
+
+
+def _tables(model: Model, moves: Integers, ticks: Integers, seen1: Floats, seen2: Floats) -> Tables:
+    """Matrices over the lengths of steps of both sides, and of what is seen of them through others."""
+    loop, two = model.loop, model.loop.numerical
+    n1, n2 = loop.plant.a.shape[0], two.a.shape[0]
+    return Tables(
+        _moves(loop.plant, moves),
+        _moves(two, ticks),
+        _seen_through(loop.sample, seen1, n1),
+        _seen_through(loop.rows, seen1, n1),
+        _seen_through(np.eye(two.y.size, seen2.shape[1]), seen2, n2),
+        matrices(loop.reference.T[None], n2),
         loop.bias,
         loop.k_tot,
+        _moves(model.aside, moves),
+        np.ascontiguousarray(model.aside.felt),
     )
-    return Prepared(operations, tables, None if ledger is None else work_tables(ledger, moves, rows))
 
 
-def prepared_digits(loop: LinearLoop, ledger: LinearLedger | None) -> Prepared:
+def prepared_digits(model: Model) -> Prepared:
     """Matrices over the lengths of every digit, for a program that is given later; what is looked at has just
     been moved.
     """
-    one, two = loop.plant, loop.numerical
-    n1, n2, lengths = one.a.shape[0], two.a.shape[0], digit_lengths()
-    none = np.zeros(0, dtype=np.int64)
-    eye1, eye2 = np.eye(n1 + one.b.shape[1])[None], np.eye(n2 + two.b.shape[1])[None]
-    tables = Tables(
-        _seen_through(np.eye(n1, n1 + one.b.shape[1]), _steps(one, lengths)),
-        _seen_through(np.eye(n2, n2 + two.b.shape[1]), _steps(two, lengths)),
-        _seen_through(loop.sample, eye1),
-        _seen_through(loop.rows, eye1),
-        _seen_through(np.eye(two.y.size, n2 + two.b.shape[1]), eye2),
-        np.ascontiguousarray(loop.reference.T[None]),
-        loop.bias,
-        loop.k_tot,
-    )
+    lengths, none = digit_lengths(), np.zeros(0, dtype=np.int64)
+    eye1, eye2 = (np.eye(sum(side.b.shape))[None] for side in (model.loop.plant, model.loop.numerical))
+    tables = _tables(model, lengths, lengths, eye1, eye2)
     nothing = Operations(none, none, none, none, none, none, 0, none)
-    return Prepared(nothing, tables, None if ledger is None else work_over_digits(ledger))
+    return Prepared(nothing, tables, None if model.ledger is None else work_over_digits(model.ledger))
 
 
 def digit_operations(chosen: Program) -> Operations:
@@ -138,7 +163,8 @@ def without_first_pass(one: Prepared) -> Prepared:
         np.tile(both[both.size // 2 :], 2)
         for both in (one.operations.plant, one.operations.numerical, one.operations.work)
     )
-    return one._replace(operations=one.operations._replace(plant=plant, numerical=numerical, work=work))
+    one = one._replace(operations=one.operations._replace(plant=plant, numerical=numerical, work=work))
+    return one if one.periods is None else one._replace(periods=only_further(one.periods))
 
 
 class Start(NamedTuple):
@@ -157,9 +183,13 @@ def filled(row: Floats, needed: int) -> Floats:
     return np.repeat(row[None], 1 << (needed + 1).bit_length(), axis=0)
 
 
-def start_of(loop: LinearLoop, samples: int, references: int) -> Start:
+def start_of(model: Model, samples: int, references: int) -> Start:
     """Start of a loop that looks back on so many samples and references."""
-    state = [vector(v) for side in (loop.plant, loop.numerical) for v in (side.state(0.0), side.held)]
+    loop, aside = model.loop, model.aside
+    state: list[Vector | None] = [
+        vector(v) for side in (loop.plant, loop.numerical) for v in (side.state(0.0), side.held)
+    ]
+    state += [vector(v) if v.size else None for v in (aside.y, aside.held)]
     return Start(
         tuple(state),
         Memory(
@@ -170,13 +200,13 @@ def start_of(loop: LinearLoop, samples: int, references: int) -> Start:
         loop.sensors,
         tuple(vector(np.zeros(width)) for width in widths(loop)),
         np.zeros(COLUMNS),
-        np.zeros(sum(len(vector) for vector in state)),
+        np.zeros(0 if model.ledger is None else model.ledger.joint.shape[0]),
     )
 
 
 def copied(start: Start) -> Start:
     """A start that a run may change."""
-    state = tuple(v if isinstance(v, tuple) else v.copy() for v in start.state)
+    state = tuple(v.copy() if isinstance(v, np.ndarray) else v for v in start.state)
     memory = Memory(start.memory.samples.copy(), start.memory.references.copy(), start.memory.count.copy())
     return start._replace(state=state, memory=memory, work=start.work.copy())
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_core.engine.digits import LONGEST_LENGTH, in_digits
 from rthm_core.engine.linear.blocks import CHUNK_NS, Rows, empty_rows, rows_within, run_block, run_program
 from rthm_core.engine.linear.irregular import Irregular, irregular, irregular_blocks
-from rthm_core.engine.linear.ledger import LinearLedger, linear_ledger
-from rthm_core.engine.linear.loop import LinearLoop, linear_loop
+from rthm_core.engine.linear.ledger import linear_ledger
+from rthm_core.engine.linear.loop import linear_loop
 from rthm_core.engine.linear.preparation import (
+    Model,
     Numbered,
     Prepared,
     Start,
@@ -24,6 +25,7 @@ from rthm_core.engine.linear.preparation import (
     start_of,
     without_first_pass,
 )
+from rthm_core.engine.linear.totals import beside
 from rthm_core.engine.program import (
     FEW_LENGTHS,
     Program,
@@ -40,21 +42,13 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-class Model(NamedTuple):
-    """A linear loop, and its ledger if work is counted."""
-
-    loop: LinearLoop
-    ledger: LinearLedger | None
-
-
 @kept_without_timing
 def _model(spec: Spec, energies: bool) -> Model | None:
     """Matrices of a spec; None where it is not linear."""
     loop = linear_loop(spec)
     if loop is None or not energies:
-        return None if loop is None else Model(loop, None)
-    ledger = linear_ledger(spec, loop)
-    return Model(ledger.loop, ledger)
+        return None if loop is None else Model(loop)
+    return Model(loop, *beside(linear_ledger(spec, loop), loop))
 
 
 def repeating_program(spec: Spec, step: int, *, jointly: bool = False) -> tuple[Program, Program, int] | None:
@@ -83,8 +77,8 @@ def _repeating(spec: Spec, step: int, energies: bool) -> tuple[Prepared, Start] 
     if model is None or found is None:
         return None
     back = found.operations
-    start = start_of(model.loop, int(back.sample.max()), int(back.reference.max()))
-    return prepared(model.loop, found, model.ledger), start
+    start = start_of(model, int(back.sample.max()), int(back.reference.max()))
+    return prepared(model, found), start
 
 
 @kept_by_clocks
@@ -122,9 +116,11 @@ def linear_blocks(
 @kept
 def _clocked(spec: Spec, step: int, energies: bool) -> Irregular | None:
     """What the kernel of irregular events needs; None where clocks have many lengths."""
-    model = _model(spec, energies)
-    assert model is not None
-    return irregular(Schedule(spec), model.loop, model.ledger, step)
+    loop = linear_loop(spec)
+    assert loop is not None
+    ledger = linear_ledger(spec, loop) if energies else None
+    loop = loop if ledger is None else ledger.loop
+    return irregular(Schedule(spec), loop, ledger, step)
 
 
 def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, span: int) -> Iterator[Rows]:
@@ -134,7 +130,7 @@ def _repeated(model: Model, one: Prepared, start: Start, end: int, step: int, sp
     start = copied(start)
     for begin in range(0, end + 1, passes * period):
         count = rows_within(begin, min(begin + passes * period, end + 1), step)
-        rows = empty_rows(model.loop, count + 1, energies=one.work_tables is not None)
+        rows = empty_rows(model.loop, count + 1, energies=model.ledger is not None)
         left = min(passes, (end - begin) // period + 1)
         if begin:
             one = without_first_pass(one)
@@ -148,14 +144,14 @@ def _digits(spec: Spec, energies: bool) -> Prepared:
     """Matrices over the lengths of every digit, without a program."""
     model = _model(spec, energies)
     assert model is not None
-    return prepared_digits(model.loop, model.ledger)
+    return prepared_digits(model)
 
 
 def _irregular(spec: Spec, model: Model, end: int, step: int) -> Iterator[Rows]:
     """Blocks of a loop whose events do not repeat."""
     schedule, since, one = Schedule(spec), 0, _digits(spec, model.ledger is not None)
     reach = reach_ns(schedule)
-    start = start_of(model.loop, reach // schedule.td1, reach // schedule.td2)
+    start = start_of(model, reach // schedule.td1, reach // schedule.td2)
     for begin in range(0, end + 1, CHUNK_NS):
         stop = min(begin + CHUNK_NS, end + 1)
         operations = program(schedule, begin, stop, step)

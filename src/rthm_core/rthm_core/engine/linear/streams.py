@@ -19,7 +19,8 @@ from rthm_core.engine.linear.arriving import (
     piece,
     responded,
 )
-from rthm_core.engine.linear.kernel import Memory, Tables, moved, put, seen
+from rthm_core.engine.linear.kernel import Memory, Tables
+from rthm_core.engine.linear.vectors import moved, put, seen
 from rthm_core.engine.worked import energy, worked
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.simd import numbers, put_numbers

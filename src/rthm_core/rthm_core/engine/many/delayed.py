@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
-from rthm_core.engine.linear.kernel import moved, put, seen
+from rthm_core.engine.linear.vectors import moved, put, seen
 from rthm_core.engine.many.period import (
     COMMAND,
     EVENTS_NOTED,

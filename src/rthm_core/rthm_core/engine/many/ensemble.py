@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.linear.kernel import vector
 from rthm_core.engine.linear.run import repeating_program
+from rthm_core.engine.linear.vectors import vector
 from rthm_core.engine.many.delayed import Clocks, Loops, memories, moving, run_each
 from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_lanes, scratch
 from rthm_core.engine.many.period import notes

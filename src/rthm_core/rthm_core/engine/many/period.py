@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, inlined
-from rthm_core.engine.linear.kernel import moved, put, seen
+from rthm_core.engine.linear.vectors import moved, put, seen
 
 COMMAND, SAMPLE, TICK = range(3)
 """A command reaches the motors, the plant is sampled, the numerical side ticks."""

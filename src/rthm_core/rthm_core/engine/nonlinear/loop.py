@@ -150,8 +150,6 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or not _smooth(physical.model.wires) or not _fits(laws):
         return None
-    if laws.heavy is not None or np.any(laws.numbers[:, PARTITION] == TIME):
-        return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:
         before += ledger.loop.plant.a.shape[0] - linear.plant.a.shape[0]
@@ -190,8 +188,10 @@ def _wires(physical: Physical, linear: LinearLoop, before: int) -> Wires:
 
 def _fits(laws: LawTable) -> bool:
     """Whether the kernel can compute with some laws."""
-    rubbing, elsewhere = laws.numbers[:, PARTITION] == FRICTION, laws.numbers[:, [LOADED, OTHER]] >= 0
-    return bool(np.sum(rubbing) <= MOST_STICKING and not np.any(elsewhere))
+    partitions, elsewhere = laws.numbers[:, PARTITION], laws.numbers[:, [LOADED, OTHER]] >= 0
+    if laws.heavy is not None or np.any(partitions == TIME) or np.any(elsewhere):
+        return False
+    return int(np.sum(partitions == FRICTION)) <= MOST_STICKING
 
 
 def alone(physical: Physical) -> NonlinearLoop | None:

@@ -226,10 +226,11 @@ each term, of all that were compared, and steps of a fit; what each number must 
 share of what is left that a further term must explain; and size of a term over that of the whole above which
 terms only cancel each other."""
 
-SHOWN_KIND_STARTS, SHOWN_KIND_STEPS = 2, 12
+SHOWN_KIND_STARTS, SHOWN_KIND_STEPS, SHOWN_KIND_TRIALS = 2, 12, 40
 SHOWN_KIND_BUDGET = 1e7
 """Beginnings from which each way of a kind that a free curve shows is fitted, steps of these fits before the
-best of each way is fitted to its end, and work that may be done for it: steps of replays."""
+best of each way is fitted to its end, instants that are tried around its own, and work that may be done for
+it: steps of replays."""
 
 FORMULA_STEPS = 4e7
 FORMULA_FIT_BUDGET = 1e7

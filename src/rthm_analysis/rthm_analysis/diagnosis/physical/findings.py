@@ -157,7 +157,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
         if free is not None and (shown := with_shown_kind(judged, free)) is not None:
-            return _with_force(shown)
+            return shown, _beside_shown(shown)
         of_mass = free is not None and free.feature.of_mass and is_foretold(free)
         rests = judged.physical.evidence.comes_to_rest
         composed = None if rests or of_mass else compose_best(judged, free)
@@ -169,6 +169,12 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
     formula = judged.earned and judged.physical.selection.formulas
     return judged, tuple(formulated(judged)) if formula else ()
+
+
+def _beside_shown(judged: Judgement) -> tuple[Described, ...]:
+    """The force that is left beside a kind that a curve showed: a formula would make up for that kind."""
+    free = None if judged.settled else told(judged.told_missing.curves)
+    return (described(free, when(judged), beside=True),) if free is not None and is_foretold(free) else ()
 
 
 def _left_over(physical: Physical, judged: Judgement) -> tuple[str, ...]:

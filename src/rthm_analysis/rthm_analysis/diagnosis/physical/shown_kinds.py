@@ -8,8 +8,13 @@ from typing import TypeVar
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import SHOWN_KIND_BUDGET, SHOWN_KIND_STARTS, SHOWN_KIND_STEPS
-from rthm_analysis.diagnosis.fitting.fitting import Fitted
+from rthm_analysis.diagnosis.criteria.missing import (
+    SHOWN_KIND_BUDGET,
+    SHOWN_KIND_STARTS,
+    SHOWN_KIND_STEPS,
+    SHOWN_KIND_TRIALS,
+)
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.physical.fewer import judged_of
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -76,10 +81,24 @@ def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list
     worth = [one for way in _ways(screen(fitting, base, known, starts)) for one in way[:SHOWN_KIND_STARTS]]
     tried = in_order(fitting.cores.each_in_parts(begun, worth))
     firsts = [way[0] for way in _ways(tried) if np.isfinite(way[0].error)]
-    found = best_of_labels([finished_by_itself(fitting, one) for one in firsts])
+    found = best_of_labels([finished_by_itself(fitting, _elsewhere(fitting, one)) for one in firsts])
     if found:
         fitting.reduced_chi2 = reduced_chi2(fitting, found[0].fitted)
     return found
+
+
+def _elsewhere(fitting: Fitting, one: FittedCandidate) -> FittedCandidate:
+    """The candidate from where its instants explain most of some around them: no slope may lead there."""
+    model, added = one.fitted.model, len(one.fitted.model.added) - 1
+    places = model.places(added)
+    for key in (key for key in places if one.law.unit(key, one.start.added.block) == "s"):
+        apart = one.start.scales[key] * np.linspace(-1.0, 1.0, SHOWN_KIND_TRIALS)
+        moves = [np.eye(model.values.size)[places[key]] * move for move in apart]
+        tried = [model, *(model.at(model.values + move) for move in moves)]
+        model = tried[int(np.argmin(fitting.cores.each_in_parts(fitting.squares, tried)))]
+    if model is one.fitted.model:
+        return one
+    return fit_further(fitting, unfitted(one.start, one.fitted, model), None, SHOWN_KIND_STEPS)
 
 
 def _ways(some: list[C]) -> list[list[C]]:

@@ -20,7 +20,8 @@ from rthm_core.errors import InputError
 Recorded = str | Path | recording.Recording
 """What names a recording: the path of a bag, or a recording that was read before."""
 
-FIELDS = {"position": "m", "velocity": "m/s", "effort": "N"}
+QUANTITIES = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2", "effort": "N"}
+"""What is recorded of a plant, and its unit."""
 
 
 class Recording(Result, recording.Recording):
@@ -31,11 +32,12 @@ class Recording(Result, recording.Recording):
     """
 
     def columns(self) -> dict[str, Column]:
-        """Samples of ``plant/state``; those of other topics are in `tables`."""
+        """Samples of ``plant/state`` and accelerations at them; those of other topics are in `tables`."""
         table = self.plant
         found = {"t": Column(self.seconds(table.stamp_ns), "s")}
-        for kind, unit in FIELDS.items():
-            for name, values in zip(table.names, getattr(table, kind).T, strict=True):
+        for kind, unit in QUANTITIES.items():
+            known = self.accelerations(table.names) if kind == "acceleration" else getattr(table, kind)
+            for name, values in zip(table.names, known.T, strict=True):
                 if np.isfinite(values).any():
                     found[f"{name}.{kind}"] = Column(values, unit)
         return found
@@ -112,8 +114,8 @@ def import_table(
     bag : str or Path
         The folder of the bag; it must not exist, or be empty.
     columns : mapping of str to str
-        Which column has what: ``{"position:x1": "Displacement"}``. Roles are ``position``, ``velocity`` and
-        ``load`` of a dof, ``force`` and ``motor`` of an actuator.
+        Which column has what: ``{"position:x1": "Displacement"}``. Roles are ``position``, ``velocity``,
+        ``acceleration`` and ``load`` of a dof, ``force`` and ``motor`` of an actuator.
     spec : str, Path or Spec, optional
         The nominal model; it goes into the bag.
     units : mapping of str to str, optional

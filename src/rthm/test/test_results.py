@@ -46,6 +46,16 @@ def test_every_result_has_columns_of_one_length_a_picture_and_a_page(results: di
         assert page.startswith("<table>") and page.count("<tr>") > 1, name
 
 
+def test_an_imported_acceleration_is_a_column(tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    table.write_text("t,y,a\n0,1,2\n0.1,2,4\n0.2,3,6\n")
+    told = {"position:x1": "y", "acceleration:x1": "a"}
+    found = rthm.import_table(table, tmp_path / "bag", told, units={"acceleration": "g"}).columns()
+    assert list(found) == ["t", "x1.position", "x1.acceleration"]
+    assert found["x1.acceleration"].unit == "m/s^2"
+    assert found["x1.acceleration"].values == pytest.approx([19.6133, 39.2266, 58.8399])
+
+
 def test_a_column_is_drawn_by_its_name_and_a_wrong_name_is_told_the_nearest(results: dict[str, Any]) -> None:
     run = results["simulate"]
     (axis,) = run.plot("x1.position", "x2.position").axes

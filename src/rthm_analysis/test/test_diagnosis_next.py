@@ -70,6 +70,7 @@ def test_the_weakest_of_what_was_named_is_confirmed() -> None:
         ("link.tau2", "jitter", "tau2"),
         ("controller", "wrong_parameter", "actuator.stiffness differs"),
         ("sensor.position", "bias", "Rest x1"),
+        ("sensor.acceleration", "scale", "Turn the accelerometer of x1 over"),
         ("motor", "lag", "Step the command"),
     ],
 )

@@ -42,6 +42,9 @@ MOST_NUMBERS = 16
 its own.
 """
 
+PURE = ("nounwind", "readonly")
+"""What the compiler may know of functions that return a number: they change nothing."""
+
 NOT_THERE = 0
 """Stands in the slot of a function that a law leaves as it is."""
 
@@ -72,7 +75,7 @@ def caller(slot: int, how: Call) -> Any:
             ]
             kind = ir.FunctionType(ir.DoubleType(), [one.type for one in passed])
             function = builder.load(_slot(builder, table, slot, kind.as_pointer()))
-            found = builder.call(function, passed)
+            found = builder.call(function, passed, attrs=PURE if how.returns else ())
             return found if how.returns else context.get_dummy_value()
 
         return (types.float64 if how.returns else types.none)(types.int64, *given), code

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from rthm_core.addressed import part
 from rthm_core.compile_cache import SharedCache, cache_folder
-from rthm_core.part_of_callers import PartOfCallers
+from rthm_core.part_of_callers import PartOfCallers, Plain
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -74,6 +74,14 @@ def compiled_in_place(function: F) -> F:
     References to arrays are then not counted, which for small systems costs more than all arithmetic.
     """
     return kept(function, numba.njit(error_model="numpy", no_cfunc_wrapper=True, _nrt=False))
+
+
+def plainly(function: F) -> F:
+    """Have a compiled function optimised once and its loops left as they are (`Plain`): what goes through
+    loops of a few turns is compiled sooner then, and runs no slower.
+    """
+    function._compiler.pipeline_class = Plain  # type: ignore[attr-defined]
+    return function
 
 
 def keyed_by(folder: Path, compile_: Callable[[F], F]) -> Callable[[F], F]:

@@ -74,7 +74,9 @@ def _made(function: Callable[..., Any], how: Call, file: Path | None) -> LawCode
     call = f"function({', '.join(seen)})"
     lines = [f"    return {call}"] if how.returns else [f"    {call}", "    return 0.0"]
     exec("\n".join([f"def entry({how.arguments}):", *lines]), scope)
-    made = numba.cfunc(types.float64(*map(_type, how.names)), error_model="numpy")(scope["entry"])
+    made = numba.cfunc(types.float64(*map(_type, how.names)), error_model="numpy", forceinline=True)(
+        scope["entry"]
+    )
     library, name = made._library, made.native_name
     if file is not None:
         fresh = file.with_suffix(f".{os.getpid()}")

@@ -2,7 +2,7 @@
 
 Numba optimises every function, and makes machine code of it, before it hands it to a caller, which then
 optimises all of it once more. Of a chain of functions, each part of the next, all that is below is so
-optimised at each link; here it is once, at the top.
+optimised at each link; here it is once, at the top. What is at the top may be optimised otherwise, too.
 """
 
 from __future__ import annotations
@@ -12,6 +12,9 @@ from typing import Any
 import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+
+LEVEL = 2
+"""Of LLVM's optimisation; its third takes longer and makes such code no quicker."""
 
 
 class _Part(JITCodeLibrary):  # type: ignore[misc]
@@ -48,4 +51,29 @@ class PartOfCallers(Compiler):  # type: ignore[misc]
     def compile_extra(self, function: Any) -> Any:
         """Compile a function in Python."""
         self.state.library = _Part(self.state.targetctx.codegen(), function.__qualname__)
+        return super().compile_extra(function)
+
+
+class _Plain(JITCodeLibrary):  # type: ignore[misc]
+    """Code that is optimised once, and whose loops are left as they are."""
+
+    def _optimize_final_module(self) -> None:
+        manager, builder = self._codegen._module_pass_manager(
+            opt=LEVEL, loop_vectorize=False, slp_vectorize=False
+        )
+        with self._recorded_timings.record("Module passes", builder):
+            manager.run(self._final_module, builder)
+
+
+class Plain(Compiler):  # type: ignore[misc]
+    """How numba compiles what goes through loops of a few turns.
+
+    Left to itself it optimises everything twice, for the sake of counted references in between, and makes
+    vectors of each loop, which with three or four turns take longer than the loop itself.
+    """
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function in Python."""
+        self.state.library = _Plain(self.state.targetctx.codegen(), function.__qualname__)
+        self.state.library.enable_object_caching()
         return super().compile_extra(function)

@@ -9,7 +9,7 @@ import numpy as np
 from rthm_analysis.lifted.compiled import compiled, inlined
 from rthm_analysis.lifted.cycle import NOWHERE, Cycle
 from rthm_analysis.lifted.matrices import LinearLoop
-from rthm_core.compiled import Floats, Integers, called
+from rthm_core.compiled import Floats, Integers, called, plainly
 from rthm_core.schedule import COMMAND, REFERENCE, SAMPLE
 
 
@@ -178,6 +178,7 @@ def _copy(rows, to):  # type: ignore[no-untyped-def]
         _put(to, a, rows, a)
 
 
+@plainly
 @compiled
 def walk(plan: Plan, columns: Columns, forcing: Forcing) -> None:
     """Take all columns through one cycle, in place; what is remembered stays where the cycle put it."""

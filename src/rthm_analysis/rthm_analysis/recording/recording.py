@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rthm_analysis.recording.host_clocks import HostClocks
-from rthm_analysis.recording.table import LinkTable, Table
+from rthm_analysis.recording.table import LinkTable, Table, rows_of
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.events import Abort, abort_of
 from rthm_core.spec import Spec
-from rthm_core.topics import PLANT_STATE
+from rthm_core.topics import ACCELERATION, PLANT_STATE
 
 if TYPE_CHECKING:
-    from rthm_core.compiled import Integers
+    from collections.abc import Sequence
+
+    from rthm_core.compiled import Floats, Integers
 
 ABSENT, UNUSABLE = "the bag has no topic", "the spec in the bag cannot be used"
 """Beginnings of the notes on a recording without a spec."""
@@ -90,6 +92,16 @@ class Recording:
     def seconds(self, stamps_ns: Integers) -> np.ndarray:
         """Seconds since the start of the test."""
         return (stamps_ns - self.start_ns) / NS
+
+    def accelerations(self, names: Sequence[str]) -> Floats:
+        """Accelerations (n, len(names)) of dofs at the samples of the plant, m/s^2; NaN where no
+        accelerometer has a sample of that instant.
+        """
+        table, stamps = self.tables.get(ACCELERATION), self.plant.stamp_ns
+        if table is None:
+            return np.full((stamps.size, len(names)), np.nan)
+        row, found = rows_of(table.stamp_ns, stamps)
+        return np.where(found[:, None], table.columns("effort", names)[row], np.nan)
 
     def known_spec(self) -> Spec:
         """Return the spec; InputError when the bag has none that can be read."""

@@ -148,13 +148,13 @@ def mechanics_rate(laws, model, modes, y, u, w, t, dy, hold, scratch):  # type: 
             rate += mechanics[i, size + m + j] * w[j]
         dy[i] = rate
     if laws is not None:
-        _add_nonlinear(laws, model, modes, y, u, w, size + m + loads, t, dy, hold, scratch)
+        _add_nonlinear(laws, laws.heavy, model, modes, y, u, w, size + m + loads, t, dy, hold, scratch)
 
 
 @inlined
-def _add_nonlinear(laws, model, modes, y, u, w, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
+def _add_nonlinear(laws, heavy, model, modes, y, u, w, first, t, dy, hold, scratch):  # type: ignore[no-untyped-def]
     """Add what wires and laws that are not linear do; their forces enter through the columns of
-    ``model.mechanics`` from `first` on.
+    ``model.mechanics`` from `first` on. `heavy` is ``laws.heavy``, handed over by itself as well.
     """
     m = u.size
     for actuator in range(m):
@@ -172,23 +172,23 @@ def _add_nonlinear(laws, model, modes, y, u, w, first, t, dy, hold, scratch):  #
             sticking += 1
         else:
             _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, w, t, dy)
-    inverse_mass = model.inverse_mass
-    if laws.heavy.size:
-        inverse_mass = laws.inverse_mass
-        _carry(laws, model, modes, y, t, dy, scratch)
-    if sticking:
-        _hold(laws, model.n, inverse_mass, modes, dy, hold, sticking)
+    if heavy is not None:
+        _carry(laws, heavy, model, modes, y, t, dy, scratch)
+        if sticking:
+            _hold(laws, model.n, laws.inverse_mass, modes, dy, hold, sticking)
+    elif sticking:
+        _hold(laws, model.n, model.inverse_mass, modes, dy, hold, sticking)
 
 
 @inlined
-def _carry(laws, model, modes, y, t, dy, scratch):  # type: ignore[no-untyped-def]
+def _carry(laws, heavy, model, modes, y, t, dy, scratch):  # type: ignore[no-untyped-def]
     """Let the forces accelerate what moves with the dofs, too; ``laws.inverse_mass`` becomes the inverse
     of all mass. One law after the other (Sherman and Morrison); where no mass is left, nothing is a number.
     """
     n, inverse = model.n, laws.inverse_mass
     for i in range(n):
         copy_into(inverse[i], model.inverse_mass[i])
-    for row in laws.heavy:
+    for row in heavy:
         begin, end = laws.numbers[row, STATE], laws.numbers[row, STATE] + laws.numbers[row, STATES]
         x, v = motion_of(laws, n, row, y)
         mass = plant_inertia(laws.numbers[row, CODE], x, v, y[begin:end], t, laws.parameters[row], modes[row])

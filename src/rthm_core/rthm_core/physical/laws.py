@@ -51,15 +51,15 @@ class LawTable(NamedTuple):
     Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, which load
     the law depends on (-1: none), and the dof relative to which the first moves (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
-    `breakaway` (L,) in N; `heavy` are the rows of laws that have inertia, and `inverse_mass` (n, n) is that
-    of all that moves, when a rate was last computed.
+    `breakaway` (L,) in N; `heavy` are the rows of laws with inertia, None where there are none, so that
+    nothing of it is compiled; `inverse_mass` (n, n) is that of all that moves, when a rate was last computed.
     """
 
     numbers: Integers
     parameters: Floats
     thresholds: Floats
     breakaway: Floats
-    heavy: Integers
+    heavy: Integers | None
     inverse_mass: Floats
 
 
@@ -264,6 +264,7 @@ def law_table(
     )
     partitions = np.array([PARTITIONS.index(law.partition) for law, *_ in nonlinear], dtype=np.int64)
     others = np.array([place.other for _, _, place, _ in nonlinear], dtype=np.int64)
+    heavy = [row for row, (law, *_) in enumerate(nonlinear) if has_inertia(law)]
     thresholds = np.full((len(nonlinear), 2), np.inf)
     for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
@@ -273,6 +274,6 @@ def law_table(
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),
-        np.array([row for row, (law, *_) in enumerate(nonlinear) if has_inertia(law)], dtype=np.int64),
+        np.array(heavy, dtype=np.int64) if heavy else None,
         np.zeros((dofs, dofs)),
     )

@@ -30,6 +30,12 @@ FAULT = {
     "wrong_spec": "Diagnose again with the spec of this test: `rthm diagnose BAG --spec SPEC`.",
 }
 
+OF_SENSOR = {
+    "sensor.acceleration": "Turn the accelerometer of {place} over: from one side to the other its reading "
+    "has to change by 19.61 m/s^2, and at rest to stay as it is.",
+}
+"""By block: what shows that a sensor is wrong, whatever it is, where no known position or force does."""
+
 LONGER = (
     "A longer recording, or one with larger motion, would show smaller effects than the detection limits say."
 )
@@ -52,7 +58,7 @@ def advice(block: str, kind: str, place: str | None, name: str | None = None) ->
     name : str or None
         Entry of the spec that a block that computes has wrong.
     """
-    said = effect(kind, block).experiment or "Repeat the test at another amplitude."
+    said = OF_SENSOR.get(block) or effect(kind, block).experiment or "Repeat the test at another amplitude."
     return said.format(place=place or block, name=name or block.removeprefix("link."))
 
 

@@ -19,7 +19,6 @@ from rthm_analysis.diagnosis.criteria.verdict import TRAINED_SHARE
 from rthm_analysis.diagnosis.links.stamps import sent_stamps
 from rthm_analysis.diagnosis.replay.resting import rest_begin, rests
 from rthm_analysis.recording import Recording, hold
-from rthm_analysis.recording.table import rows_of
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.link import Link
@@ -283,21 +282,17 @@ def _check_motion(recording: Recording, channels: list[Channel], driven_by: str)
 def _accelerations(
     recording: Recording, dofs: tuple[str, ...], notes: list[str]
 ) -> tuple[tuple[str, ...], Floats]:
-    """Dofs of which an acceleration is recorded, and these at the samples of the plant (s, k), m/s^2; NaN
-    where the accelerometer has no sample of that instant.
-    """
-    table, stamps = recording.tables.get(ACCELERATION), recording.plant.stamp_ns
-    if table is None:
-        return (), np.empty((stamps.size, 0))
-    seen = tuple(dof for dof in dofs if dof in table.names)
-    row, found = rows_of(table.stamp_ns, stamps)
-    if not found.any():
-        notes.append(
-            f"No sample of {ACCELERATION} has the stamp of one of plant/state, so that accelerations are not "
-            "used: resample both to the same instants."
-        )
-        return (), np.empty((stamps.size, 0))
-    return seen, np.where(found[:, None], table.columns("effort", seen)[row], np.nan)
+    """Dofs of which an acceleration is recorded, and these at the samples of the plant (s, k), m/s^2."""
+    table = recording.tables.get(ACCELERATION)
+    seen = tuple(dof for dof in dofs if table is not None and dof in table.names)
+    values = recording.accelerations(seen)
+    if not seen or np.isfinite(values).any():
+        return seen, values
+    notes.append(
+        f"No sample of {ACCELERATION} has the stamp of one of plant/state, so that accelerations are not "
+        "used: resample both to the same instants."
+    )
+    return (), values[:, :0]
 
 
 def _with_forces(plant, others: list[str], load: Floats, spec: Spec) -> Floats:  # type: ignore[no-untyped-def]

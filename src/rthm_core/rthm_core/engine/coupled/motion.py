@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place
+from rthm_core.compiled import Floats, Integers, compiled_in_place, plainly
 from rthm_core.engine.linear.loop import Exosystem, exosystem, with_loads
 from rthm_core.engine.nonlinear.loop import alone
 from rthm_core.engine.nonlinear.run import rows_alone
@@ -27,6 +27,7 @@ class Motion(NamedTuple):
         return Motion(*(values[rows] for values in self))
 
 
+@plainly
 @compiled_in_place
 def _follow(side: Physical, instants: Integers, rate: Floats, motion: Motion) -> None:
     """Motion at ascending instants in ns, by advancing to each; `rate` (ny,) is scratch."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, plainly
 from rthm_core.controller import ControllerState, control, latch_force, latch_state
 from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
@@ -117,6 +117,7 @@ def _output(loop, row):  # type: ignore[no-untyped-def]
     row[at + 6] = total_energy(loop.ledger.bodies, y1[:n1], y1[n1 : 2 * n1], y2[:n2], y2[n2:])
 
 
+@plainly
 @compiled_in_place
 def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
     """Execute `events` in order; row r of the outputs goes to ``out[r - first_row]``."""

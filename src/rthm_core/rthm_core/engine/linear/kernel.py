@@ -13,7 +13,7 @@ from numba.core import types
 from numba.cpython.unsafe.tuple import tuple_setitem
 from numba.extending import overload
 
-from rthm_core.compiled import FUSED, Floats, Integers, fused, inlined
+from rthm_core.compiled import FUSED, Floats, Integers, fused, inlined, plainly
 from rthm_core.engine.worked import worked
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
@@ -200,6 +200,7 @@ def _worked(
     return worked(tables, k, joint)
 
 
+@plainly
 @fused
 def run(
     tables: Tables,

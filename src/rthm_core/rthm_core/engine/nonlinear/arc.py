@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rthm_core.compiled import copy_into, inlined
-from rthm_core.engine.nonlinear.advance import begin_step, set_of
+from rthm_core.engine.nonlinear.advance import set_of
 from rthm_core.engine.nonlinear.collocation import collocate
 from rthm_core.engine.nonlinear.event_free import nothing_switches
 from rthm_core.engine.nonlinear.packed import end_of, prepare, product
@@ -36,6 +36,16 @@ def sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _comes_loose(nonlinear, number, modes, z):  # type: ignore[no-untyped-def]
+    """Whether something that sticks is held by more than its breakaway force."""
+    for row in range(modes.size if number else 0):
+        held = abs(scalar_product(nonlinear.holds[number, row], z))
+        if nonlinear.bits[row] and modes[row] == 0 and held > nonlinear.laws.breakaway[row]:
+            return True
+    return False
+
+
+@inlined
 def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped-def]
     """Find the motion over length `k` from z on, from time `t` (s) on: it is described by ``work.whole``, its
     end is in ``work.end``. Returns the number of the set that sticks, or -1 where something switches on the
@@ -44,8 +54,8 @@ def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyp
     number = set_of(nonlinear.bits, work.modes)
     if not nonlinear.steady and steps.lengths[k] > work.pace[0]:
         return -1
-    if not nonlinear.steady and number:
-        number = begin_step(nonlinear, z, t, work.modes)
+    if not nonlinear.steady and _comes_loose(nonlinear, number, work.modes, z):
+        return -1
     slot = number * steps.lengths.size + k
     prepare(nonlinear, steps, packed, number, slot, steps.lengths[k])
     for j in range(nonlinear.systems.shape[1], z.size):

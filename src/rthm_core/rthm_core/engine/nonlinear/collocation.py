@@ -120,13 +120,13 @@ def _settle(nonlinear, stages, work, slot, first, t, third):  # type: ignore[no-
 @inlined
 def _keep(whole, first, third, trend):  # type: ignore[no-untyped-def]
     """How the forces go on at the end of a step, by powers of the time in s."""
-    count = trend.shape[1]
+    count, inverse = trend.shape[1], 1.0 / third
     for j in range(count):
         one, two = whole[first + count + j], whole[first + 2 * count + j]
         three = whole[first + 3 * count + j]
-        trend[0, j] = (one + 6.0 * two + 27.0 * three) / third
-        trend[1, j] = (two + 9.0 * three) / third**2
-        trend[2, j] = three / third**3
+        trend[0, j] = (one + 6.0 * two + 27.0 * three) * inverse
+        trend[1, j] = (two + 9.0 * three) * inverse * inverse
+        trend[2, j] = three * inverse * inverse * inverse
 
 
 @inlined

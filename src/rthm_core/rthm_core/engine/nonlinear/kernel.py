@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined, plainly
 from rthm_core.engine.linear.kernel import Memory
 from rthm_core.engine.nonlinear.advance import Work, advance
 from rthm_core.engine.nonlinear.arc import begin_arc, end_arc, within_arc
@@ -102,6 +102,7 @@ def write_work(forms, sums, z, out):  # type: ignore[no-untyped-def]
     out[last] = energy(forms[last], z)
 
 
+@plainly
 @compiled_in_place
 def run_nonlinear(
     nonlinear: Nonlinear,

@@ -150,7 +150,7 @@ def nonlinear_loop(spec: Spec, *, energies: bool) -> NonlinearLoop | None:
     laws, linear = physical.model.laws or law_table([]), linear_part(spec)
     if linear is None or not _smooth(physical.model.wires) or not _fits(laws):
         return None
-    if laws.heavy.size or np.any(laws.numbers[:, PARTITION] == TIME):
+    if laws.heavy is not None or np.any(laws.numbers[:, PARTITION] == TIME):
         return None
     before, ledger = physical.state.q.size, linear_ledger(spec, linear) if energies else None
     if ledger is not None:

@@ -105,16 +105,35 @@ def put_numbers(typing: Any, array: Any, index: Any, value: Any) -> Any:
     return types.none(array, index, value), code
 
 
-@intrinsic  # type: ignore[untyped-decorator]
-def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
-    """Let ``row[begin : begin + WIDTH]`` of a flat array be `value`."""
+def _place_from(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Address of the numbers that begin at a place of a flat array."""
+    array = context.make_array(signature.args[0])(context, builder, arguments[0])
+    return builder.bitcast(builder.gep(array.data, [arguments[1]]), _NUMBERS.as_pointer())
+
+
+def _check_flat(row: Any) -> None:
     if row.layout != "C" or row.dtype != types.float64 or row.ndim != 1:
         raise TypingError(f"{row} is not a flat array of numbers.")
 
+
+@intrinsic  # type: ignore[untyped-decorator]
+def numbers_from(typing: Any, row: Any, begin: Any) -> Any:
+    """Numbers ``row[begin : begin + WIDTH]`` of a flat array."""
+    _check_flat(row)
+
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        place = builder.gep(array.data, [arguments[1]])
-        builder.store(arguments[2], builder.bitcast(place, _NUMBERS.as_pointer()), align=8)
+        return builder.load(_place_from(context, builder, signature, arguments), align=8)
+
+    return simd(row, types.intp), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
+    """Let ``row[begin : begin + WIDTH]`` of a flat array be `value`."""
+    _check_flat(row)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        builder.store(arguments[2], _place_from(context, builder, signature, arguments), align=8)
         return context.get_dummy_value()
 
     return types.none(row, types.intp, value), code

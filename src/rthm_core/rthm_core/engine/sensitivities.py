@@ -19,8 +19,9 @@ from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.engine.nonlinear.run import Portion, State, looks_of, outputs, plan, start_state
 from rthm_core.engine.simulate import checked_step, simulate
 from rthm_core.engine.tangents.advance import TangentWork, Term
-from rthm_core.engine.tangents.changes import Tangents, look_pairs, stencil, step_pairs, tangents
-from rthm_core.engine.tangents.kernel import TangentSteps, run_tangents
+from rthm_core.engine.tangents.changes import Placement, Tangents, stencil, tangents
+from rthm_core.engine.tangents.entries import look_entries, step_entries
+from rthm_core.engine.tangents.kernel import Layout, TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.kept import kept
@@ -144,11 +145,12 @@ def _checked(spec: Spec, names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class _Prepared(NamedTuple):
-    """A loop, what is seen of it, its derivatives, and memory for the changes of its steps."""
+    """A loop, what is seen of it, its derivatives and where they are, and memory for those of its steps."""
 
     loop: NonlinearLoop
     looks: Looks
     changes: Tangents
+    placement: Placement
     steps: dict[int, TangentSteps]
 
 
@@ -158,8 +160,8 @@ def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> 
     loop = nonlinear_loop(spec, energies=energies)
     if loop is None or not loop.nonlinear.steady or loop.linear.sensors is not None:
         return None
-    changes = tangents(spec, loop, names)
-    return None if changes is None else _Prepared(loop, looks_of(loop), changes, {})
+    found = tangents(spec, loop, names)
+    return None if found is None else _Prepared(loop, looks_of(loop), *found, {})
 
 
 def _steps(one: _Prepared, slots: int) -> TangentSteps:
@@ -167,11 +169,11 @@ def _steps(one: _Prepared, slots: int) -> TangentSteps:
     if slots not in one.steps:
         loop, changes = one.loop, one.changes
         one.steps[slots] = TangentSteps(
-            step_pairs(loop, changes, slots),
+            step_entries(loop, changes, slots),
             np.zeros(slots, dtype=np.int64),
-            look_pairs(loop.sample, changes.sample),
-            look_pairs(loop.force, changes.force),
-            look_pairs(loop.reference, changes.reference),
+            look_entries(loop.sample, changes.sample),
+            look_entries(loop.force, changes.force),
+            look_entries(loop.reference, changes.reference),
         )
     return one.steps[slots]
 
@@ -181,13 +183,15 @@ def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
     changes = one.changes
     _, n, d, *groups = changes.systems.shape
     nothing = np.zeros((d, *groups))
-    dz = simd_copy(nothing)
-    dz[: changes.start.shape[0]] = changes.start
+    three = simd_copy(np.zeros((3, *nothing.shape)))
+    three[:, : changes.start.shape[0]] = changes.start
     return TangentWork(
-        dz,
-        simd_copy(dz),
-        simd_copy(filled(changes.first_sample, samples)),
-        simd_copy(filled(changes.first_reference, references)),
+        three,
+        three.reshape(-1),
+        simd_copy(filled(changes.first_sample, samples)).reshape(-1),
+        simd_copy(filled(changes.first_reference, references)).reshape(-1),
+        simd_copy(np.zeros(changes.k_tot.size)),
+        np.zeros(d),
         np.zeros(n),
         simd_copy(nothing[0]),
         Term(np.zeros(n), simd_copy(nothing[:n])),
@@ -212,7 +216,8 @@ def _beside(
     ends = np.cumsum([part.shape[1] for part in rows[:2]])
     plant, numerical, reference = np.split(beside, ends, axis=1)
     every = of_rows(spec, Rows(plant, numerical, reference, np.empty((0, 0))), step)
-    by_parameter = {name: _of_one(every, p) for p, name in enumerate(names)}
+    places = {names[p]: place for place, p in enumerate(one.placement.order)}
+    by_parameter = {name: _of_one(every, places[name]) for name in names}
     return Sensitivities(of_rows(spec, Rows(*rows), step), by_parameter, tangents=True)
 
 
@@ -246,7 +251,7 @@ def _block(
         _steps(one, portion.steps.filled.size),
         own,
         groups,
-        parameters,
+        Layout(parameters, one.placement.before, one.placement.motion),
         beside,
     )
     return [rows[:-1] for rows in out], [beside[:-WIDTH].reshape(shape)[:-1]]

@@ -26,7 +26,7 @@ def _turns(nonlinear, number, row, z, end):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
+def sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
     """Whether no force that holds a dof is larger on the way than at the ends of a step."""
     for row in range(modes.size):
         sticking = modes[row] == 0 and nonlinear.laws.numbers[row, PARTITION] == FRICTION
@@ -71,7 +71,7 @@ def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyp
         good = collocate(nonlinear, packed, work, slot, z, t, steps.lengths[k])
         good = good and stays(nonlinear, number, work.modes, z, work.end)
     copy_into(work.before, work.sums)
-    return number if good and _sticks_on(nonlinear, number, work.modes, z, work.end) else -1
+    return number if good and sticks_on(nonlinear, number, work.modes, z, work.end) else -1
 
 
 @inlined

@@ -30,10 +30,16 @@ class TangentWork(NamedTuple):
 
     Attributes
     ----------
-    dz, after : (d, Q, 8) arrays
-        Tangents of [y, held, g], and those after a step.
-    samples, references : (length, 2 m, Q, 8), (length, m, Q, 8) arrays
+    three : (3, d, Q, 8) array
+        Tangents of [y, held, g] at the beginning of a step, those at its end, and on the way.
+    lanes : (3 d Q 8,) array
+        The same memory.
+    samples, references : (length 2 m Q 8,), (length m Q 8,) arrays
         Those of the memory.
+    force : (m Q 8,) array
+        Those of the forces in the wires.
+    now : (d,) array
+        [y, held, g] on the way.
     rate : (N,) array
         Of y just before a law switches.
     shift : (Q, 8) array
@@ -42,10 +48,12 @@ class TangentWork(NamedTuple):
     unit, zero, change : (d,), (d, Q, 8), (d, N, Q, 8) arrays
     """
 
-    dz: Floats
-    after: Floats
+    three: Floats
+    lanes: Floats
     samples: Floats
     references: Floats
+    force: Floats
+    now: Floats
     rate: Floats
     shift: Floats
     one: Term
@@ -61,6 +69,13 @@ def _forces(forces, modes, first, dz):  # type: ignore[no-untyped-def]
     for row in range(modes.size):
         for group in range(dz.shape[1]):
             put_numbers(dz, (first + row, group), numbers(forces, (row, modes[row] + 1, group)))
+
+
+@inlined
+def begin_tangents(nonlinear, work, tangents, z, dz):  # type: ignore[no-untyped-def]
+    """Put the forces of the laws, which do not depend on time, into z and their tangents into dz."""
+    begin_step(nonlinear, z, 0.0, work.modes)
+    _forces(tangents.forces, work.modes, z.size - nonlinear.input_matrix.shape[1], dz)
 
 
 @inlined

@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
 from rthm_core.physical.laws import CODE, FRICTION, PARTITION, law_of
-from rthm_core.simd import WIDTH, simd_copy, simd_empty
+from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.spec import apply, number_at
 
 if TYPE_CHECKING:
@@ -26,9 +25,6 @@ if TYPE_CHECKING:
 TANGENT_STEP = 1e-5
 """Step of the differences, relative to the parameter; absolute where that is zero."""
 
-Unsigned = NDArray[np.uint64]
-"""Array of indices; shapes are in the docstrings."""
-
 Stencil = list[tuple["Spec", float]]
 """Specs beside the given one, and the weight of each in the derivative."""
 
@@ -36,8 +32,8 @@ Stencil = list[tuple["Spec", float]]
 class Tangents(NamedTuple):
     """Derivatives with respect to parameters, of what `Nonlinear`, `Looks` and `NonlinearLoop` hold.
 
-    The last two axes, Q groups of 8 lanes, are the parameters; the lane after the last of them is the motion
-    itself. There matrices and limits are zero, since these do not change, and all else is as it is.
+    The last two axes, Q groups of 8 lanes, are the parameters (`Placement`); one lane is the motion itself.
+    There matrices and limits are zero, since these do not change, and all else is as it is.
 
     Attributes
     ----------
@@ -66,6 +62,25 @@ class Tangents(NamedTuple):
     first_reference: Floats
 
 
+class Placement(NamedTuple):
+    """Where parameters are: those that change the same rows of a step are in the same groups of lanes.
+
+    Attributes
+    ----------
+    order, lanes : (P,) arrays
+        Parameters as they follow each other, and the lane of each of these.
+    before : (Q,) array
+        How many parameters come before each group.
+    motion : int
+        Lane of the motion.
+    """
+
+    order: Integers
+    lanes: Integers
+    before: Integers
+    motion: int
+
+
 def stencil(spec: Spec, name: str) -> Stencil:
     """Second-order difference with respect to a parameter: central, or forward from a lower bound.
 
@@ -86,8 +101,10 @@ def stencil(spec: Spec, name: str) -> Stencil:
     return [(apply(spec, {name: value + step}), 0.5 / step), (below, -0.5 / step)]
 
 
-def tangents(spec: Spec, loop: NonlinearLoop, names: Sequence[str]) -> Tangents | None:
-    """Derivatives of a loop; None where a small change of a parameter changes what the loop is made of."""
+def tangents(spec: Spec, loop: NonlinearLoop, names: Sequence[str]) -> tuple[Tangents, Placement] | None:
+    """Derivatives of a loop, and where they are; None where a small change of a parameter changes what the
+    loop is made of.
+    """
     shapes, derivatives = [one.shape for one in _arrays(loop)], []
     for name in names:
         weighted = []
@@ -98,8 +115,36 @@ def tangents(spec: Spec, loop: NonlinearLoop, names: Sequence[str]) -> Tangents 
                 return None
             weighted.append([weight * one for one in arrays])
         derivatives.append([np.sum(parts, axis=0) for parts in zip(*weighted, strict=True)])
-    motion = _motion(loop)
-    return Tangents(*(_lanes(parts, own) for *parts, own in zip(*derivatives, motion, strict=True)))
+    placement, motion = _placement(loop, [of_one[0] for of_one in derivatives]), _motion(loop)
+    placed = zip(*derivatives, motion, strict=True)
+    return Tangents(*(_lanes(parts, own, placement) for *parts, own in placed)), placement
+
+
+def reach(systems: Floats) -> Flags:
+    """Which states (N, N) each state depends on after some time, by the sizes (N, d) of what moves it."""
+    n = systems.shape[0]
+    reached = np.eye(n, dtype=bool)
+    for _ in range(n):
+        reached = reached | (reached.astype(int) @ (systems[:, :n] != 0.0) > 0)
+    return reached
+
+
+def _placement(loop: NonlinearLoop, systems: Sequence[Floats]) -> Placement:
+    """Places of parameters that change the `systems` (S, N, d) so; none needs more groups than they fill."""
+    sizes = [np.abs(one).sum(axis=0) for one in systems]
+    reached = reach(np.abs(loop.nonlinear.systems).sum(axis=0) + np.sum(sizes, axis=0))
+    moved = [tuple(np.flatnonzero(reached.astype(int) @ one.any(axis=1))) for one in sizes]
+    order = sorted(range(len(moved)), key=lambda p: moved[p])
+    room, lanes, lane = (len(order) // WIDTH + 1) * WIDTH, [], 0
+    for place, p in enumerate(order):
+        apart = place > 0 and moved[order[place - 1]] not in ((), moved[p])
+        following = -(-lane // WIDTH) * WIDTH
+        if apart and following + len(order) - place < room:
+            lane = following
+        lanes.append(lane)
+        lane += 1
+    before = np.searchsorted(lanes, np.arange(0, room, WIDTH))
+    return Placement(np.array(order), np.array(lanes), before.astype(np.int64), lane)
 
 
 def _motion(loop: NonlinearLoop) -> list[Floats]:
@@ -109,12 +154,14 @@ def _motion(loop: NonlinearLoop) -> list[Floats]:
     return [one if name in themselves else np.zeros_like(one) for name, one in arrays]
 
 
-def _lanes(derivatives: Sequence[Floats], motion: Floats) -> Floats:
-    """Arrays stacked along a last axis that is filled up to whole groups, and parted into them."""
-    groups = len(derivatives) // WIDTH + 1
-    missing = groups * WIDTH - len(derivatives) - 1
-    stacked = np.stack([*derivatives, motion, *([np.zeros_like(motion)] * missing)], axis=-1)
-    return simd_copy(stacked.reshape(*motion.shape, groups, WIDTH))
+def _lanes(derivatives: Sequence[Floats], motion: Floats, placement: Placement) -> Floats:
+    """Arrays along a last axis of lanes, parted into groups."""
+    groups = placement.before.size
+    lanes = np.zeros((*motion.shape, groups * WIDTH))
+    for p, lane in zip(placement.order, placement.lanes, strict=True):
+        lanes[..., lane] = derivatives[p]
+    lanes[..., placement.motion] = motion
+    return simd_copy(lanes.reshape(*motion.shape, groups, WIDTH))
 
 
 def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
@@ -144,50 +191,4 @@ def _forces(numbers: Integers, parameters: Floats) -> Floats:
         for mode in (-1, 1):
             found[row, mode + 1] = of_mode(0.0, 0.0, [], 0.0, p, mode)
         assert law[PARTITION] == FRICTION
-    return found
-
-
-class Pairs(NamedTuple):
-    """Matrices and their changes, two rows at a time, as `by_pairs` takes them.
-
-    Attributes
-    ----------
-    columns : (N / 2, .) array
-        Number of elements that count, and then these. Unsigned, since compiled code need not ask whether such
-        an index counts from the end.
-    values, changes : (K, N / 2, ., 2), (K, N / 2, ., 2, Q, 8) arrays
-    """
-
-    columns: Unsigned
-    values: Floats
-    changes: Floats
-
-
-def step_pairs(loop: NonlinearLoop, changes: Tangents, slots: int) -> Pairs:
-    """Memory for the matrices of so many steps, which are made when they are needed."""
-    systems = np.abs(loop.nonlinear.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
-    n = systems.shape[0]
-    states = np.eye(n, dtype=bool)
-    for _ in range(n):
-        states = states | (states.astype(int) @ (systems[:, :n] != 0.0) > 0)
-    columns = _numbered(np.hstack([states, states.astype(int) @ (systems[:, n:] != 0.0) > 0]))
-    values = np.empty((slots, *columns.shape, 2))
-    return Pairs(columns, values, simd_empty(*values.shape, *changes.systems.shape[-2:]))
-
-
-def look_pairs(rows: Floats, changes: Floats) -> Pairs:
-    """What is seen of [y, held] through `rows` (., N + M), with their transposed `changes`."""
-    columns = _numbered((rows != 0.0) | np.any(changes != 0.0, axis=(2, 3)).T)
-    which = np.minimum(2 * np.arange(columns.shape[0])[:, None] + [0, 1], rows.shape[0] - 1)
-    taken = columns.astype(int)[:, :, None], which[:, None]
-    return Pairs(columns, np.ascontiguousarray(rows.T[taken][None]), simd_copy(changes[taken][None]))
-
-
-def _numbered(rows: Flags) -> Unsigned:
-    """Number of columns that are true in either of two rows, and then their indices."""
-    rows = np.logical_or.reduceat(rows, np.arange(0, rows.shape[0], 2))
-    found = np.zeros((rows.shape[0], 1 + rows.sum(axis=1).max()), dtype=np.uint64)
-    for i, row in enumerate(rows):
-        which = np.flatnonzero(row)
-        found[i, 0], found[i, 1 : 1 + which.size] = which.size, which
     return found

@@ -6,10 +6,11 @@ Where ``y' = S z`` with ``z = [y, held, g]``, the derivative dz of z with respec
 
 from __future__ import annotations
 
+import numpy as np
 from numba.cpython.unsafe.tuple import tuple_setitem
 
-from rthm_core.compiled import inlined
-from rthm_core.simd import everywhere, numbers, put_numbers, several
+from rthm_core.compiled import called, inlined
+from rthm_core.simd import WIDTH, everywhere, numbers, numbers_from, put_numbers, put_numbers_from, several
 
 
 @inlined
@@ -21,43 +22,56 @@ def copy_numbers(source, target, count):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def put_pairs(matrix, change, pairs, number):  # type: ignore[no-untyped-def]
-    """Let one of the matrices of `by_pairs` be a transposed matrix (., N) that changes by (., N, Q, 8)."""
-    last = matrix.shape[1] - 1
-    for pair in range(pairs.columns.shape[0]):
-        for at in range(1, pairs.columns[pair, 0] + 1):
-            j = pairs.columns[pair, at]
+def put_entries(matrix, change, entries, slot):  # type: ignore[no-untyped-def]
+    """Let one of several matrices be a transposed matrix (d, rows) that changes by (d, rows, Q, 8)."""
+    c = slot * entries.width
+    for block in range(entries.rows.shape[0]):
+        for e in range(entries.ends[block], entries.ends[block + 1]):
+            j = entries.columns[e]
             for side in range(2):
-                i = min(2 * pair + side, last)
-                pairs.values[number, pair, at, side] = matrix[j, i]
-                for group in range(change.shape[2]):
-                    beside = numbers(change, (j, i, group))
-                    put_numbers(pairs.changes, (number, pair, at, side, group), beside)
+                entries.values[slot, 2 * e + side] = matrix[j, entries.rows[block, side]]
+            for group in range(change.shape[2]):
+                if entries.touched[block, group]:
+                    for side in range(2):
+                        beside = numbers(change, (j, entries.rows[block, side], group))
+                        put_numbers_from(entries.changes, c, beside)
+                        c += WIDTH
 
 
-@inlined
-def by_pairs(columns, values, changes, number, z, dz, groups, rows, out):  # type: ignore[no-untyped-def]
-    """What a matrix of so many `rows` makes of z, and its tangents (., Q, 8).
+@called
+def by_entries(entries, slot, z, lanes, at, groups, out, to):  # type: ignore[no-untyped-def]
+    """What one of several matrices makes of z, and its tangents.
 
-    The matrix, one of several, is given two rows at a time, for which `columns` (N / 2, .) has the number of
-    elements of z that count, and then these; `values` (., N / 2, ., 2) and `changes` (., N / 2, ., 2, Q, 8)
-    have what belongs to each. A tuple of Q `groups` lets the compiler keep the sums in registers.
+    Both `lanes` and `out` are flat and have the tangents of one element after the other, those of z from `at`
+    on and those of what comes of it from `to` on. A tuple of Q `groups` lets the compiler keep the sums in
+    registers.
     """
-    for pair in range(columns.shape[0]):
-        one, other = several(groups), several(groups)
-        for at in range(1, columns[pair, 0] + 1):
-            j = columns[pair, at]
-            here, first, second = z[j], values[number, pair, at, 0], values[number, pair, at, 1]
+    columns, touched, values, changes = entries.columns, entries.touched, entries.values, entries.changes
+    k, c, width = np.uint64(slot), slot * entries.width, len(groups) * WIDTH
+    for block in range(touched.shape[0]):
+        one, other, by_one, by_other = several(groups), several(groups), several(groups), several(groups)
+        both = entries.rows[block, 0] != entries.rows[block, 1]
+        for e in range(entries.ends[block], entries.ends[block + 1]):
+            j = columns[np.uint64(e)]
+            here, first = z[np.uint64(j)], values[k, np.uint64(2 * e)]
+            second = values[k, np.uint64(2 * e + 1)]
             for group in range(len(groups)):
-                moving = numbers(dz, (j, group))
-                change = numbers(changes, (number, pair, at, 0, group))
-                one = tuple_setitem(one, group, one[group] + first * moving + here * change)
-                change = numbers(changes, (number, pair, at, 1, group))
-                other = tuple_setitem(other, group, other[group] + second * moving + here * change)
-        i, k = 2 * pair, min(2 * pair + 1, rows - 1)
+                moving = numbers_from(lanes, at + j * width + group * WIDTH)
+                one = tuple_setitem(one, group, one[group] + moving * first)
+                if both:
+                    other = tuple_setitem(other, group, other[group] + moving * second)
+                if touched[np.uint64(block), np.uint64(group)]:
+                    change = numbers_from(changes, c)
+                    by_one = tuple_setitem(by_one, group, by_one[group] + change * here)
+                    if both:
+                        change = numbers_from(changes, c + WIDTH)
+                        by_other = tuple_setitem(by_other, group, by_other[group] + change * here)
+                    c += 2 * WIDTH
+        one_at, other_at = to + entries.rows[block, 0] * width, to + entries.rows[block, 1] * width
         for group in range(len(groups)):
-            put_numbers(out, (i, group), one[group])
-            put_numbers(out, (k, group), other[group])
+            put_numbers_from(out, one_at + group * WIDTH, one[group] + by_one[group])
+            if both:
+                put_numbers_from(out, other_at + group * WIDTH, other[group] + by_other[group])
 
 
 @inlined

@@ -105,7 +105,7 @@ def beyond(spec: Spec, rounds: int) -> list[Row]:
         calls[name + ", with energies"] = ours.whole(other, DURATION, SAMPLE, energies=True)[0]
     rows = {name: Row(name) for name in calls}
     for name, other in ours.nonlinear(spec).items():
-        rows[name].error = ours.refinement(other, DURATION, SAMPLE)
+        rows[name].error = ours.difference(other, DURATION, SAMPLE)
     _time(rows, calls, max(3, rounds // 5))
     return list(rows.values())
 

@@ -18,7 +18,8 @@ of the ratios within each round. Error: largest difference of x1 from the same e
 """
 BEYOND = """
 Loops beyond the paper's, by what they add, `simulate()` as a whole; the unit is still the paper's loop in C.
-Error, for plants that are not linear: largest difference of x1 from a run in steps a tenth as long.
+Error, for loops that are not linear: largest difference of x1 from the engine that takes any loop, which
+allows a step an error of 1e-11 of the largest motion.
 
 | loop | CPU | ratio | error of x1 |
 |---|---|---|---|

@@ -14,7 +14,7 @@ from rthm_core.compiled import Floats
 from rthm_core.engine.linear.ledger import LinearLedger
 from rthm_core.engine.linear.loop import LinearLoop, Side
 
-ROUNDING = 1e-14
+UNFELT = 1e-14
 """What of the held motion matters by less than that of the rest does not matter."""
 
 
@@ -70,7 +70,7 @@ def _starts_with_motor(side: Side, chain: int) -> bool:
     ff, own, m = slice(chain, 2 * chain), slice(2 * chain, 3 * chain), side.held.size // 2
     same = np.array_equal(side.a[own, own], side.a[ff, ff])
     same = same and np.array_equal(side.b[own, m:], side.b[ff, m:]) and not side.a[own, 3 * chain :].any()
-    return bool(same and np.allclose(side.y[own], side.y[:chain] + side.y[ff], rtol=ROUNDING, atol=0.0))
+    return bool(same and np.allclose(side.y[own], side.y[:chain] + side.y[ff], rtol=UNFELT, atol=0.0))
 
 
 def _felt(effects: Floats) -> Floats:
@@ -79,7 +79,7 @@ def _felt(effects: Floats) -> Floats:
     for actuator in range(m):
         which = [actuator, m + actuator]
         _, sizes, directions = np.linalg.svd(effects[:, which], full_matrices=False)
-        for direction in directions[sizes > ROUNDING * sizes[0]]:
+        for direction in directions[sizes > UNFELT * sizes[0]]:
             rows.append(np.zeros(2 * m))
             rows[-1][which] = direction
     return np.array(rows).reshape(-1, 2 * m)

@@ -29,7 +29,7 @@ MOST_SWITCHES = 200
 SHORTEST_STEP = 1e-10
 """Shortest step, in s, that is halved no further."""
 
-ROUNDING = 1e-12
+REST_OF_ROUNDING = 1e-12
 """Part of a length that is none: what rounding leaves of it."""
 
 
@@ -259,12 +259,12 @@ def advance(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped
         if law >= 0:
             halvings, length = -1, whole - done
             continue
-        if whole - done <= ROUNDING * whole:
+        if whole - done <= REST_OF_ROUNDING * whole:
             break
         if halvings < 0:
             length = min(whole - done, 2.0 * length)
         else:
-            limit = min((whole - done) * (1.0 + ROUNDING), work.pace[0])
+            limit = min((whole - done) * (1.0 + REST_OF_ROUNDING), work.pace[0])
             halvings = _halvings(lengths, packed, k, max(halvings - 1, 0), limit)
             length = lengths[k + halvings * packed.whole]
     forces(nonlinear, z, t + whole, work.modes, z[z.size - work.force.size :])

@@ -22,7 +22,7 @@ FORCES_SETTLED = 1e-13
 BEST_CONTRACTION = 1e-2
 """What the first iteration of a step is believed to leave of an error, at the least."""
 
-MOST_ITERATIONS = 12
+MOST_FORCE_ITERATIONS = 12
 
 LONGEST_GROWTH, CAUTION = 4.0, 0.9
 """By how much a step may be longer than the last, at the most, and the part of the length that would just do
@@ -106,7 +106,7 @@ def _settle(nonlinear, stages, work, slot, first, t, third):  # type: ignore[no-
     """Iterate until the forces do not change; whether they came to that."""
     enough, before, settled = FORCES_SETTLED * work.scale[0], 0.0, False
     contraction = max(work.contraction[0], BEST_CONTRACTION)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MOST_FORCE_ITERATIONS):
         change = _iterate(nonlinear, stages, work, slot, first, t, third)
         if before > 0.0:
             contraction = work.contraction[0] = min(change / before, 1.0)

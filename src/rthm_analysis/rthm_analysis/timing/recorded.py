@@ -140,7 +140,7 @@ class RecordedSchedule(Schedule):
         time = np.unique(np.concatenate([sent, self._told("tau4")[1]]))
         time = time[(time >= 0) & (time <= self.end)]
         state = self._held("tau1")[time // self.td3]
-        return Commands(time, state, self._references_of(time, sent), self._ranks(time))
+        return Commands(time, state, self._references_of(time, sent), self._ranks(time % self.td3 == 0))
 
     def _references_of(self, time: Integers, sent: Integers) -> Integers:
         """Number of the reference in each of the commands at `time`.

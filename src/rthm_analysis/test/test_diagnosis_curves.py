@@ -40,7 +40,7 @@ def test_a_model_that_is_lost_says_nothing_of_the_motion() -> None:
     seen = recorded(duration=12.0)
     nothing = np.empty((seen.time.size, 0))
     lost = 3.0 * np.sin(2.0 * seen.time)[:, None]
-    at = along(seen, Motion(lost, 2.0 * lost, nothing, nothing), 0, "x1")
+    at = along(seen, Motion(lost, 2.0 * lost, -4.0 * lost, nothing, nothing), 0, "x1")
     left = np.stack([at.x, at.v], axis=1) - seen.measured
     assert np.all(np.std(left, axis=0) < 1.2 * np.array(NOISE))
 

@@ -63,11 +63,11 @@ def simulated(spec: Spec, step: int | None) -> np.ndarray:
 
 def allowed(spec: Spec, share: float) -> np.ndarray:
     """Largest difference of each channel; a replay knows what a sensor saw before it rounded."""
-    half_a_step = np.zeros(NOISE.size)
+    half_a_step, channels = np.zeros(NOISE.size), ("position", "velocity", "force")
     for one in spec.effects:
-        if one.block.startswith("sensor") and one.law.changes == "step":
-            channel = ("position", "velocity", "force").index(one.block.partition(".")[2])
-            half_a_step[channel] = 0.5 * one.numbers["step"]
+        sensor = one.block.partition(".")[2]
+        if sensor in channels and one.law.changes == "step":
+            half_a_step[channels.index(sensor)] = 0.5 * one.numbers["step"]
     return share * NOISE + half_a_step
 
 

@@ -80,7 +80,9 @@ def plainly(function: F) -> F:
     """Have a compiled function optimised once and its loops left as they are (`Plain`): what goes through
     loops of a few turns is compiled sooner then, and runs no slower.
     """
-    function._compiler.pipeline_class = Plain  # type: ignore[attr-defined]
+    compiler = getattr(function, "_compiler", None)  # numba may be switched off
+    if compiler is not None:
+        compiler.pipeline_class = Plain
     return function
 
 

@@ -23,7 +23,13 @@ def physical_of(seen: Evidence, spec: Spec) -> Physical:
     return diagnose_physical(seen, spec, np.empty(0), lambda said: None)
 
 
-@pytest.mark.parametrize(("begin", "end"), [(6.0, 11.0), (9.0, 24.0)], ids=["comes and goes", "stays"])
+@pytest.mark.parametrize(
+    ("begin", "end"),
+    [
+        pytest.param(6.0, 11.0, id="comes and goes"),
+        pytest.param(9.0, 24.0, id="stays", marks=pytest.mark.long),
+    ],
+)
 def test_a_cable_that_catches_for_a_while_is_told_with_its_interval(begin: float, end: float) -> None:
     seen = recorded(lambda t, x, v: -20.0 * max(x - 0.005, 0.0) if begin < t < end else 0.0)
     physical = physical_of(seen, plant())

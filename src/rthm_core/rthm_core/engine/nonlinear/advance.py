@@ -203,12 +203,18 @@ def end_step(nonlinear, work, number, z, law, share, terms, length):  # type: ig
 
 
 @inlined
+def count_work(nonlinear, tables, number, k, whole, before, sums):  # type: ignore[no-untyped-def]
+    """Work over length `k` of the motion that `whole` describes, added to that `before`, into `sums`."""
+    slot = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
+    put_numbers(sums, (), numbers(before, ()) + worked(tables, slot, whole))
+
+
+@inlined
 def _count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[no-untyped-def]
     """Add the work over a whole length from its table; whether there is one."""
     if halvings or nonlinear.steady or not tables.shape[0]:
         return False
-    slot = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
-    put_numbers(work.sums, (), numbers(work.sums, ()) + worked(tables, slot, work.whole))
+    count_work(nonlinear, tables, number, k, work.whole, work.sums, work.sums)
     return True
 
 

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from rthm_core.compiled import copy_into, inlined
-from rthm_core.engine.nonlinear.advance import set_of
+from rthm_core.engine.nonlinear.advance import count_work, set_of
 from rthm_core.engine.nonlinear.collocation import collocate
 from rthm_core.engine.nonlinear.event_free import nothing_switches
-from rthm_core.engine.nonlinear.packed import end_of, prepare, product
+from rthm_core.engine.nonlinear.packed import end_of, prepare, wide_product
 from rthm_core.engine.nonlinear.steps import ORDERS
-from rthm_core.engine.nonlinear.switch import product as scalar_product
-from rthm_core.engine.nonlinear.switch import stays
-from rthm_core.engine.worked import worked
+from rthm_core.engine.nonlinear.switch import product, stays
 from rthm_core.physical.laws import FRICTION, PARTITION
-from rthm_core.simd import numbers, put_numbers
 
 
 @inlined
@@ -20,8 +17,8 @@ def _turns(nonlinear, number, row, z, end):  # type: ignore[no-untyped-def]
     """Whether the force that holds a sticking dof is largest between the ends of a step."""
     holds, system, before, after = nonlinear.holds[number, row], nonlinear.systems[number], 0.0, 0.0
     for i in range(system.shape[0]):
-        before += holds[i] * scalar_product(system[i], z)
-        after += holds[i] * scalar_product(system[i], end)
+        before += holds[i] * product(system[i], z)
+        after += holds[i] * product(system[i], end)
     return before * after < 0.0
 
 
@@ -39,7 +36,7 @@ def sticks_on(nonlinear, number, modes, z, end):  # type: ignore[no-untyped-def]
 def _comes_loose(nonlinear, number, modes, z):  # type: ignore[no-untyped-def]
     """Whether something that sticks is held by more than its breakaway force."""
     for row in range(modes.size if number else 0):
-        held = abs(scalar_product(nonlinear.holds[number, row], z))
+        held = abs(product(nonlinear.holds[number, row], z))
         if nonlinear.bits[row] and modes[row] == 0 and held > nonlinear.laws.breakaway[row]:
             return True
     return False
@@ -92,11 +89,10 @@ def _look(nonlinear, packed, tables, work, number, slot, span, part, z):  # type
     """What is seen at the end of what `part` describes; and the motion there and the work, where it is
     counted.
     """
-    product(packed.seen, slot, part, work.seen)
+    wide_product(packed.seen, slot, part, work.seen)
     if tables.shape[0]:
         end_of(packed, slot, part, work.wide, z[: nonlinear.systems.shape[1]])
-        table = number * (tables.shape[0] // nonlinear.systems.shape[0]) + span
-        put_numbers(work.sums, (), numbers(work.before, ()) + worked(tables, table, part))
+        count_work(nonlinear, tables, number, span, part, work.before, work.sums)
 
 
 @inlined
@@ -122,5 +118,4 @@ def end_arc(nonlinear, steps, work, number, k, z):  # type: ignore[no-untyped-de
     for j in range(z.size):
         z[j] = work.end[j]
     if tables.shape[0]:
-        table = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
-        put_numbers(work.sums, (), numbers(work.before, ()) + worked(tables, table, work.whole))
+        count_work(nonlinear, tables, number, k, work.whole, work.before, work.sums)

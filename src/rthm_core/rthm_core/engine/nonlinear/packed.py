@@ -104,7 +104,7 @@ def prepare(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-
 
 
 @inlined
-def product(matrices, slot, whole, out):  # type: ignore[no-untyped-def]
+def wide_product(matrices, slot, whole, out):  # type: ignore[no-untyped-def]
     """What matrices (K, rows, groups, 8) make in a slot of `whole`, into `out` (8 groups,)."""
     for group in range(matrices.shape[2]):
         total = everywhere(0.0)
@@ -128,6 +128,6 @@ def end_of(packed, slot, whole, wide, out):  # type: ignore[no-untyped-def]
     """State at the end of the step that `whole` describes, into the leading elements of `out`; `wide` is
     scratch.
     """
-    product(packed.after, slot, whole, wide)
+    wide_product(packed.after, slot, whole, wide)
     for i in range(out.size):
         out[i] = wide[i]

@@ -90,7 +90,7 @@ def looks_of(loop: NonlinearLoop) -> Looks:
 
 
 def _columns(loop: NonlinearLoop) -> Floats:
-    """What is seen of [y, held], in SIMD values."""
+    """What is seen of [y, held, g], in SIMD values."""
     size, plant = loop.sample.shape[1], loop.motion.size - loop.linear.numerical.y.size
     motion = np.eye(size)[loop.motion]
     looks = np.vstack([motion[:plant], loop.force, motion[plant:], loop.sample, loop.reference])

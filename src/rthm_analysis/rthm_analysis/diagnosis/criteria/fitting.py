@@ -56,6 +56,9 @@ WIRE_BLOCK_LENGTHS = (1, 2, 4, 8, 16, 32, 64, 128)
 WIRE_FEWEST_BLOCKS = 50
 """Samples in the blocks that are averaged over, and the fewest blocks."""
 
+WIRE_SMOOTHED_SAMPLES = 7
+"""Samples under the parabolas that smooth what is recorded of a wire's ends."""
+
 # Detection limits.
 
 DETECTION_HALVINGS = 4

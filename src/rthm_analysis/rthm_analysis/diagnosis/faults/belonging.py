@@ -22,9 +22,9 @@ from rthm_analysis.diagnosis.criteria.signals import (
 from rthm_analysis.diagnosis.faults.plant import plant_seen
 from rthm_analysis.diagnosis.faults.relations import Wire, related, wire_signals, wires_of
 from rthm_analysis.diagnosis.faults.smooth import Smooth, channel_at, smoothed
-from rthm_analysis.diagnosis.faults.stretches import filled
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.samples import COMMAND_TRACE_S, LIVELY_COMMAND_RATIO, STILL_TRAVEL_RATIO
-from rthm_analysis.diagnosis.faults.stretches import Stretch, filled
+from rthm_analysis.diagnosis.faults.stretches import Stretch
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

@@ -12,9 +12,10 @@ from rthm_analysis.diagnosis.faults.lateness import Late, late
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.relations import Wire, wires_of
 from rthm_analysis.diagnosis.faults.smooth import channel_at
-from rthm_analysis.diagnosis.faults.stretches import filled, with_column
+from rthm_analysis.diagnosis.faults.stretches import with_column
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

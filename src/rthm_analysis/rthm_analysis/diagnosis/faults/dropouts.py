@@ -21,7 +21,6 @@ from rthm_analysis.diagnosis.faults.commanded import is_real
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
-    filled,
     grain,
     pieces,
     stretches,
@@ -31,6 +30,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
 from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

@@ -25,10 +25,11 @@ from rthm_analysis.diagnosis.criteria.signals import (
 )
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.smooth import channel_at, good_length
-from rthm_analysis.diagnosis.faults.stretches import filled, held_commands, with_column
+from rthm_analysis.diagnosis.faults.stretches import held_commands, with_column
 from rthm_analysis.diagnosis.replay.evidence import MOTION, UNIT_OF, Channel, Evidence
 from rthm_analysis.diagnosis.replay.updates import readings_only
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 from rthm_core.substructure import natural_frequencies
 
 if TYPE_CHECKING:

@@ -21,7 +21,6 @@ from rthm_analysis.diagnosis.faults.relations import Name, relations, wires_of
 from rthm_analysis.diagnosis.faults.smooth import channel_at, smoothed
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
-    filled,
     held_commands,
     stretches,
     with_column,
@@ -29,6 +28,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.readings import noise_level
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

@@ -22,8 +22,9 @@ from rthm_analysis.diagnosis.criteria.signals import (
     SMOOTH_POWER_SHARE,
     SMOOTH_REACH_STDS,
 )
-from rthm_analysis.diagnosis.faults.stretches import filled, flagged, held_commands, stretches
+from rthm_analysis.diagnosis.faults.stretches import flagged, held_commands, stretches
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers

@@ -32,7 +32,6 @@ from rthm_analysis.diagnosis.criteria.samples import (
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.stretches import (
     Stretch,
-    filled,
     flagged,
     grain,
     held_commands,
@@ -43,6 +42,7 @@ from rthm_analysis.diagnosis.faults.stretches import (
 from rthm_analysis.diagnosis.numbers import instants
 from rthm_analysis.diagnosis.replay.evidence import UNIT_OF, Evidence
 from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.signals import filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats

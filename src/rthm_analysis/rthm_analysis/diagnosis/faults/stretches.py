@@ -67,15 +67,6 @@ def with_column(evidence: Evidence, column: int, values: Floats) -> Evidence:
     return replace(evidence, measured=measured)
 
 
-def filled(values: Floats) -> Floats:
-    """A signal with straight lines over what is not known."""
-    known = np.isfinite(values)
-    if known.all() or not known.any():
-        return np.nan_to_num(values)
-    at = np.arange(values.size)
-    return np.interp(at, at[known], values[known])
-
-
 def grain(values: Floats) -> float:
     """Smallest change that is common: the step of a coarse sensor."""
     changes = np.abs(np.diff(values))

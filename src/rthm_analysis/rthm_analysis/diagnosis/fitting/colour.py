@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.criteria.noise import (
     SPECTRUM_STEPS,
 )
 from rthm_analysis.diagnosis.replay.compiled import compiled
+from rthm_analysis.diagnosis.signals import filled
 from rthm_core.compiled import Flags, Floats, Integers
 
 CORNERS = np.geomspace(3e-4, 1.0, 28)
@@ -115,9 +116,7 @@ def spectrum(signal: Floats) -> tuple[Floats, Floats]:
 
     A line through all of it is taken out: that is a sensor that drifts, and no noise.
     """
-    known = np.isfinite(signal)
-    at = np.arange(signal.size)
-    even = signal if known.all() else np.interp(at, at[known], signal[known])
+    even, at = filled(signal), np.arange(signal.size)
     taper = np.hanning(signal.size)
     lines = np.fft.rfft((even - np.polyval(np.polyfit(at, even, 1), at)) * taper)[1:]
     return np.pi * np.arange(1, lines.size + 1) / lines.size, np.abs(lines) ** 2 / float(taper @ taper)

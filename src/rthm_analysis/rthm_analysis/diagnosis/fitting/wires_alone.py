@@ -16,18 +16,17 @@ from rthm_analysis.diagnosis.criteria.fitting import (
     WIRE_EFFECT_SHARE,
     WIRE_EFFECT_STDS,
     WIRE_FEWEST_BLOCKS,
+    WIRE_SMOOTHED_SAMPLES,
 )
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
+from rthm_analysis.diagnosis.signals import filled, smoothed
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_analysis.diagnosis.replay.model import Model
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-PARABOLA = np.array([-2.0, 3.0, 6.0, 7.0, 6.0, 3.0, -2.0]) / 21.0
-"""Weights of seven samples in the middle of the parabola through them."""
 
 
 class WiresAlone:
@@ -112,20 +111,12 @@ def _recorded_motion(evidence: Evidence, spec: Spec) -> Floats | None:
     motion = np.full((evidence.stamps_ns.size, 2 * n), np.nan)
     for i, channel in enumerate(evidence.channels):
         if channel.family in ("position", "velocity"):
-            known = np.isfinite(evidence.measured[:, i])
-            if known.sum() < PARABOLA.size:
+            values = evidence.measured[:, i]
+            if np.isfinite(values).sum() < WIRE_SMOOTHED_SAMPLES:
                 return None
-            values = np.interp(evidence.time, evidence.time[known], evidence.measured[known, i])
             column = spec.plant.dofs.index(channel.place) + (n if channel.family == "velocity" else 0)
-            motion[:, column] = _smoothed(values)
+            motion[:, column] = smoothed(filled(values), WIRE_SMOOTHED_SAMPLES)
     for dof in range(n):
         if np.isnan(motion[0, n + dof]):
             motion[:, n + dof] = evidence.rates(motion[:, dof])
     return None if np.isnan(motion).any() else motion
-
-
-def _smoothed(values: Floats) -> Floats:
-    half = PARABOLA.size // 2
-    smooth = values.copy()
-    smooth[half:-half] = np.convolve(values, PARABOLA, "valid")
-    return smooth

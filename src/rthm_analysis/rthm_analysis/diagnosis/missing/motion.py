@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.windows import period
+from rthm_analysis.diagnosis.signals import smoothed
 from rthm_core.compiled import Floats
 
 
@@ -29,7 +30,7 @@ class Along(NamedTuple):
     def a(self) -> Floats:
         """Acceleration (s,), m/s^2, with a little of the noise of the rates."""
         step = float(np.median(np.diff(self.t)))
-        return _smoothed(self.v, SMOOTHED_FEWEST_SAMPLES, 1) / step
+        return smoothed(self.v, SMOOTHED_FEWEST_SAMPLES, 1) / step
 
 
 def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
@@ -51,26 +52,19 @@ def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
     if position is not None:
         left = np.nan_to_num(position - x)
         width = _width(left, widest)
-        x = x + _smoothed(left, width)
+        x = x + smoothed(left, width)
         if velocity is None:
-            v = v + _smoothed(left, 2 * width + 1, 1) / step
+            v = v + smoothed(left, 2 * width + 1, 1) / step
     if velocity is not None:
         left = np.nan_to_num(velocity - v)
-        v = v + _smoothed(left, _width(left, widest))
+        v = v + smoothed(left, _width(left, widest))
     return Along(x, v, evidence.time, evidence.load[:, dof])
 
 
 def _width(values: Floats, widest: int) -> int:
     """Samples of the longest parabolas that take no more than noise away."""
     width = SMOOTHED_FEWEST_SAMPLES
-    allowed = SMOOTHED_LEFT_RATIO * float(np.std(values - _smoothed(values, width)))
-    while 2 * width + 1 <= widest and np.std(values - _smoothed(values, 2 * width + 1)) < allowed:
+    allowed = SMOOTHED_LEFT_RATIO * float(np.std(values - smoothed(values, width)))
+    while 2 * width + 1 <= widest and np.std(values - smoothed(values, 2 * width + 1)) < allowed:
         width = 2 * width + 1
     return width
-
-
-def _smoothed(values: Floats, width: int, order: int = 0) -> Floats:
-    """Values, or their change from sample to sample, of the parabolas through `width` samples."""
-    from scipy.signal import savgol_filter
-
-    return np.asarray(savgol_filter(values, min(width, values.size // 2 * 2 - 1), 2, deriv=order))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import RESIDUAL_PARABOLA_SAMPLES
+from rthm_analysis.diagnosis.signals import smoothed
 from rthm_core.spec.sections import MATRICES
 
 if TYPE_CHECKING:
@@ -39,31 +40,15 @@ def residual_force(
     x = np.nan_to_num(evidence.measured[:, where])
     speed = channels.get(("velocity", dof))
     width = RESIDUAL_PARABOLA_SAMPLES if speed is not None else 4 * RESIDUAL_PARABOLA_SAMPLES + 1
-    dx = _smoothed(left[:, where], width)
+    dx = smoothed(left[:, where], width)
     if speed is not None:
         v, dv = np.nan_to_num(evidence.measured[:, speed]), left[:, speed]
-        da = _smoothed(dv, width, 1) / step
+        da = smoothed(dv, width, 1) / step
     else:
-        v, dv = _smoothed(x, width, 1) / step, _smoothed(left[:, where], width, 1) / step
-        da = _smoothed(left[:, where], width, 2) / step**2
+        v, dv = smoothed(x, width, 1) / step, smoothed(left[:, where], width, 1) / step
+        da = smoothed(left[:, where], width, 2) / step**2
     mass, damping, stiffness = (float(getattr(spec.plant, name)[i * n + i]) for name in MATRICES)
     pull = 0.0
     if spec.interface is not None and spec.actuator is not None and evidence.driven_by == "command":
         pull = sum(k for k, at in zip(spec.k_tot, spec.interface.plant_dof, strict=True) if at == dof)
     return x, v, mass * da + damping * dv + (stiffness + pull) * dx
-
-
-def _smoothed(values: Floats, width: int, order: int = 0) -> Floats:
-    """Derivative with respect to the sample of the parabolas through `width` samples, in their middles; the
-    first and the last parabola hold up to the ends (Savitzky and Golay).
-    """
-    half = width // 2
-    powers = np.vander(np.arange(-half, half + 1.0), 3, increasing=True)
-    fits = np.linalg.pinv(powers)
-    smooth = np.empty_like(values)
-    weights = fits[order] * (2.0 if order == 2 else 1.0)
-    smooth[half : values.size - half] = np.convolve(values, weights[::-1], "valid")
-    for samples, at in ((slice(0, width), slice(0, half)), (slice(-width, None), slice(-half, None))):
-        derivative = np.polynomial.polynomial.polyder(fits @ values[samples], order)
-        smooth[at] = np.polynomial.polynomial.polyval(powers[at, 1], derivative)
-    return smooth

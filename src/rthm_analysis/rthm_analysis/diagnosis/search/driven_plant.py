@@ -16,6 +16,7 @@ from rthm_analysis.diagnosis.replay.evidence import MOTION, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import windows
+from rthm_analysis.diagnosis.signals import filled
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -38,7 +39,7 @@ def driven_plant(fitting: Fitting, base: Fitted) -> Fitting | None:
     evidence = fitting.experiment.loads or seen  # a draft has few of the samples of a force that jumps
     if spec.actuator is None or spec.interface is None or spec.plant is None:
         return None
-    force = _on_dofs(evidence, spec)
+    force = _of_wires(evidence, spec)
     kept = [i for i, one in enumerate(evidence.channels) if one.family in MOTION]
     if force is None or not kept:
         return None
@@ -83,7 +84,7 @@ def plant_model(model: Model) -> Model:
     return Model(alone, own, prefix=model.prefix)
 
 
-def _on_dofs(evidence: Evidence, spec: Spec) -> Floats | None:
+def _of_wires(evidence: Evidence, spec: Spec) -> Floats | None:
     """Measured forces of all wires on the dofs (s, n), N, straight over what is not known."""
     assert spec.plant is not None and spec.interface is not None and spec.actuator is not None
     total = np.zeros((evidence.stamps_ns.size, len(spec.plant.dofs)))
@@ -92,8 +93,7 @@ def _on_dofs(evidence: Evidence, spec: Spec) -> Floats | None:
         if name not in measured:
             return None
         values = evidence.measured[:, measured[name]]
-        known = np.isfinite(values)
-        if not known.any():
+        if not np.isfinite(values).any():
             return None
-        total[:, spec.plant.dofs.index(dof)] += np.interp(evidence.time, evidence.time[known], values[known])
+        total[:, spec.plant.dofs.index(dof)] += filled(values)
     return total

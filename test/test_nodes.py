@@ -24,9 +24,10 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState, TimeReference
 
 from rthm_bringup.run.beginning import begin_together
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import Network
 from rthm_bringup.run.question import ACTIVE, CHANGES, INACTIVE
+from rthm_bringup.run.stopped import StoppedError
 from rthm_core.clock import NS
 from rthm_core.schedule import Schedule, newest
 from rthm_core.spec import parameters, shipped_spec, spec_from_parameters, write_spec

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import pytest
 
 from rthm_bringup.run import beginning
-from rthm_bringup.run.conductor_node import RefusedError, StoppedError
 from rthm_bringup.run.question import ACTIVE, INACTIVE
+from rthm_bringup.run.stopped import RefusedError, StoppedError
 from rthm_core.clock import NS
 
 NAMES = ("plant", "numerical", "actuator", "analysis", "recorder")

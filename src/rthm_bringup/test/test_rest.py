@@ -9,7 +9,7 @@ from rthm_actuator.sensors import FORCE, MOTOR, POSITION, VELOCITY, Sensors
 from rthm_bringup.driver.rest import Reading, readings, unrest
 from rthm_bringup.driver.tightening import approach
 from rthm_bringup.driver.zeroing import slack_zero, tensioned, zeroed
-from rthm_bringup.run.conductor_node import StoppedError
+from rthm_bringup.run.stopped import StoppedError
 from rthm_bringup.run.zero import check_tension, zero_of
 from rthm_core.errors import InputError
 from rthm_core.spec import apply, read_spec, shipped_spec, write_spec

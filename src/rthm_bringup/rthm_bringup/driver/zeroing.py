@@ -13,6 +13,7 @@ import numpy as np
 from rthm_actuator.sensors import FORCE, Sensors
 from rthm_bringup.driver.rest import Reading, readings
 from rthm_bringup.run.shared_memory import Caretaker
+from rthm_bringup.run.stopped import StoppedError
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 from rthm_core.limits import kept_limits
@@ -121,8 +122,6 @@ def _span(found: list[JointState]) -> float:
 
 
 def _wait(conductor: Conductor, condition: Any, seconds: float, why: str) -> None:
-    from rthm_bringup.run.conductor_node import StoppedError
-
     try:
         conductor.wait_until(condition, seconds, lambda: why)
     except StoppedError as stopped:

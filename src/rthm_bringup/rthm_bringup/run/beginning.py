@@ -6,8 +6,9 @@ import time
 from collections.abc import Callable, Sequence
 
 from rthm_bringup.run import roles
-from rthm_bringup.run.conductor_node import Conductor, RefusedError, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.question import ACTIVE
+from rthm_bringup.run.stopped import RefusedError, StoppedError
 from rthm_core.clock import NS
 
 HEAD_STARTS = (1, 4, 16)

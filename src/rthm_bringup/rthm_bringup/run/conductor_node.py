@@ -13,7 +13,6 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs import msg as lifecycle
 from lifecycle_msgs.srv import ChangeState, GetState
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -21,12 +20,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 from std_srvs.srv import Trigger
 
+from rthm_bringup.run.asking import Services, parameter
 from rthm_bringup.run.limits import ClockWatch
-from rthm_bringup.run.question import ANSWER_LOOKED_FOR, CHANGES, Question, Transition
+from rthm_bringup.run.question import CHANGES
+from rthm_bringup.run.stopped import RefusedError, StoppedError, UnconnectedError
 from rthm_core import events
 from rthm_core.clock import NS
 from rthm_core.clocks import Offset
-from rthm_core.errors import InputError
 from rthm_core.ros import alive, leader, reach
 from rthm_core.ros.comparing import Asker
 from rthm_core.topics import CLOCKS, DIAGNOSTICS, EVENTS, NAMESPACE
@@ -34,49 +34,7 @@ from rthm_core.topics import CLOCKS, DIAGNOSTICS, EVENTS, NAMESPACE
 NODE_ANSWERS_WITHIN = 20.0
 """How long a node on a busy host may take to answer, s."""
 
-SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters": SetParameters}
-"""Types of services; all others are triggers."""
-
-LONG = "run"
-"""Service that takes long, and would be done twice if it were asked for twice."""
-
 M = TypeVar("M")
-
-
-class StoppedError(Exception):
-    """The run cannot go on; the message says why in one sentence.
-
-    Attributes
-    ----------
-    node : str or None
-        Whose fault it is.
-    """
-
-    def __init__(self, sentence: str, node: str | None = None) -> None:
-        super().__init__(sentence)
-        self.node = node
-
-
-class RefusedError(StoppedError):
-    """A node refused a transition."""
-
-
-class UnconnectedError(StoppedError):
-    """Some connections were not made in time."""
-
-
-class AbortedError(Exception):
-    """The test was aborted.
-
-    Attributes
-    ----------
-    abort : Abort
-        Why.
-    """
-
-    def __init__(self, abort: events.Abort) -> None:
-        super().__init__(abort.words)
-        self.abort = abort
 
 
 def _past(deadline: float) -> bool:
@@ -116,7 +74,7 @@ class Conductor:
         reach.enforce(domain)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
-        self._clients: dict[tuple[str, str], Any] = {}
+        self._services = Services(self._node, namespace, self.wait_until)
         self._clocks = self._node.create_publisher(JointState, CLOCKS, 10)
         self.diagnostics: dict[str, dict[str, str]] = {}
         self.simulated_time = 0.0
@@ -204,7 +162,7 @@ class Conductor:
 
     def is_managed(self, name: str) -> bool:
         """Whether a node of this name offers lifecycle services now."""
-        return bool(self._client(name, "change_state").service_is_ready())
+        return bool(self._services.client(name, "change_state").service_is_ready())
 
     def wait_for(self, names: Iterable[str], seconds: float) -> None:
         """Wait until all of these nodes can be asked."""
@@ -232,19 +190,23 @@ class Conductor:
         if step in ("activate", "deactivate"):
             self._lock(names, step == "activate", seconds)
         request = ChangeState.Request(transition=lifecycle.Transition(id=CHANGES[step].number))
-        for name, answer in self._ask(dict.fromkeys(names, request), "change_state", seconds, step).items():
+        for name, answer in self._services.ask(
+            dict.fromkeys(names, request), "change_state", seconds, step
+        ).items():
             if not answer.success:
                 raise RefusedError(f"{name} refused to {step}", name)
 
     def _lock(self, names: list[str], closed: bool, seconds: float) -> None:
         """Lock nodes to this leader, or open them; a driver of somebody else's may have no lock."""
         value = leader.lock_of(self._word) if closed else self._word
-        request = SetParameters.Request(parameters=[_parameter(leader.PARAMETER, value)])
-        self._ask(dict.fromkeys(names, request), "set_parameters", seconds)
+        request = SetParameters.Request(parameters=[parameter(leader.PARAMETER, value)])
+        self._services.ask(dict.fromkeys(names, request), "set_parameters", seconds)
 
     def states(self, names: Iterable[str]) -> dict[str, int]:
         """Lifecycle state of each of these nodes, a constant of `lifecycle_msgs.msg.State`."""
-        answers = self._ask(dict.fromkeys(names, GetState.Request()), "get_state", NODE_ANSWERS_WITHIN)
+        answers = self._services.ask(
+            dict.fromkeys(names, GetState.Request()), "get_state", NODE_ANSWERS_WITHIN
+        )
         return {name: answer.current_state.id for name, answer in answers.items()}
 
     def publishers(self, topic: str) -> list[str]:
@@ -261,17 +223,17 @@ class Conductor:
             When a node refuses, or does not answer.
         """
         requests = {
-            name: SetParameters.Request(parameters=[_parameter(*item) for item in values.items()])
+            name: SetParameters.Request(parameters=[parameter(*item) for item in values.items()])
             for name, values in parameters.items()
         }
-        for name, answer in self._ask(requests, "set_parameters", seconds).items():
+        for name, answer in self._services.ask(requests, "set_parameters", seconds).items():
             for result in answer.results:
                 if not result.successful:
                     raise StoppedError(f"{name} refused a parameter: {result.reason}")
 
     def trigger(self, name: str, service: str, seconds: float) -> tuple[bool, str]:
         """Call a service without arguments; return whether it worked, and what it said."""
-        answer = self._ask({name: Trigger.Request()}, service, seconds)[name]
+        answer = self._services.ask({name: Trigger.Request()}, service, seconds)[name]
         return bool(answer.success), str(answer.message)
 
     def wait_ready(self, names: Iterable[str], seconds: float) -> None:
@@ -285,7 +247,9 @@ class Conductor:
         waiting = dict.fromkeys(names, "")
         deadline = time.monotonic() + seconds
         while waiting:
-            answers = self._ask(dict.fromkeys(waiting, Trigger.Request()), "ready", NODE_ANSWERS_WITHIN)
+            answers = self._services.ask(
+                dict.fromkeys(waiting, Trigger.Request()), "ready", NODE_ANSWERS_WITHIN
+            )
             waiting = {name: answer.message for name, answer in answers.items() if not answer.success}
             if waiting and time.monotonic() > deadline:
                 raise UnconnectedError("; ".join(f"{name} {message}" for name, message in waiting.items()))
@@ -326,64 +290,7 @@ class Conductor:
     def _note_time(self, message: Float64) -> None:
         self.simulated_time = message.data
 
-    def _ask(
-        self, requests: Mapping[str, Any], service: str, seconds: float, step: str = ""
-    ) -> dict[str, Any]:
-        """Ask several nodes at once, as soon as they can be asked; return their answers."""
-        clients = {name: self._client(name, service) for name in requests}
-
-        def deaf() -> list[str]:
-            return [name for name, client in clients.items() if not client.service_is_ready()]
-
-        self.wait_until(
-            lambda: not deaf(),
-            seconds,
-            lambda: f"{' and '.join(deaf())} did not offer {service} within {seconds:g} s.",
-        )
-        questions = {name: self._question(name, service, request, step) for name, request in requests.items()}
-
-        def silent() -> list[str]:
-            return [name for name, one in questions.items() if one.look(time.monotonic()) is None]
-
-        self.wait_until(
-            lambda: not silent(),
-            seconds,
-            lambda: f"{' and '.join(silent())} did not answer within {seconds:g} s.",
-        )
-        return {name: one.answer for name, one in questions.items()}
-
-    def _question(self, name: str, service: str, request: Any, step: str) -> Question:
-        """Ask one node; `step` is the transition that is asked for, if it is one."""
-        ask, now = partial(self._client(name, service).call_async, request), time.monotonic()
-        if not step:
-            return Question(ask, now, float("inf") if service == LONG else ANSWER_LOOKED_FOR)
-        state = partial(self._client(name, "get_state").call_async, GetState.Request())
-        return Transition(ask, now, state, CHANGES[step])
-
-    def _client(self, name: str, service: str) -> Any:
-        if (name, service) not in self._clients:
-            kind = SERVICES.get(service, Trigger)
-            self._clients[name, service] = self._node.create_client(
-                kind, f"{self._namespace}/{name}/{service}"
-            )
-        return self._clients[name, service]
-
 
 def _full_name(namespace: str, name: str) -> str:
     """Name of a node on the graph; its endpoints are known a moment before its name."""
     return "a node without a name" if name.startswith("_NODE_NAME") else f"{namespace.rstrip('/')}/{name}"
-
-
-def _parameter(name: str, value: Any) -> Parameter:
-    kinds = {
-        bool: (ParameterType.PARAMETER_BOOL, "bool_value"),
-        int: (ParameterType.PARAMETER_INTEGER, "integer_value"),
-        float: (ParameterType.PARAMETER_DOUBLE, "double_value"),
-        str: (ParameterType.PARAMETER_STRING, "string_value"),
-        list: (ParameterType.PARAMETER_STRING_ARRAY, "string_array_value"),
-        tuple: (ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value"),
-    }
-    if type(value) not in kinds:
-        raise InputError(f"{name} is {value!r}, which is not a value of a parameter.")
-    kind, member = kinds[type(value)]
-    return Parameter(name=name, value=ParameterValue(type=kind, **{member: value}))

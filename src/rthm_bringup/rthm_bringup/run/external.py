@@ -8,8 +8,9 @@ from sensor_msgs.msg import JointState
 
 from rthm_actuator.arming import differences
 from rthm_actuator.sensors import Sensors
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.plan import Plan
+from rthm_bringup.run.stopped import StoppedError
 from rthm_bringup.run.view import View
 from rthm_bringup.run.zero import check_tension, tell_zero
 from rthm_core.clock import NS

@@ -6,10 +6,11 @@ import time
 from functools import partial
 
 from rthm_actuator.supervision import Broken
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.limits import OwnerWatch
 from rthm_bringup.run.plan import Plan
+from rthm_bringup.run.stopped import StoppedError
 from rthm_bringup.run.view import View
 from rthm_core.clock import NS
 from rthm_core.clocks import limit_of

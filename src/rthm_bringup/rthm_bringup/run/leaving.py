@@ -9,10 +9,11 @@ from contextlib import suppress
 from typing import NamedTuple
 
 from rthm_bringup.run import roles
-from rthm_bringup.run.conductor_node import Conductor, RefusedError, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Processes
+from rthm_bringup.run.stopped import RefusedError, StoppedError
 from rthm_core.clock import NS
 
 MISSED = 7 * NS // 2

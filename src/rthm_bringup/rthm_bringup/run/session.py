@@ -17,7 +17,7 @@ from functools import partial
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.company import look_at, refuse_company
-from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError, UnconnectedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.environment import has_wheels, without_parents_ros
 from rthm_bringup.run.external import begin_with_driver, wait_for_external, wait_for_heartbeat
@@ -27,6 +27,7 @@ from rthm_bringup.run.leaving import Leaving, Parts
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import JOINT, Process, Processes
 from rthm_bringup.run.rehearsal import Rehearsal
+from rthm_bringup.run.stopped import AbortedError, StoppedError, UnconnectedError
 from rthm_bringup.run.view import View
 from rthm_bringup.run.watch import Watch
 from rthm_core.clock import NS

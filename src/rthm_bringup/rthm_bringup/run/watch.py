@@ -6,13 +6,14 @@ import time
 from collections.abc import Iterable
 
 from rthm_bringup.run import roles
-from rthm_bringup.run.conductor_node import AbortedError, Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.ending import Ending
 from rthm_bringup.run.guards import Guards
 from rthm_bringup.run.heartbeats import Heartbeats
 from rthm_bringup.run.keys import ABORT, Keys
 from rthm_bringup.run.plan import Plan
 from rthm_bringup.run.processes import Processes
+from rthm_bringup.run.stopped import AbortedError, StoppedError
 from rthm_core.clock import NS
 from rthm_core.events import Abort
 from rthm_core.limits import kept_limits

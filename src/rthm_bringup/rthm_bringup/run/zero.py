@@ -5,7 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from rthm_bringup.run.conductor_node import Conductor, StoppedError
+from rthm_bringup.run.conductor_node import Conductor
+from rthm_bringup.run.stopped import StoppedError
 from rthm_core.limits import kept_limits
 from rthm_core.topics import PLANT_STATE
 

@@ -10,6 +10,7 @@ import typer
 
 from rthm_bringup.cli.network import Domain, Namespace, OpenNetwork, Peers
 from rthm_bringup.cli.options import Json, SpecName, Wait
+from rthm_bringup.run.stopped import StoppedError
 from rthm_core.topics import NAMESPACE
 
 LOOK, LAST = 0.5, 2.0
@@ -53,7 +54,6 @@ def verb(
         network_of(domain, network, peers, namespace, shared=True, leads=True) as reach,
         at_rig(reach) as conductor,
     ):
-        from rthm_bringup.run.conductor_node import StoppedError
         from rthm_bringup.run.zero import tell_zero
 
         rest_of(conductor, slack, 0.0, wait)  # the driver is there

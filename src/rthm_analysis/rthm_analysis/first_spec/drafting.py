@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
-from rthm_analysis.diagnosis.replay.evidence import gather
 from rthm_analysis.first_spec.computed import (
     LEFT_BY_ITS_LAW,
     connections,
@@ -17,72 +15,22 @@ from rthm_analysis.first_spec.computed import (
     numerical_matrices,
     ticks_of,
 )
-from rthm_analysis.first_spec.motion import beginning, plant_of, wire_stiffness, with_steps_between
+from rthm_analysis.first_spec.draft import COMPUTED_DIGITS, Draft, rounded, uncertainty_of
 from rthm_analysis.first_spec.names import Parts, parts_of
+from rthm_analysis.first_spec.plant import add_plant
 from rthm_analysis.first_spec.timing import timing_of
-from rthm_analysis.identification import Figure, identify, motions_of
+from rthm_analysis.identification import identify, motions_of
 from rthm_core.errors import InputError
-from rthm_core.spec import spec_from_parameters
-from rthm_core.spec.first import SPREAD, UNCERTAINTY, first_text
+from rthm_core.spec.first import SPREAD, UNCERTAINTY
 from rthm_core.spec.sections import MATRICES
 from rthm_core.topics import NUMERICAL_STATE
 
 if TYPE_CHECKING:
-    from rthm_analysis.diagnosis.replay.evidence import Evidence
     from rthm_analysis.first_spec.matrices import Matrices
     from rthm_analysis.recording import Recording
-    from rthm_core.spec import Spec
 
-LEAST, MOST = 1e-3, 100.0
-"""Relative standard deviations between which an uncertainty is: no estimate is better than the assumption
-that the plant is linear."""
-DIGITS, COMPUTED_DIGITS = 6, 9
-"""Digits of numbers that were estimated, and of those that were computed with."""
 ZERO_ENTRY = 1e-6
 """Entry of a matrix that was computed with, over its largest one, that is zero."""
-UNTOLD = "Placeholder: the recording does not show it. Put in the value of your rig."
-
-ONE_KG = (
-    "No known force drives the motion, so only damping and stiffness over mass can be found: the mass of "
-    "{dof} is assumed to be exactly 1 kg; weigh it and give it with --mass."
-)
-
-
-@dataclass
-class Draft:
-    """A first spec in the making.
-
-    Attributes
-    ----------
-    parameters : dict
-        Entries by dotted name.
-    notes : dict of str
-        What to say of them in the file.
-    figures : list of Figure
-        Numbers of the plant, with their standard deviations.
-    told : list of str
-        What the recording does not say, one sentence each.
-    """
-
-    parameters: dict[str, Any] = field(default_factory=dict)
-    notes: dict[str, str] = field(default_factory=dict)
-    figures: list[Figure] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
-
-    @property
-    def spec(self) -> Spec:
-        """The spec."""
-        return spec_from_parameters(self.parameters)
-
-    def text(self, source: str) -> str:
-        """Text of the spec, with comments."""
-        head = f"First spec of the recording {source}: check every entry, and correct what you know better."
-        return first_text(self.spec, head, self.notes)
-
-    def untold(self, what: str, *keys: str) -> None:
-        """Note that some entries are placeholders."""
-        self.told.append(what)
-        self.notes |= dict.fromkeys(keys, UNTOLD)
 
 
 def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[float] = ()) -> Draft:
@@ -123,7 +71,7 @@ def draft_of(recording: Recording, dofs: Sequence[str] = (), masses: Sequence[fl
         _actuators(draft, recording)
     else:
         draft.notes["timing"] = "For a plant alone only td1 matters."
-    _plant(draft, recording, parts, masses)
+    add_plant(draft, recording, parts, masses)
     return draft
 
 
@@ -174,8 +122,8 @@ def _computed(draft: Draft, recording: Recording, parts: Parts) -> None:
         return
     draft.parameters["interface.plant_dof"] = [one.plant_dof for one in found]
     draft.parameters["interface.numerical_dof"] = [one.numerical_dof for one in found]
-    draft.parameters["interface.stiffness"] = [_digits(one.stiffness, COMPUTED_DIGITS) for one in found]
-    draft.parameters["interface.damping"] = [_digits(one.damping, COMPUTED_DIGITS) for one in found]
+    draft.parameters["interface.stiffness"] = [rounded(one.stiffness, COMPUTED_DIGITS) for one in found]
+    draft.parameters["interface.damping"] = [rounded(one.damping, COMPUTED_DIGITS) for one in found]
     if np.any(ticks.load):
         draft.told.append("A load acts on the numerical substructure; describe it in load.numerical.")
         draft.notes["load"] = "A load was recorded in numerical/state; describe it under numerical."
@@ -201,7 +149,7 @@ def _controller(draft: Draft, recording: Recording, parts: Parts) -> None:
                 "actuator.compensator",
             )
         else:
-            draft.parameters["actuator.stiffness"][k] = _digits(value, COMPUTED_DIGITS)
+            draft.parameters["actuator.stiffness"][k] = rounded(value, COMPUTED_DIGITS)
 
 
 def _exact(matrices: Matrices, name: str) -> list[float]:
@@ -209,7 +157,7 @@ def _exact(matrices: Matrices, name: str) -> list[float]:
     size = {key: float(np.abs(values).max()) for key, values in matrices.value.items()}
     largest = max(size[name], np.sqrt(size["mass"] * size["stiffness"]) if name == "damping" else 0.0)
     values = matrices.value[name].ravel()
-    return [_digits(one, COMPUTED_DIGITS) if abs(one) > ZERO_ENTRY * largest else 0.0 for one in values]
+    return [rounded(one, COMPUTED_DIGITS) if abs(one) > ZERO_ENTRY * largest else 0.0 for one in values]
 
 
 def _actuators(draft: Draft, recording: Recording) -> None:
@@ -239,95 +187,4 @@ def _actuators(draft: Draft, recording: Recording) -> None:
     else:
         draft.parameters["actuator.stiffness"] = measured
         draft.notes["actuator.stiffness"] = "As measured."
-    draft.parameters["uncertainty.actuator.stiffness"] = _uncertainty(spread)
-
-
-def _plant(draft: Draft, recording: Recording, parts: Parts, masses: Sequence[float]) -> None:
-    """Matrices of the plant, how well they are known, and where its motion began."""
-    evidence = gather(recording, draft.spec)
-    wires = dict(zip(parts.actuators, draft.parameters.get("interface.plant_dof", ()), strict=False))
-    commanded = wires if evidence.driven_by == "command" else {}
-    positions, velocities = beginning(evidence, parts.dofs, tuple(commanded))
-    draft.parameters |= {"plant.initial_position": positions, "plant.initial_velocity": velocities}
-    if commanded:
-        _wires(draft, wire_stiffness(evidence, parts.dofs, commanded))
-    if commanded and "actuator.motor_poles" not in draft.parameters:
-        evidence = with_steps_between(evidence, draft.parameters["actuator.stiffness"])
-    matrices, driven = plant_of(evidence, parts.dofs, commanded, masses)
-    if matrices is None:
-        if masses:
-            draft.parameters["plant.mass"] = np.diag(masses).ravel().tolist()
-        draft.untold(
-            "Mass, damping and stiffness of the plant cannot be found: that needs the positions of all dofs "
-            f"({', '.join(parts.dofs)}) and the forces of all actuators over several cycles.",
-            *(f"plant.{name}" for name in MATRICES if not (masses and name == "mass")),
-        )
-        return
-    _add_unseen_steps(draft, matrices, evidence, parts.dofs, commanded)
-    for name, unit in MATRICES.items():
-        _matrix(draft, matrices, name, unit, parts.dofs)
-    if masses:
-        draft.notes["plant.mass"] = "As weighed (--mass)."
-    elif not driven:
-        sentence = ONE_KG.format(dof=parts.dofs[0])
-        draft.told.append(sentence)
-        draft.notes["plant.mass"] = sentence
-    if not parts.is_loop and driven:
-        draft.notes["load"] = (
-            "The known force of the recording is in the bag, and rthm diagnose takes it from there; for a "
-            "simulation give it here, as kind file."
-        )
-
-
-def _wires(draft: Draft, found: Sequence[float | None]) -> None:
-    """Stiffness of wires that neither the controller nor measured motors told."""
-    if draft.notes.get("actuator.stiffness") == UNTOLD and None not in found:
-        draft.parameters["actuator.stiffness"] = [_digits(one, DIGITS) for one in found if one is not None]
-        draft.notes["actuator.stiffness"] = "From the steps in force at new commands."
-
-
-def _add_unseen_steps(
-    draft: Draft, matrices: Matrices, evidence: Evidence, dofs: Sequence[str], wires: dict[str, str]
-) -> None:
-    """Add what is not known of the dampings where motors were not measured: whether they jump with their
-    commands, or lag, shifts the forces by part of a sample.
-    """
-    step = float(np.median(np.diff(evidence.time)))
-    seen = {channel.place for channel in evidence.channels if channel.family == "motor"}
-    for (actuator, dof), stiffness in zip(
-        wires.items(), draft.parameters.get("actuator.stiffness", ()), strict=False
-    ):
-        i, damping = dofs.index(dof), matrices.std["damping"]
-        if draft.notes.get("actuator.stiffness") == UNTOLD:
-            damping[i, i] = np.hypot(damping[i, i], matrices.value["damping"][i, i])
-        elif actuator not in seen:
-            damping[i, i] = np.hypot(damping[i, i], stiffness * step / np.sqrt(12.0))
-
-
-def _matrix(draft: Draft, matrices: Matrices, name: str, unit: str, dofs: Sequence[str]) -> None:
-    """One matrix of the plant with its uncertainty."""
-    value, std = matrices.value[name].copy(), matrices.std[name]
-    for i in range(len(dofs)):
-        if name == "damping" and abs(value[i, i]) < std[i, i]:
-            value[i, i] = std[i, i]  # a relative uncertainty needs a size
-    draft.parameters[f"plant.{name}"] = [_digits(one, DIGITS) for one in value.ravel()]
-    sizes, spread = np.abs(np.diag(value)), np.diag(std)
-    known = (spread > 0.0) & (sizes > 0.0)
-    relative = float((spread[known] / sizes[known]).max(initial=0.0))
-    draft.parameters[f"uncertainty.plant.{name}"] = _uncertainty(relative) if known.any() else 0.0
-    found = [
-        Figure(f"{name} of {dof}", unit, float(value[i, i]), float(std[i, i]))
-        for i, dof in enumerate(dofs)
-        if std[i, i] > 0.0
-    ]
-    draft.figures += found
-    if found:
-        draft.notes[f"plant.{name}"] = "From the recording: " + "; ".join(one.line for one in found) + "."
-
-
-def _uncertainty(relative: float) -> float:
-    return _digits(min(max(relative, LEAST), MOST), 3)
-
-
-def _digits(value: float, digits: int) -> float:
-    return float(f"{value:.{digits}g}")
+    draft.parameters["uncertainty.actuator.stiffness"] = uncertainty_of(spread)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.physical.constant_part import with_constant_parts
 from rthm_analysis.diagnosis.physical.inseparable import inseparable
-from rthm_analysis.diagnosis.result import Physics, Value
+from rthm_analysis.diagnosis.result import Described, Physics, Value
 
 
 def _found(kind: str, place: str = "x1", **sizes: float) -> Physics:
@@ -28,3 +30,37 @@ def test_an_offset_beside_dry_friction_may_be_friction_that_differs_with_the_dir
 )
 def test_what_a_motion_tells_apart_has_no_such_note(others: list[Physics]) -> None:
     assert not list(inseparable(others))
+
+
+def _left(*depends_on: str, size: float, place: str = "x1") -> Described:
+    at = np.linspace(-1.0, 1.0, 5)
+    return Described(
+        "plant", place, None, depends_on, "neither", False, False, None, None, {}, 0.9, 0.9,
+        at, size * at, np.full(5, 0.01), "",
+    )  # fmt: skip
+
+
+def test_a_constant_beside_an_unknown_force_over_the_position_may_be_part_of_it() -> None:
+    named = [_found("constant_load", force=50.0), _found("quadratic_drag", coefficient=2.0)]
+
+    kept, (whole,) = with_constant_parts(named, [_left("x", "v", size=30.0)])
+
+    assert [one.kind for one in kept] == ["quadratic_drag"]
+    assert whole.force == pytest.approx(np.linspace(20.0, 80.0, 5))
+    assert "a constant force of 50.00 +- 0.10 N" in whole.words
+
+
+@pytest.mark.parametrize(
+    ("left", "others"),
+    [
+        (_left("x", size=3.0), []),  # far smaller
+        (_left("v", size=30.0), []),
+        (_left("x", size=30.0, place="x2"), []),
+        (_left("x", size=30.0), [_found("coulomb_friction", force=20.0)]),  # said otherwise
+    ],
+)
+def test_a_constant_of_its_own_keeps_its_name(left: Described, others: list[Physics]) -> None:
+    kept, whole = with_constant_parts([_found("constant_load", force=50.0), *others], [left])
+
+    assert "constant_load" in {one.kind for one in kept}
+    assert whole == (left,)

@@ -77,6 +77,10 @@ CURVE_SHARE_OF_REST = 0.5
 """Share of what is left that a free curve over any of a law's variables may explain: with more, the law has
 another shape."""
 
+CONSTANT_PART_SHARE = 1.0 / 3.0
+"""Size of a force over the position that no kind states, over that of a constant force beside it, from which
+the constant may be part of it."""
+
 NEEDED_SHARE_OF_MISMATCH = 0.03
 NEEDED_RATIO_TO_REST = 5.0
 """Share of the mismatch that each law must be needed for, or how many times what is left: a small one only

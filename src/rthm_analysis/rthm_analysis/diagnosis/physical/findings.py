@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.physical.confirming import (
     because,
     confirmed,
 )
+from rthm_analysis.diagnosis.physical.constant_part import with_constant_parts
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
@@ -89,6 +90,8 @@ def physical_part(physical: Physical) -> Part:
     left = not judged.settled
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces, vague = _named(physical, judged)
+    if left:
+        physics, force = with_constant_parts(physics, force)
     physics = [*_drive_physics(physical), *physics, *rounded]
     driven = DRIVEN if judged.is_driven_wrong else READ_WRONG if motors_read_wrong(physical) else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())

@@ -47,9 +47,9 @@ def recorded(
     noise: Callable[[np.random.Generator, int], np.ndarray] | None = None,
     damping: float = DAMPING,
     stiffness: float = STIFFNESS,
-    mass: Callable[[float], float] = lambda t: MASS,
+    mass: Callable[[float, float], float] = lambda t, x: MASS,
 ) -> Evidence:
-    """Position and velocity of m(t) a = -c v - k x + load + law(t, x, v), with noise.
+    """Position and velocity of m(t, x) a = -c v - k x + load + law(t, x, v), with noise.
 
     `noise` gives deviates (s, 2) of power 1; white ones by default.
     """
@@ -61,7 +61,7 @@ def recorded(
 
     def rate(t: float, y: np.ndarray) -> np.ndarray:
         x, v = y
-        return np.array([v, (load(t) - damping * v - stiffness * x + law(t, x, v)) / mass(t)])
+        return np.array([v, (load(t) - damping * v - stiffness * x + law(t, x, v)) / mass(t, x)])
 
     count, h = round(duration / STEP) + 1, STEP / SUBSTEPS
     y, rows = np.array([start, 0.0]), np.empty((count, 2))

@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.result import Diagnosis
 from rthm_core.errors import InputError
 from rthm_core.spec import Spec, apply, number_at, read_spec, write_spec
 
-from .plain import plant, recorded
+from .plain import MASS, plant, recorded
 
 PENDULUM = {
     "block": "plant",
@@ -70,3 +70,27 @@ def test_parameters_of_an_equation_of_ones_own_are_fitted_together() -> None:
 
 def test_an_equation_that_is_right_is_a_match() -> None:
     assert diagnosed(2.0, 0.05).verdict == "match"
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_numbers_of_a_force_and_of_a_mass_that_are_off_are_told_within_their_spread(seed: int) -> None:
+    """``(M + a cos(2 x)^2) a - a sin(4 x) v^2 = -C v - K x + w - b x^3``, both numbers a tenth off."""
+    lever = {"block": "plant", "kind": "inertia", "mass": "a * cos(2 * x)**2", "a": 0.9}
+    spring = {"block": "plant", "kind": "formula", "force": "-b * x**3", "b": 9.0}
+    equation = {
+        "effects": ["lever", "spring"],
+        "lever": lever | {"uncertainty": {"a": 0.2}},
+        "spring": spring | {"uncertainty": {"b": 0.2}},
+    }
+    evidence = recorded(
+        lambda t, x, v: math.sin(4.0 * x) * v**2 - 10.0 * x**3,
+        force=1.2,
+        seed=seed,
+        mass=lambda t, x: MASS + math.cos(2.0 * x) ** 2,
+    )
+    spec = apply(plant(), equation)
+    found = joined([physical_part(diagnose_physical(evidence, spec, np.empty(0), lambda said: None))], spec)
+    assert found.verdict == "retuned" and not found.physics
+    for name, true in (("lever.a", 1.0), ("spring.b", 10.0)):
+        one = found.retuned[name]
+        assert abs(one.value - true) < 2.0 * one.std < 0.02 * true

@@ -23,7 +23,7 @@ def _told(seen: Evidence) -> CurveFit | None:
 
 @pytest.mark.parametrize(
     ("mass", "last"),
-    [(lambda t: MASS * (1.0 + 0.004 * t), 0.115), (lambda t: MASS + (0.06 if t > 8.0 else 0.0), 0.06)],
+    [(lambda t, x: MASS * (1.0 + 0.004 * t), 0.115), (lambda t, x: MASS + (0.06 if t > 8.0 else 0.0), 0.06)],
     ids=["drifts", "steps"],
 )
 def test_a_mass_that_changes_is_told_with_its_change(mass, last: float) -> None:  # type: ignore[no-untyped-def]
@@ -45,15 +45,15 @@ def test_a_stiffness_that_changes_is_no_mass() -> None:
 @pytest.mark.parametrize(
     ("mass", "kind", "truth"),
     [
-        (lambda t: MASS - (0.2 if t > 4.321 else 0.0), "mass_change", {"change": -0.2, "at": 4.321}),
+        (lambda t, x: MASS - (0.2 if t > 4.321 else 0.0), "mass_change", {"change": -0.2, "at": 4.321}),
         pytest.param(
-            lambda t: MASS + 0.02 * max(t - 3.0, 0.0),
+            lambda t, x: MASS + 0.02 * max(t - 3.0, 0.0),
             "growing_mass",
             {"rate": 0.02, "at": 3.0},
             marks=pytest.mark.long,
         ),
         pytest.param(
-            lambda t: MASS + 0.15 * min(max(t - 4.0, 0.0) / 3.0, 1.0),
+            lambda t, x: MASS + 0.15 * min(max(t - 4.0, 0.0) / 3.0, 1.0),
             "mass_change",
             {"change": 0.15, "at": 4.0, "within": 3.0},
             marks=pytest.mark.long,

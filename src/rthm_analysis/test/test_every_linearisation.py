@@ -106,3 +106,12 @@ def test_the_sampled_response_is_the_fundamental_of_a_settled_motion(place: tupl
     expected = 2.0j * np.mean(x * np.exp(-1j * w * run.t[-cycles * rows :])[:, None], axis=0)
     found = response(spec, np.array([w])).ways["sampled"][0][:, 0]
     np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def test_a_mass_that_depends_on_the_position_is_that_of_where_the_test_begins() -> None:
+    lever = {"block": "plant", "kind": "inertia", "dof": "x1", "mass": "a * cos(b * x)", "a": 0.4, "b": 3.0}
+    spec = apply(LOOP, AT_REST | {"effects": ["one"], "one": lever})
+    linear, said = linear_part(spec)
+    assert linear.plant.mass[0] == pytest.approx(LOOP.plant.mass[0] + 0.4, rel=1e-15)
+    assert said == ("one (inertia of x1) is taken as where the test begins.",)
+    assert apart(spec, APART) < AGREED

@@ -14,9 +14,9 @@ from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_exper
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.names import check_names, check_one_rig
-from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
+from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.joint import one_after_the_other
 from rthm_analysis.diagnosis.result import Diagnosis, Fault, Part
@@ -58,7 +58,8 @@ def diagnose_together(
 ) -> Diagnosis:
     """Find one explanation for several recordings of a rig: other levels, other inputs, other days.
 
-    What is missing has the same values in all; each recording begins in a state of its own. The last one
+    What is missing has the same values in all; each recording begins in a state of its own, and may have
+    sensors with a zero of its own. The last one
     confirms what the others show, and has no part in any choice or fit.
 
     Parameters
@@ -107,7 +108,7 @@ def _physical(several: Sequence[Alone], say: Callable[[str], None]) -> Physical:
     before = command_before(parts, spec)
     names = [one.recording.name for one in several]
     evidence = one_after_the_other([one.evidence for one in several], names, before).until_rest()
-    return diagnose_physical(evidence, as_run(parts, spec), before, say)
+    return diagnose_several(evidence, as_run(parts, spec), before, say)
 
 
 def _check(recording: Recording, spec: Spec) -> None:

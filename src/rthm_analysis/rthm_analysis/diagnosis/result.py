@@ -64,8 +64,8 @@ class Fault:
         Where it shows: that of the sensor or link; ``plant`` for a load and for a spec of another rig.
     kind : str
         ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
-        ``rectified``, ``saturation``, ``clock_drift``, ``wrong_parameter`` (of timing or compensator),
-        ``wrong_spec``.
+        ``rectified``, ``saturation``, ``clock_drift``, ``offset`` (that differs from recording to recording),
+        ``wrong_parameter`` (of timing or compensator), ``wrong_spec``.
     channel : str
         ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
     words : str
@@ -253,12 +253,16 @@ class RecordingFit:
         Whether it had no part in any selection or fit, but for the state in which it begins.
     nrmse : dict of dict
         By signal: error over its standard deviation in this recording, with the keys of `Fit.nrmse`.
+    offsets : dict of Value
+        By signal whose zero differs from recording to recording (``x1``, ``load_x1``): what it reads in this
+        one at a true value of zero.
     """
 
     name: str
     interval: tuple[float, float]
     held_out: bool
     nrmse: dict[str, dict[str, float]]
+    offsets: dict[str, Value] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rthm_core.compensators import NAMES
 from rthm_core.errors import InputError
 from rthm_core.spec import apply
+from rthm_core.spec.masses import mass_at, steady
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -24,7 +25,8 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
     spec : Spec
         The linear loop.
     left_out : tuple of str
-        One sentence for every effect, and every wire, whose nonlinear part was left out.
+        One sentence for every effect, and every wire, whose nonlinear part was left out. A mass that depends
+        on the position is what it is where the test begins.
 
     Raises
     ------
@@ -33,9 +35,12 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
     """
     check_compensator(str(spec.loop().actuator.compensator))
     kept, left_out = [], []
+    carried = [one.name for one in steady(spec)]
     for one in spec.effects:
         if one.law.linear:
             kept.append(one.name)
+        elif one.name in carried:
+            left_out.append(f"{one.name} ({one.kind} of {one.place}) is taken as where the test begins.")
         elif not one.law.additive:
             left_out.append(f"{one.name} ({one.kind} of {one.place}) is not linear and is left out.")
     slack = [name for name, force in zip(spec.loop().actuator.names, _pretension(spec), strict=True) if force]
@@ -47,6 +52,8 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
         "load.numerical.kind": "none",
         **{f"noise.{name}": 0.0 for name in ("position", "velocity", "motor", "force")},
     }
+    if carried:
+        changes["plant.mass"] = mass_at(apply(spec, {"effects": carried}), 0.0).ravel().tolist()
     return _changed(spec, changes), tuple(left_out)
 
 

@@ -50,7 +50,8 @@ class PlantLaw(Effect):
     def inertia(x: float, v: float, z: list[float], t: float, p: list[float], mode: int) -> float:
         """Mass that moves with the dof beside the plant's own, in kg: a force ``-inertia a`` beside `force`.
 
-        What joins the dof or leaves it does so with the dof's velocity, so that it adds no thrust.
+        What joins the dof or leaves it does so with the dof's velocity, so that it adds no thrust. Where it
+        depends on `x`, `force` has the rest of the kinetic energy's part, ``-inertia' v^2 / 2``.
         """
         return 0.0
 

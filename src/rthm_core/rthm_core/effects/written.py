@@ -17,9 +17,15 @@ from rthm_core.errors import RefusedError
 
 Function = Callable[..., float]
 
+Functions = Mapping[str, tuple[str, str]]
+"""Functions of a law by name: their arguments, and what they return."""
+
 NOUN = "a force given by a formula"
 SEEN = "Repeat the test at another amplitude: outside the range that was seen, a formula is a guess."
 BESIDE = "with numbers a to g that stand beside it"
+
+ARGUMENTS = "x, v, z, t, p, mode"
+"""Of the functions of a law on the plant."""
 
 
 class Written(Effect):
@@ -33,6 +39,8 @@ class Written(Effect):
         The function that it becomes, its arguments, and what it returns for the formula.
     names
         What of the formula has another name there.
+
+    Where one formula becomes several functions, `functions` says which.
     """
 
     kind = "formula"
@@ -77,8 +85,14 @@ class Written(Effect):
         return _law(base, text)
 
     @classmethod
+    def functions(cls, found: Parsed) -> Functions:
+        """What a formula becomes; by default `function`."""
+        name, arguments, returned = cls.function
+        return {name: (arguments, returned.format(python_of(found, cls.names)))}
+
+    @classmethod
     def declared(cls, found: Parsed) -> dict[str, Any]:
-        """What a law of a formula declares beside its function and parameters."""
+        """What a law of a formula declares beside its functions and parameters."""
         return {}
 
 
@@ -86,12 +100,11 @@ class Written(Effect):
 def _law(base: Any, text: str) -> type[Effect]:
     found = parsed(text, base.variables())
     scope: dict[str, object] = {"math": math}
-    name, arguments, returned = base.function
-    value = returned.format(python_of(found, base.names))
-    exec(f"def {name}({arguments}):\n    return float({value})", scope)
+    functions = base.functions(found)
+    for name, (arguments, value) in functions.items():
+        exec(f"def {name}({arguments}):\n    return float({value})", scope)
     numbers = {one: FormulaNumber("1", "number of the formula, in SI units") for one in found.numbers}
-    body = {
-        name: staticmethod(cast("Function", scope[name])),
+    body = {name: staticmethod(cast("Function", scope[name])) for name in functions} | {
         "parameters": base.parameters | numbers,
         "given": classmethod(lambda cls, values: cls),
     }
@@ -115,7 +128,7 @@ class Formula(Written, PlantLaw):
         )
     }
     words = "the force {force} acts on {dof}"
-    function = ("force", "x, v, z, t, p, mode", "{}")
+    function = ("force", ARGUMENTS, "{}")
     names = {"load": f"p[{LOAD}]", "sign(v)": "mode"}
 
     @classmethod

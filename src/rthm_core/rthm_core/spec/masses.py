@@ -20,9 +20,16 @@ def heavy(spec: Spec) -> list[EffectSpec]:
     return [one for one in spec.effects if has_inertia(one.law)]
 
 
+def steady(spec: Spec) -> list[EffectSpec]:
+    """Those of them whose mass is always there, and depends on where the dof is at most."""
+    return [one for one in heavy(spec) if cast("type[PlantLaw]", one.law).partition == "none"]
+
+
 def mass_at(spec: Spec, t: float) -> NDArray[np.float64]:
-    """Mass matrix (n, n), in kg, of the plant at rest with its effects, from the instant `t` (s) on."""
-    n = spec.plant.n
+    """Mass matrix (n, n), in kg, of the plant at rest where it begins, with its effects, from the instant `t`
+    (s) on.
+    """
+    n, start = spec.plant.n, np.array(spec.plant.initial_position)
     mass = np.array(spec.plant.mass, dtype=float).reshape(n, n)
     for one in heavy(spec):
         law, p = cast("type[PlantLaw]", one.law), one.ordered
@@ -31,7 +38,8 @@ def mass_at(spec: Spec, t: float) -> NDArray[np.float64]:
         apart[spec.plant.dofs.index(str(one.dof))] = 1.0
         if one.relative_to is not None:
             apart[spec.plant.dofs.index(one.relative_to)] = -1.0
-        found = law.inertia(0.0, 0.0, [*law.initial(0.0, p)], t, list(p), mode)
+        x = float(apart @ start)
+        found = law.inertia(x, 0.0, [*law.initial(x, p)], t, list(p), mode)
         mass += found * np.outer(apart, apart)
     return mass
 

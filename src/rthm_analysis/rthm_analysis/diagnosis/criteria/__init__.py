@@ -8,6 +8,7 @@
 ``replay``      how exactly the physical side is simulated again, and for how long
 ``fitting``     when a fit is as good as it gets, and what its standard deviations are worth
 ``noise``       what is noise, with or without a colour, and what is left beyond it
+``zeros``       whether zeros of sensors differ from recording to recording
 ``search``      what a kind of physics must bring to be named before others
 ``missing``     when a free curve of the missing force is told
 ``verdict``     when the names that were found explain a recording

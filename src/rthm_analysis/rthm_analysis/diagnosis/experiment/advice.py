@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from rthm_analysis.diagnosis.faults.clipped import SATURATED
 from rthm_analysis.diagnosis.faults.rectified import RECTIFIED
+from rthm_analysis.diagnosis.physical.zeros_told import OFFSET
 from rthm_analysis.diagnosis.result import WRONG_ENTRY
 from rthm_core.effects import effect
 
@@ -23,6 +24,7 @@ FAULT = {
     RECTIFIED: "Record {channel} before its rectifier, or with a sensor that knows the direction.",
     "spikes": "Check the shielding and the connectors of {channel}, and record again.",
     "dropout": "Check cable, network and logger of {channel}, and record again.",
+    OFFSET: "Rest the rig under no force before every test, and note what {channel} reads: the spec's zero.",
     "hum": "Record {channel} at rest, and with the supplies switched off one by one.",
     "clock_drift": "Record both channels with one clock, or with a common pulse once a minute.",
     WRONG_ENTRY: "Compare the spec's {channel} with what the nodes were started with "

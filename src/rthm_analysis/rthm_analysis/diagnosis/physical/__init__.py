@@ -41,6 +41,9 @@
 ``curves``       force that the plant lacks, over the variable that explains it best
 ``wire_curves``  the same of a wire
 ``offsets``      offsets of accelerometers
+``zeros``        zeros that differ from recording to recording
+``own_zeros``    whether they do, and whether those of sensors or of forces
+``zeros_told``   in words
 ``work``         energy of what was found
 ``findings``     from what was found to a `Part`
 ===============  ==============================================================================

@@ -39,6 +39,7 @@ from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.physical.wire_composing import compose_wires
 from rthm_analysis.diagnosis.physical.wire_curves import wire_curve, wires_described
 from rthm_analysis.diagnosis.physical.work import law_work, wire_work
+from rthm_analysis.diagnosis.physical.zeros_told import zero_faults
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.result import (
@@ -121,6 +122,7 @@ def physical_part(physical: Physical) -> Part:
             *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),
             *filter(None, [physical.fitting.budget.note]),
         ),
+        faults=tuple(zero_faults(physical.own_zeros, physical.evidence.names)),
         described=force,
         traces=tuple(traces),
         refused=(*refused, *vague, *judged.refused),

@@ -6,6 +6,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.physical.judged import Simulated, nrmse, spread
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.zeros_told import zeros_in
 from rthm_analysis.diagnosis.replay.evidence import MOTION
 from rthm_analysis.diagnosis.replay.windows import Windows, state_at
 from rthm_analysis.diagnosis.result import Fit, FreeRun, RecordingFit
@@ -70,8 +71,9 @@ def recording_fits(physical: Physical, runs: dict[str, Simulated]) -> tuple[Reco
             span,
             samples.start >= physical.train,
             {c.signal: _errors(physical, runs, k, samples) for k, c in enumerate(evidence.channels)},
+            zeros_in(physical.own_zeros, recording),
         )
-        for name, span, samples in several
+        for recording, (name, span, samples) in enumerate(several)
     )
 
 

@@ -24,6 +24,7 @@ from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.motor_composing import with_formula
 from rthm_analysis.diagnosis.physical.whitening import whitened
+from rthm_analysis.diagnosis.physical.zeros import OwnZeros
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
@@ -64,6 +65,8 @@ class Physical:
         Of the motors' sensors, m.
     motor_wanders : bool
         Whether that may be coloured noise of their sensors.
+    own_zeros : OwnZeros or None
+        What was taken out of each of several recordings before.
     """
 
     spec: Spec
@@ -81,6 +84,7 @@ class Physical:
     motor_left: Floats
     motor_noise: Floats
     motor_wanders: bool
+    own_zeros: OwnZeros | None = None
 
     @property
     def sigma(self) -> Floats:

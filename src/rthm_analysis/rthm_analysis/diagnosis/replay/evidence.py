@@ -94,6 +94,8 @@ class Evidence:
         Of the recordings, where there are several.
     ends_at_rest : bool
         Whether most of a rest behind it was left out (`until_rest`).
+    own_zero : tuple of Channel
+        Those whose zero is each recording's own, so that a constant in one says nothing.
     """
 
     stamps_ns: Integers
@@ -108,6 +110,7 @@ class Evidence:
     begins: tuple[int, ...] = (0,)
     names: tuple[str, ...] = ("",)
     ends_at_rest: bool = False
+    own_zero: tuple[Channel, ...] = ()
 
     @cached_property
     def time(self) -> Floats:

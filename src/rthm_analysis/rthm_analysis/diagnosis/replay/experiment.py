@@ -191,7 +191,8 @@ class Experiment:
     def predicted(self, spec: Spec, windows: Windows) -> Floats:
         """What the sensors of `spec` would have read, without noise: (s, k), one column per channel.
 
-        Accelerations have the offset that leaves least of each recording: every accelerometer has one.
+        Accelerations have the offset that leaves least of each recording: every accelerometer has one. So has
+        what is known to have a zero of its own in each.
         """
         assert spec.plant is not None
         bare, channels = _without_sensors(spec), self.evidence.channels
@@ -213,10 +214,10 @@ class Experiment:
         return np.stack(columns, axis=1)
 
     def _level(self, columns: list[Floats]) -> None:
-        """Give accelerations their offsets."""
+        """Give accelerations, and what has a zero of its own in each recording, their offsets."""
         e, seen = self.evidence, self.evidence.stamps_ns.size if self.seen is None else self.seen
         for k, channel in enumerate(e.channels):
-            if channel.family == "acceleration":
+            if channel.family == "acceleration" or channel in e.own_zero:
                 columns[k] = levelled(columns[k], e.measured[:, k], e.recordings, seen)
 
     @property

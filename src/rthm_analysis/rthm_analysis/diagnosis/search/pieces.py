@@ -28,10 +28,11 @@ class Piece:
         Of what is not there, with the trial's size.
     index : int or None
         Place among the effects that are there; None of what is not.
-    columns : (c, s k) array
-        Change of the prediction with its parameters; of what is not there, with its size over the trial's; of
-        a tone that is not there, with that in phase with the trial and with that a quarter of a period ahead.
-    whole : (s k,) array
+    columns : (c, u k) array
+        Thinned change of the prediction with its parameters; of what is not there, with its size over the
+        trial's; of a tone that is not there, with that in phase with the trial and with that a quarter of a
+        period ahead.
+    whole : (u k,) array
         What it does now.
     """
 
@@ -76,8 +77,8 @@ def pieces_of(fitting: Fitting, selection: Selection, columns: Floats) -> list[P
     ----------
     fitting : Fitting
     selection : Selection
-    columns : (p, s k) array
-        Projected, of all parameters of the best model.
+    columns : (p, u k) array
+        Thinned, of all parameters of the best model.
     """
     tones = [] if fitting.simple else _tones(fitting, selection)
     return [*_present(selection, columns), *_others(fitting, selection), *tones]
@@ -148,7 +149,7 @@ def _change(fitting: Fitting, selection: Selection, start: InitialGuess) -> Floa
     """Change of the prediction with an effect; None where it makes none, or cannot be beside the others."""
     model = _grown(selection.best.model, start) or start.added_to(selection.best.model)
     try:
-        change = fitting.projected(selection.best.residual - fitting.residual(model))
+        change = fitting.thinned(fitting.projected(selection.best.residual - fitting.residual(model)))
     except InputError:
         return None
     return change if np.isfinite(change).all() and change.any() else None

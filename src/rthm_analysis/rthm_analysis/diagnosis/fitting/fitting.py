@@ -52,8 +52,8 @@ class Fitted:
     squares : float
         Squared error on the training data, in units of the noise, priors included.
     sums : Sums
-    residual : (s k,) array
-        In units of the noise; initial states not yet fitted.
+    samples : int
+        Values (s k) that it was fitted to.
     settled : float
         Part of the squared error that a step no longer gained where the fit ended; inf where it ended sooner.
     """
@@ -61,7 +61,7 @@ class Fitted:
     model: Model
     squares: float
     sums: Sums
-    residual: Floats
+    samples: int
     settled: float = np.inf
 
     @property
@@ -142,7 +142,7 @@ class Fitting:
     @property
     def _apart(self) -> int:
         """Of how many samples one is asked where hundreds of columns are needed at once."""
-        return max(1, self.measured.shape[0] // COLUMN_SAMPLES)
+        return max(1, len(self.measured) // COLUMN_SAMPLES)
 
     def thinned(self, columns: Floats) -> Floats:
         """Columns (..., s k) at the samples that are then asked: (..., u k)."""
@@ -260,7 +260,8 @@ class Fitting:
         """
         by = self.state_correction(fitted)
         left = self.residual(fitted.model, self.windows.at(self.windows.state + by))
-        is_better = left @ left < fitted.residual @ fitted.residual
+        before = self.residual(fitted.model)
+        is_better = left @ left < before @ before
         return windows.at(windows.state + by) if is_better else windows
 
     def columns(
@@ -289,10 +290,14 @@ class Fitting:
 
     def known(self, fitted: Fitted) -> Floats:
         """Projected columns of a fitted model; none where a small change of a parameter makes it diverge."""
+        return self.known_of(fitted.model, self.residual(fitted.model))
+
+    def known_of(self, model: Model, residual: Floats) -> Floats:
+        """The same of a model that leaves some residual."""
         try:
-            return self.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+            return self.columns(model, residual, range(len(model.parameters)))
         except np.linalg.LinAlgError:
-            return np.empty((0, fitted.residual.size))
+            return np.empty((0, residual.size))
 
     def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
         """Normal equations of a model whose residual and columns are known and projected."""
@@ -368,7 +373,7 @@ class Fitting:
                 if best > before:  # initial states do not explain there what they did here
                     (model, residual, bases), best, damping = from_here, before, 100.0 * damping
         sums = self.sums(model, self.projected(residual, bases), columns)
-        return Fitted(model, best, sums, residual, settled)
+        return Fitted(model, best, sums, residual.size, settled)
 
     def _bases_of(self, model: Model, residual: Floats, *, started: bool = False) -> Bases:
         """What initial states can explain: of this model as long as models are wrong, else of the base.

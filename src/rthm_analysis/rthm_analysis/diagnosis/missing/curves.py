@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,12 +21,12 @@ from rthm_analysis.diagnosis.criteria.missing import (
     REGRESSION_SAMPLES,
 )
 from rthm_analysis.diagnosis.criteria.verdict import DRAFT_FEWEST_IN_WINDOW
-from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.replay.budget import Budget
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
@@ -120,7 +121,10 @@ class Regression:
         self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
     ) -> None:
         draft = experiment if experiment.is_draft else experiment.draft()
-        draft, self.model = replace(draft, budget=Budget(FORMULA_STEPS)), model
+        draft, self.model = (
+            replace(draft, budget=budget_for(draft.evidence.stamps_ns.size, FORMULA_STEPS)),
+            model,
+        )
         self.experiment, self.windows = draft, windows
         self.fitting, left, kept = _some_samples(draft, windows, noise, model)
         self.here = self.fitting.residual(model)
@@ -157,6 +161,7 @@ class Regression:
     def beside(self, columns: Floats) -> Regression:
         """The same with further forces whose responses (q, u k) are known and whose sizes are free."""
         more = copy(self)
+        vars(more).pop("left_known", None)
         more.known = np.vstack([self.known, columns * self._scales_of(columns)[:, None]])
         return more
 
@@ -193,8 +198,7 @@ class Regression:
         A model that is `far` from the recording moves otherwise than it: there, a spring and a damper pull
         along the recorded motion, as the missing force does.
         """
-        fitting, fitted = self.fitting, Fitted(self.model, 0.0, None, self.here)  # type: ignore[arg-type]
-        columns = fitting.thinned(fitting.known(fitted))
+        columns = self.fitting.thinned(self.fitting.known_of(self.model, self.here))
         pulling = [i for i in range(columns.shape[0]) if np.any(self.motion_forces[:, :, i])]
         if far and pulling:
             forces = self.motion_forces[:, :, pulling].transpose(2, 0, 1)
@@ -255,6 +259,12 @@ class Regression:
 
         loose, *others = map(held_together, CURVE_STIFFNESSES)
         return replace(max([loose, *others], key=lambda one: one.gain), loose=loose)
+
+    @cached_property
+    def left_known(self) -> float:
+        """Squared error, of data left out, that what is known leaves; inf where the model diverges."""
+        known = self.normal(np.empty((0, self.left.size)))
+        return np.inf if known is None else float(known.left_out().sum())
 
     def normal(self, responses: Floats) -> Normal | None:
         """Normal equations of the training part for what is known, then of forces whose responses (q, u k)
@@ -328,11 +338,9 @@ class Normal:
     def left_out(self) -> Floats:
         """Squared error (b,) of each block under the fit to all others."""
         hessian, gradient = self.total
-        errors = []
-        for h, g, s in zip(self.hessian, self.gradient, self.squares, strict=True):
-            size, _ = solved(hessian - h, gradient - g)
-            errors.append(s - 2.0 * size @ g + size @ h @ size)
-        return np.array(errors)
+        sizes, _ = solved(hessian - self.hessian, gradient - self.gradient)
+        bent = (self.hessian @ sizes[..., None])[..., 0] - 2.0 * self.gradient
+        return np.asarray(self.squares + np.sum(sizes * bent, axis=1))
 
 
 def _some_samples(
@@ -397,17 +405,16 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Float
 
 
 def solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-    """Sizes and covariance for noise of power 1; what the data do not reach has size 0."""
-    diagonal = np.diag(hessian)
-    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(initial=0.0)
+    """Sizes (..., p) and covariance (..., p, p) for noise of power 1, of equations (..., p, p), (..., p).
+
+    What the data do not reach has size 0.
+    """
+    diagonal = np.diagonal(hessian, axis1=-2, axis2=-1)
+    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(axis=-1, keepdims=True, initial=0.0)
     scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)
-    inverse = (
-        np.linalg.inv(hessian * np.outer(scale, scale) + CURVE_RIDGE * np.eye(scale.size))
-        if scale.size
-        else hessian
-    )
-    inverse = inverse * np.outer(scale, scale)
-    return inverse @ gradient, inverse
+    both = scale[..., :, None] * scale[..., None, :]
+    inverse = np.linalg.inv(hessian * both + CURVE_RIDGE * np.eye(scale.shape[-1])) * both
+    return (inverse @ gradient[..., None])[..., 0], inverse
 
 
 def _squares(values: Floats) -> float:

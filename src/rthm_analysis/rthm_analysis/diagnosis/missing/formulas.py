@@ -320,8 +320,7 @@ def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) ->
         normal, scales = regression.normal_of_any_unit(_response_of(regression, moved))
         if normal is None:
             return replace(moved, gain=-np.inf)
-        base = normal.leading(normal.prior.shape[0] - 1)
-        gain = float(base.left_out().sum() - normal.left_out().sum())
+        gain = regression.left_known - float(normal.left_out().sum())
         return replace(moved, size=float(normal.sizes[-1] * scales[-1]), gain=gain)
 
     start = np.array(term.within)

@@ -44,9 +44,10 @@ def promised(fitting: Fitting, selection: Selection) -> dict[Labels, list[Piece]
     """
     base, best = len(selection.base.model.parameters), selection.best
     every = range(len(best.model.parameters))
-    columns = fitting.thinned(fitting.columns(best.model, best.residual, every))
-    pieces = pieces_of(fitting, selection, columns)
-    here = fitting.thinned(fitting.projected(best.residual))
+    residual = fitting.residual(best.model)
+    columns = fitting.thinned(fitting.columns(best.model, residual, every))
+    pieces = pieces_of(fitting, selection, columns, residual)
+    here = fitting.thinned(fitting.projected(residual))
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
     near = COMBINATION_REACH_NEAR_NOISE if _may_imitate(selection) else 0.0
     reach = COMBINATION_REACH if fitting.reduced_chi2 > NEAR_NOISE_CHI2 else near

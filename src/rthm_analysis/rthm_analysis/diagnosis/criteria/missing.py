@@ -70,7 +70,7 @@ REGRESSION_SAMPLES, REGRESSION_PERIOD_SHARE = 30_000, 0.04
 """Samples of a recording from twice as many of which only one in some is asked for free curves, and part of a
 period of the motion that these are apart at most."""
 
-MOST_RESPONSE_BYTES = 500_000_000
+MOST_RESPONSE_BYTES = 300_000_000
 """Memory for responses to free curves that are kept until formulas were looked for."""
 
 TERMS_OF_A_FORMULA = 3
@@ -236,7 +236,7 @@ SHOWN_KIND_BUDGET = 1e7
 best of each way is fitted to its end, instants that are tried around its own, and work that may be done for
 it: steps of replays."""
 
-FORMULA_STEPS = 4e7
+FORMULA_STEPS = 2.5e7
 FORMULA_FIT_BUDGET = 1e7
 """Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of
 replays."""

@@ -45,11 +45,11 @@ BUDGET_STEPS = 1.5e8
 """Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_SAMPLES` winds down;
 on a slow host about 40 s of one core."""
 
-LOST_STEPS = 4e7
+LOST_STEPS = 3e7
 """The same from where neither a single kind nor a formula comes near the noise: what is found after that
 takes less, and mostly nothing is."""
 
-BUDGET_RECORDING_SAMPLES = 30_000
+BUDGET_RECORDING_SAMPLES = 50_000
 BUDGET_MOST_RATIO = 4.0
 """Samples of a recording up to which the budget is the same; one with more has more in proportion, so often
 more at most."""

@@ -11,7 +11,7 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
-from rthm_analysis.diagnosis.missing.features import Feature
+from rthm_analysis.diagnosis.missing.features import Curve, Feature
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.physical import above_noise
 from rthm_analysis.diagnosis.physical.above_noise import Laws, needed_only
@@ -41,8 +41,8 @@ def curve(depends_on: str, share: float, held_out: float | None = None, **jump: 
     """A free curve that explains so much of what is left; `change` and `std` are those of its jump, N."""
     sizes, stds = np.array([jump.get("change", 0.0)]), np.array([jump.get("std", 0.01)])
     held = share if held_out is None else held_out
-    feature = Feature(tuple(depends_on), np.zeros((1, 1)))
-    return CurveFit("x1", feature, sizes, stds, share, 1.0, held, 1.0, AT, NOTHING)
+    feature = Feature(tuple(depends_on), {}, ())
+    return CurveFit("x1", feature, sizes, stds, share, 1.0, held, 1.0, AT, np.zeros((1, 0)), NOTHING[:0])
 
 
 def told(gone: float, curves: list[CurveFit], **kinds: dict[str, float]) -> bool:
@@ -67,7 +67,8 @@ def test_a_jump_that_a_free_curve_takes_away_or_does_not_tell_is_no_friction(jum
 
 def test_friction_that_changes_as_much_as_it_is_large_is_no_friction() -> None:
     some = {"gain": 400.0, "excess": 1e3, "held_out_gain": 400.0, "held_out_excess": 1e3}
-    changing = replace(curve("v", 0.4), feature=Feature(("v", "t"), np.ones((1, 1))), **some)
+    number = Feature(("v", "t"), {"v": NOTHING}, (Curve("1", "v", np.empty(0)),))
+    changing = replace(curve("v", 0.4), feature=number, **some)
     small, large = (replace(changing, sizes=np.array([size])) for size in (0.5, 1.5))
     assert told(0.99, [curve("v", 0.0), small], **FRICTION)
     assert not told(0.99, [curve("v", 0.0), large], **FRICTION)

@@ -134,7 +134,7 @@ def toned(fitting: Fitting, share: float) -> FittedCandidate:
         np.zeros(3),
     )
     fitting.expected = float(count)
-    return FittedCandidate(TONE, Fitted(model, 0.0, sums, residual), 0.0)
+    return FittedCandidate(TONE, Fitted(model, 0.0, sums, count), 0.0)
 
 
 @pytest.mark.parametrize(("share", "kept"), [(1.0, 1), (0.4, 0)])

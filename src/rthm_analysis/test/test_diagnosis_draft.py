@@ -87,8 +87,8 @@ def test_a_draft_finds_what_a_search_finds_for_less() -> None:
     assert draft is not None
     assert {t[0].label for t in draft.rounds} == {t[0].label for t in found.rounds}
     assert reduced_chi2(fast, draft.best) < 1.2
-    assert draft.best.residual.size == EVIDENCE.stamps_ns.size * 3
-    assert all(one.fitted.residual.size == draft.best.residual.size for t in draft.rounds for one in t)
+    assert draft.best.samples == EVIDENCE.stamps_ns.size * 3
+    assert all(one.fitted.samples == draft.best.samples for t in draft.rounds for one in t)
     assert fast.budget.used < slow.budget.used
 
 

@@ -93,10 +93,12 @@ def test_a_force_that_goes_with_the_square_of_the_known_load_depends_on_it() -> 
 
 def test_a_free_curve_is_a_law_as_it_stands() -> None:
     knots = np.linspace(-0.2, 0.3, 14)
-    feature = Feature(("x",), np.zeros((1, 14)), curves=(Curve("1", "x", knots),))
+    feature = Feature(("x",), {"x": np.zeros(1)}, (Curve("1", "x", knots),))
     sizes = np.cumsum(np.random.default_rng(1).normal(size=14))
     at = Along(np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1))
-    guess = polygon(CurveFit("x1", feature, sizes, np.ones(14), 1.0, 1.0, 1.0, 1.0, at, np.zeros(1)))
+    guess = polygon(
+        CurveFit("x1", feature, sizes, np.ones(14), 1.0, 1.0, 1.0, 1.0, at, np.zeros((1, 0)), np.zeros(0))
+    )
     assert guess is not None and is_polygon(str(guess.added.parameters["force"]))
     law = guess.added.law
     numbers = [float(guess.added.parameters[name]) for name in guess.free]

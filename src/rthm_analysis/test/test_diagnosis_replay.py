@@ -127,7 +127,7 @@ def test_before_the_first_command_wires_and_motors_count_as_not_measured() -> No
 
 
 def test_a_longer_recording_may_take_more_work_up_to_four_times() -> None:
-    shares = [budget_for(seconds).limit / BUDGET_STEPS for seconds in (5.0, 60.0, 90.0, 3600.0)]
+    shares = [budget_for(samples).limit / BUDGET_STEPS for samples in (3_000, 50_000, 75_000, 600_000)]
     assert shares == [1.0, 1.0, 1.5, 4.0]
 
 

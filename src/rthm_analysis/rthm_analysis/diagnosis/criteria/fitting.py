@@ -10,6 +10,10 @@ DIVERGED_ERROR = 1e6
 CROSS_VALIDATION_PARTS = 20
 """Parts of the data that take turns at being left out."""
 
+COLUMN_SAMPLES = 60_000
+"""Samples of a recording from twice as many of which only one in some is asked where hundreds of columns are
+needed at once: for combinations of kinds, and for free curves."""
+
 FIT_STEPS = 8
 """Steps of a fit, unless it is asked for another number."""
 

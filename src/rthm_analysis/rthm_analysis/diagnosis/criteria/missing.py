@@ -66,7 +66,11 @@ samples that they have at least, and what longer ones may take away over what th
 RESIDUAL_PARABOLA_SAMPLES = 9
 """Samples of the parabola through which the residual motion is differentiated."""
 
-MOST_RESPONSE_BYTES = 1_000_000_000
+REGRESSION_SAMPLES, REGRESSION_PERIOD_SHARE = 30_000, 0.04
+"""Samples of a recording from twice as many of which only one in some is asked for free curves, and part of a
+period of the motion that these are apart at most."""
+
+MOST_RESPONSE_BYTES = 300_000_000
 """Memory for responses to free curves that are kept until formulas were looked for."""
 
 TERMS_OF_A_FORMULA = 3
@@ -232,7 +236,7 @@ SHOWN_KIND_BUDGET = 1e7
 best of each way is fitted to its end, instants that are tried around its own, and work that may be done for
 it: steps of replays."""
 
-FORMULA_STEPS = 4e7
+FORMULA_STEPS = 2.5e7
 FORMULA_FIT_BUDGET = 1e7
 """Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of
 replays."""

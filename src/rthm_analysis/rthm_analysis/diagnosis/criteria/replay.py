@@ -42,12 +42,16 @@ third is enough for a draft."""
 # Work.
 
 BUDGET_STEPS = 1.5e8
-"""Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_S` winds down; on a
-slow host about 40 s of one core."""
+"""Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_SAMPLES` winds down;
+on a slow host about 40 s of one core."""
 
-BUDGET_RECORDING_S = 60.0
+LOST_STEPS = 3e7
+"""The same from where neither a single kind nor a formula comes near the noise: what is found after that
+takes less, and mostly nothing is."""
+
+BUDGET_RECORDING_SAMPLES = 50_000
 BUDGET_MOST_RATIO = 4.0
-"""Length of a recording, s, up to which the budget is the same; a longer one has more in proportion, so often
+"""Samples of a recording up to which the budget is the same; one with more has more in proportion, so often
 more at most."""
 
 WIRELESS_STEP_COST = 0.75

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import (
+    COLUMN_SAMPLES,
     CROSS_VALIDATION_PARTS,
     DIFFERENCE_STEP,
     DIVERGED_ERROR,
@@ -51,8 +52,8 @@ class Fitted:
     squares : float
         Squared error on the training data, in units of the noise, priors included.
     sums : Sums
-    residual : (s k,) array
-        In units of the noise; initial states not yet fitted.
+    samples : int
+        Values (s k) that it was fitted to.
     settled : float
         Part of the squared error that a step no longer gained where the fit ended; inf where it ended sooner.
     """
@@ -60,7 +61,7 @@ class Fitted:
     model: Model
     squares: float
     sums: Sums
-    residual: Floats
+    samples: int
     settled: float = np.inf
 
     @property
@@ -124,8 +125,8 @@ class Fitting:
         self.expected = float(np.count_nonzero(self.weight))
         self.measured = np.nan_to_num(measured)
         edges = np.linspace(0, measured.shape[0], CROSS_VALIDATION_PARTS + 1).astype(int)
-        edges = np.union1d(edges, self.experiment.evidence.begins)
-        self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(edges)]
+        self.edges = np.union1d(edges, self.experiment.evidence.begins)
+        self.blocks = [slice(int(a) * self.channels, int(b) * self.channels) for a, b in pairwise(self.edges)]
         self.rebase(self.base)
 
     @property
@@ -137,6 +138,24 @@ class Fitting:
     def budget(self) -> Budget:
         """The work that was done, and may be done."""
         return self.experiment.budget
+
+    @property
+    def _apart(self) -> int:
+        """Of how many samples one is asked where hundreds of columns are needed at once."""
+        return max(1, len(self.measured) // COLUMN_SAMPLES)
+
+    def thinned(self, columns: Floats) -> Floats:
+        """Columns (..., s k) at the samples that are then asked: (..., u k)."""
+        if self._apart == 1:
+            return columns
+        rows = columns.reshape(*columns.shape[:-1], *self.measured.shape)[..., :: self._apart, :]
+        return rows.reshape(*columns.shape[:-1], rows.shape[-2] * self.channels)
+
+    @property
+    def thinned_blocks(self) -> list[slice]:
+        """Where the blocks are among these samples."""
+        ends = -(-self.edges // self._apart) * self.channels
+        return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
     @cached_property
     def wires_alone(self) -> WiresAlone:
@@ -215,10 +234,14 @@ class Fitting:
 
     def projected(self, columns: Floats, bases: Bases | None = None) -> Floats:
         """Some columns (..., s k) without what initial states can explain."""
-        kept = np.array(columns)
-        for part, basis in self._bases if bases is None else bases:
-            kept[..., part] -= (kept[..., part] @ basis) @ basis.T
-        return kept
+        return self._cleared(np.array(columns), self._bases if bases is None else bases)
+
+    @staticmethod
+    def _cleared(columns: Floats, bases: Bases) -> Floats:
+        """The same, in the place of the columns: those of a long recording are large."""
+        for part, basis in bases:
+            columns[..., part] -= (columns[..., part] @ basis) @ basis.T
+        return columns
 
     def state_correction(self, fitted: Fitted) -> Floats:
         """Change (2 n,) of the initial state of the only run that fits best; zero where there are several."""
@@ -237,34 +260,44 @@ class Fitting:
         """
         by = self.state_correction(fitted)
         left = self.residual(fitted.model, self.windows.at(self.windows.state + by))
-        is_better = left @ left < fitted.residual @ fitted.residual
+        before = self.residual(fitted.model)
+        is_better = left @ left < before @ before
         return windows.at(windows.state + by) if is_better else windows
 
     def columns(
-        self, model: Model, residual: Floats, which: Iterable[int], small: float = DIFFERENCE_STEP
+        self,
+        model: Model,
+        residual: Floats,
+        which: Iterable[int],
+        small: float = DIFFERENCE_STEP,
+        bases: Bases | None = None,
     ) -> Floats:
-        """Change of the prediction with some parameters (p, s k), over the noise."""
+        """Projected change of the prediction with some parameters (p, s k), over the noise."""
+        places = list(which)
+        columns = np.empty((len(places), residual.size))
 
-        def one(i: int) -> Floats:
-            parameter = model.parameters[i]
+        def one(row: int) -> None:
+            parameter = model.parameters[places[row]]
             step = trial_step(parameter, small)
             values = model.values
-            values[i] += step
-            return (residual - self.residual(model.at(values))) / step
+            values[places[row]] += step
+            columns[row] = (residual - self.residual(model.at(values))) / step
 
-        found = self.cores.each(one, which)
-        columns = np.stack(found) if found else np.empty((0, residual.size))
+        self.cores.each(one, range(len(places)))
         if not np.isfinite(columns).all():
             raise np.linalg.LinAlgError("a model has no finite sensitivities")
-        return columns
+        return self._cleared(columns, self._bases if bases is None else bases)
 
     def known(self, fitted: Fitted) -> Floats:
         """Projected columns of a fitted model; none where a small change of a parameter makes it diverge."""
+        return self.known_of(fitted.model, self.residual(fitted.model))
+
+    def known_of(self, model: Model, residual: Floats) -> Floats:
+        """The same of a model that leaves some residual."""
         try:
-            columns = self.columns(fitted.model, fitted.residual, range(len(fitted.model.parameters)))
+            return self.columns(model, residual, range(len(model.parameters)))
         except np.linalg.LinAlgError:
-            return np.empty((0, fitted.residual.size))
-        return self.projected(columns)
+            return np.empty((0, residual.size))
 
     def sums(self, model: Model, residual: Floats, columns: Floats) -> Sums:
         """Normal equations of a model whose residual and columns are known and projected."""
@@ -312,7 +345,7 @@ class Fitting:
         columns, small, settled = np.empty((0, residual.size)), DIFFERENCE_STEP, np.inf
         for _ in range(most):
             free = range(kept, len(model.parameters))
-            columns = self.projected(self.columns(model, residual, free, small), bases)
+            columns = self.columns(model, residual, free, small, bases)
             columns = np.vstack([known, columns]) if kept and known is not None else columns
             sums = self.sums(model, self.projected(residual, bases), columns)
             if not len(model.parameters):
@@ -340,7 +373,7 @@ class Fitting:
                 if best > before:  # initial states do not explain there what they did here
                     (model, residual, bases), best, damping = from_here, before, 100.0 * damping
         sums = self.sums(model, self.projected(residual, bases), columns)
-        return Fitted(model, best, sums, residual, settled)
+        return Fitted(model, best, sums, residual.size, settled)
 
     def _bases_of(self, model: Model, residual: Floats, *, started: bool = False) -> Bases:
         """What initial states can explain: of this model as long as models are wrong, else of the base.

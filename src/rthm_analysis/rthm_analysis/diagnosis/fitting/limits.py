@@ -57,7 +57,7 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
     model = here.model
     present = {(one.law, one.place) for one in model.added}
     places = [one.place for one in fitting.experiment.evidence.channels]
-    apart = _apart(fitting.experiment.evidence, model.spec)
+    apart, left = _apart(fitting.experiment.evidence, model.spec), fitting.residual(model)
     laws = [cast("type[MotorEffect]", law) for law in ranked("motor") if not law.written]
     asked = [(law, place) for law in laws for place in places if (law, place) not in present]
 
@@ -67,7 +67,7 @@ def motor_limits(fitting: Fitting, here: Fitted, enough: float) -> Limits:
         def power(value: float) -> float:
             added = EffectInstance("motor", law.kind, place, {_first(law): value, **law.typical})
             try:
-                change = fitting.residual(model.plus(added, (), {})) - here.residual
+                change = fitting.residual(model.plus(added, (), {})) - left
             except InputError:
                 return np.inf
             return float(np.sum(np.square(change.reshape(apart.size, -1)[apart])))

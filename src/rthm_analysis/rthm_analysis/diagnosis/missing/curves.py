@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,17 +17,20 @@ from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_TRIAL_FORCE_RATIO,
     FORMULA_STEPS,
     MOST_RESPONSE_BYTES,
+    REGRESSION_PERIOD_SHARE,
+    REGRESSION_SAMPLES,
 )
-from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
+from rthm_analysis.diagnosis.criteria.verdict import DRAFT_FEWEST_IN_WINDOW
+from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.replay.budget import Budget
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 
 
 @dataclass(frozen=True)
@@ -46,8 +50,9 @@ class CurveFit:
     held_out_gain, held_out_excess : float
         The same in the part that chose nothing.
     at : Along
-    beside : (s,) array
-        Force of what damping and stiffness changed by when the curve was fitted, N.
+    pulls, bent : (s, q), (q,) arrays
+        Forces of what damping and stiffness changed by when the curve was fitted, of size 1, N, and their
+        sizes.
     normal : Normal, optional
         Normal equations of the training part: of what is known first, then of its shapes.
     loose : CurveFit, optional
@@ -63,7 +68,8 @@ class CurveFit:
     held_out_gain: float
     held_out_excess: float
     at: Along
-    beside: Floats
+    pulls: Floats
+    bent: Floats
     normal: Normal | None = None
     loose: CurveFit | None = None
 
@@ -85,7 +91,7 @@ class CurveFit:
     @property
     def force(self) -> Floats:
         """Force (s,) along the recording beside the model as it stands, N."""
-        return self.feature.shapes @ self.sizes + self.beside
+        return self.feature.force(self.sizes) + self.pulls @ self.bent
 
     @property
     def largest(self) -> float:
@@ -96,7 +102,9 @@ class CurveFit:
 class Regression:
     """What a model leaves of the whole recording, and the response of its channels to any force.
 
-    Its replays are counted apart: what is asked of a force takes nothing from the search for kinds.
+    Forces are given at all samples (s). Of a long recording their responses are asked at some of these (u):
+    there are hundreds, and each is smooth from sample to sample. Its replays are counted apart: what is asked
+    of a force takes nothing from the search for kinds.
 
     Parameters
     ----------
@@ -113,13 +121,17 @@ class Regression:
         self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
     ) -> None:
         draft = experiment if experiment.is_draft else experiment.draft()
-        self.experiment, self.model = replace(draft, budget=Budget(FORMULA_STEPS)), model
-        self.fitting = Fitting(self.experiment, windows, noise.sigma, model, colours=noise.colours)
+        draft, self.model = (
+            replace(draft, budget=budget_for(draft.evidence.stamps_ns.size, FORMULA_STEPS)),
+            model,
+        )
+        self.experiment, self.windows = draft, windows
+        self.fitting, left, kept = _some_samples(draft, windows, noise, model)
         self.here = self.fitting.residual(model)
-        self.left = self.fitting.projected(self.here)
-        last = sum(block.stop <= train * self.fitting.channels for block in self.fitting.blocks)
-        self.train, self.held = self.fitting.blocks[:last], self.fitting.blocks[last:]
-        reduced_chi2 = max(1.0, _squares(self.left) / max(self.fitting.expected, 1.0))
+        self.left, blocks = self.fitting.thinned(left), self.fitting.thinned_blocks
+        last = np.count_nonzero(self.fitting.edges[1:] <= np.searchsorted(kept, train))
+        self.train, self.held = blocks[:last], blocks[last:]
+        reduced_chi2 = max(1.0, _squares(left) / max(self.fitting.expected, 1.0))
         self.motion = self.experiment.motion(model.spec, windows)
         self._along = self._along_each()
         self.motion_forces = self._motion_forces()
@@ -147,8 +159,9 @@ class Regression:
         return [along(self.experiment.evidence, self.motion, dof, name) for dof, name in dofs]
 
     def beside(self, columns: Floats) -> Regression:
-        """The same with further forces whose responses (q, s k) are known and whose sizes are free."""
+        """The same with further forces whose responses (q, u k) are known and whose sizes are free."""
         more = copy(self)
+        vars(more).pop("left_known", None)
         more.known = np.vstack([self.known, columns * self._scales_of(columns)[:, None]])
         return more
 
@@ -161,33 +174,35 @@ class Regression:
         return np.asarray(np.where(own > 0.0, usual / np.where(own > 0.0, own, 1.0), 1.0))
 
     def response(self, shapes: Floats, dof: int) -> Floats:
-        """Change of all channels (p, s k) with the size of each shape (s, p), over the noise, whitened."""
-        forces = np.zeros((shapes.shape[1], shapes.shape[0], self.experiment.evidence.load.shape[1]))
-        forces[:, :, dof] = shapes.T
-        return self._response_to_forces(forces)
+        """Change of all channels (p, u k) with the size of each shape (s, p), over the noise, whitened."""
+        return np.stack(self.fitting.cores.each(lambda shape: self._response(shape, dof), shapes.T))
 
-    def _response_to_forces(self, forces: Floats) -> Floats:
-        """The same of forces (p, s, n) on all dofs."""
+    def _response(self, shape: Floats, dof: int) -> Floats:
+        """The same (u k,) of one shape (s,)."""
+        force = np.zeros_like(self.experiment.evidence.load)
+        force[:, dof] = shape
+        return self._response_to_force(force)
+
+    def _response_to_force(self, force: Floats) -> Floats:
+        """The same (u k,) of a force (s, n) on all dofs."""
         trial = CURVE_TRIAL_FORCE_RATIO * self.force_scale
-
-        def one(force: Floats) -> Floats:
-            size = trial / (float(np.abs(force).max()) or 1.0)
-            predicted = self.experiment.under(size * force).predicted(self.model.spec, self.fitting.windows)
-            return (self.here - self.fitting.errors(predicted)) / size
-
-        return self.fitting.projected(np.stack(self.fitting.cores.each(one, list(forces))))
+        size = trial / (float(np.abs(force).max()) or 1.0)
+        there = self.fitting.experiment.under(size * force, self.experiment.evidence.time)
+        predicted = there.predicted(self.model.spec, self.fitting.windows)
+        change = (self.here - self.fitting.errors(predicted)) / size
+        return self.fitting.thinned(self.fitting.projected(change))
 
     def _known(self, *, far: bool) -> Floats:
-        """Changes (q, s k) with the parameters of the model.
+        """Changes (q, u k) with the parameters of the model.
 
         A model that is `far` from the recording moves otherwise than it: there, a spring and a damper pull
         along the recorded motion, as the missing force does.
         """
-        columns = self.fitting.known(Fitted(self.model, 0.0, None, self.here))  # type: ignore[arg-type]
+        columns = self.fitting.thinned(self.fitting.known_of(self.model, self.here))
         pulling = [i for i in range(columns.shape[0]) if np.any(self.motion_forces[:, :, i])]
         if far and pulling:
             forces = self.motion_forces[:, :, pulling].transpose(2, 0, 1)
-            columns[pulling] = self._response_to_forces(forces)
+            columns[pulling] = self.fitting.cores.each(self._response_to_force, forces)
         return columns
 
     def _motion_forces(self) -> Floats:
@@ -237,15 +252,22 @@ class Regression:
                 float(before - after),
                 float(before - sum(self.left[b].size for b in held)),
                 at,
-                self.motion_forces[:, dof] @ sizes[:own],
+                self.motion_forces[:, dof],
+                sizes[:own],
                 whole,
             )
 
         loose, *others = map(held_together, CURVE_STIFFNESSES)
         return replace(max([loose, *others], key=lambda one: one.gain), loose=loose)
 
+    @cached_property
+    def left_known(self) -> float:
+        """Squared error, of data left out, that what is known leaves; inf where the model diverges."""
+        known = self.normal(np.empty((0, self.left.size)))
+        return np.inf if known is None else float(known.left_out().sum())
+
     def normal(self, responses: Floats) -> Normal | None:
-        """Normal equations of the training part for what is known, then of forces whose responses (q, s k)
+        """Normal equations of the training part for what is known, then of forces whose responses (q, u k)
         are given; None where the model diverges under them.
         """
         columns = np.vstack([self.known, responses])
@@ -264,7 +286,8 @@ class Regression:
         """Response to a feature; kept, as the same features are asked again beside others."""
         kept = self._responses.get((feature, dof))
         if kept is None:
-            kept = self.response(feature.shapes, dof)
+            shapes = range(feature.count)
+            kept = np.stack(self.fitting.cores.each(lambda i: self._response(feature.shape(i), dof), shapes))
             if kept.nbytes + sum(one.nbytes for one in self._responses.values()) < MOST_RESPONSE_BYTES:
                 self._responses[feature, dof] = kept
         return kept
@@ -315,11 +338,36 @@ class Normal:
     def left_out(self) -> Floats:
         """Squared error (b,) of each block under the fit to all others."""
         hessian, gradient = self.total
-        errors = []
-        for h, g, s in zip(self.hessian, self.gradient, self.squares, strict=True):
-            size, _ = solved(hessian - h, gradient - g)
-            errors.append(s - 2.0 * size @ g + size @ h @ size)
-        return np.array(errors)
+        sizes, _ = solved(hessian - self.hessian, gradient - self.gradient)
+        bent = (self.hessian @ sizes[..., None])[..., 0] - 2.0 * self.gradient
+        return np.asarray(self.squares + np.sum(sizes * bent, axis=1))
+
+
+def _some_samples(
+    draft: Experiment, windows: Windows, noise: Noise, model: Model
+) -> tuple[Fitting, Floats, Integers]:
+    """Fits of the samples of which responses are asked, what a model leaves there, and which they are.
+
+    What is left is that of all samples: coarser steps only show in responses.
+    """
+    kept, runs = windows.every(_every(draft, windows), draft.evidence.stamps_ns.size)
+    if kept.size == draft.evidence.stamps_ns.size:
+        fitting = Fitting(draft, windows, noise.sigma, model, colours=noise.colours)
+        return fitting, fitting.projected(fitting.residual(model)), kept
+    whole = Fitting(draft, windows, noise.level, model)
+    left = whole.projected(whole.residual(model)).reshape(whole.measured.shape)[kept].ravel()
+    return Fitting(draft.draft(kept), runs, noise.level, model), left, kept
+
+
+def _every(experiment: Experiment, windows: Windows) -> int:
+    """Of how many samples responses are asked of one: in a long recording, as far as its motion and its free
+    runs allow.
+    """
+    evidence = experiment.evidence
+    samples, step = evidence.stamps_ns.size, float(np.median(np.diff(evidence.time)))
+    shortest = int(np.diff(np.append(windows.start, samples)).min())
+    of_motion = int(REGRESSION_PERIOD_SHARE * period(evidence) / step)
+    return max(1, min(samples // REGRESSION_SAMPLES, of_motion, shortest // DRAFT_FEWEST_IN_WINDOW))
 
 
 def _precision(model: Model) -> Floats:
@@ -357,17 +405,16 @@ def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Float
 
 
 def solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-    """Sizes and covariance for noise of power 1; what the data do not reach has size 0."""
-    diagonal = np.diag(hessian)
-    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(initial=0.0)
+    """Sizes (..., p) and covariance (..., p, p) for noise of power 1, of equations (..., p, p), (..., p).
+
+    What the data do not reach has size 0.
+    """
+    diagonal = np.diagonal(hessian, axis1=-2, axis2=-1)
+    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(axis=-1, keepdims=True, initial=0.0)
     scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)
-    inverse = (
-        np.linalg.inv(hessian * np.outer(scale, scale) + CURVE_RIDGE * np.eye(scale.size))
-        if scale.size
-        else hessian
-    )
-    inverse = inverse * np.outer(scale, scale)
-    return inverse @ gradient, inverse
+    both = scale[..., :, None] * scale[..., None, :]
+    inverse = np.linalg.inv(hessian * both + CURVE_RIDGE * np.eye(scale.shape[-1])) * both
+    return (inverse @ gradient[..., None])[..., 0], inverse
 
 
 def _squares(values: Floats) -> float:
@@ -389,7 +436,7 @@ def free_curves(regression: Regression, among: Mapping[str, Collection[int]] | N
 
 
 def beside(curves: list[CurveFit], regression: Regression, columns: Floats) -> list[CurveFit]:
-    """The same curves fitted beside other forces whose responses (q, s k) are known."""
+    """The same curves fitted beside other forces whose responses (q, u k) are known."""
     assert regression.model.spec.plant is not None
     dofs, more = regression.model.spec.plant.dofs, regression.beside(columns)
     found = (more.fit(one.feature, dofs.index(one.dof), one.dof, one.at) for one in curves)

@@ -250,7 +250,7 @@ def shown_by(fit: CurveFit) -> list[Term]:
     """
     if fit.normal is None or fit.feature.straight or fit.feature.of_mass:
         return []
-    first = fit.normal.prior.shape[0] - fit.feature.shapes.shape[1]
+    first = fit.normal.prior.shape[0] - fit.feature.count
     found, base = [], fit.normal.leading(first)
     for curve, columns in _columns(fit.feature, first):
         shapes = list(shapes_over(curve.over, curve.knots))
@@ -273,9 +273,8 @@ def _columns(feature: Feature, first: int) -> list[tuple[Curve, slice]]:
     """Curves of a feature, and where their sizes are."""
     found = []
     for curve in feature.curves:
-        count = max(curve.knots.size, 1)
-        found.append((curve, slice(first, first + count)))
-        first += count
+        found.append((curve, slice(first, first + curve.count)))
+        first += curve.count
     return found
 
 
@@ -321,8 +320,7 @@ def fitted_to(regression: Regression, term: Term, most: int = REFINING_STEPS) ->
         normal, scales = regression.normal_of_any_unit(_response_of(regression, moved))
         if normal is None:
             return replace(moved, gain=-np.inf)
-        base = normal.leading(normal.prior.shape[0] - 1)
-        gain = float(base.left_out().sum() - normal.left_out().sum())
+        gain = regression.left_known - float(normal.left_out().sum())
         return replace(moved, size=float(normal.sizes[-1] * scales[-1]), gain=gain)
 
     start = np.array(term.within)

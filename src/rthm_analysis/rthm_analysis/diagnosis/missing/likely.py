@@ -40,7 +40,7 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         known, force = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked], residual[2][asked]
         every = list(features(at))
         left = [
-            np.inf if one.of_mass else _left(np.hstack([known, one.shapes[asked]]), force) for one in every
+            np.inf if one.of_mass else _left(np.hstack([known, one.shapes(asked)]), force) for one in every
         ]
         best = np.argsort(left)[:LIKELY_CURVES].tolist()
         besides = {("x",), ("v",), *(every[i].depends_on for i in best if every[i].straight)}

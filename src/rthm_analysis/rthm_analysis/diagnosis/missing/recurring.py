@@ -63,7 +63,7 @@ def _residual_forces(regression: Regression) -> Iterator[tuple[int, str, Floats]
     """Place and name of each dof, and the force (s,) that a model lacks there."""
     spec, experiment = regression.model.spec, regression.experiment
     assert spec.plant is not None
-    predicted = experiment.predicted(spec, regression.fitting.windows)
+    predicted = experiment.predicted(spec, regression.windows)
     for dof, name in enumerate(spec.plant.dofs):
         found = residual_force(experiment.evidence, spec, predicted, name)
         if found is not None and np.isfinite(found[2]).all():

@@ -22,7 +22,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
 from rthm_analysis.diagnosis.physical.colours import left_by
 from rthm_analysis.diagnosis.replay.between import ways
-from rthm_analysis.diagnosis.replay.budget import budget_for
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model, uncertain
@@ -47,7 +47,7 @@ class Baseline(NamedTuple):
 
 
 def begin(
-    seen: Evidence, settled: Model, first: Floats, train: int, progress: Callable[[str], None]
+    seen: Evidence, settled: Model, first: Floats, budget: Budget, progress: Callable[[str], None]
 ) -> list[Baseline]:
     """Begin with the loads between their samples in every way that is possible.
 
@@ -60,12 +60,12 @@ def begin(
         With what was found in the motors.
     first : (m,) array
         Command in steady state before the test, m.
-    train : int
-        Samples that fits may see.
+    budget : Budget
+        Of the work that is done in any way.
     progress : callable
         Told what is being done, in words.
     """
-    budget = budget_for(float(np.ptp(seen.time)))
+    train = seen.trained
     parts = [Experiment(seen.first(train), first, between=way, budget=budget) for way in ways(seen)]
     runs, noise = _runs(seen, settled, train, parts[0])
     for part in parts[1:]:

@@ -29,7 +29,7 @@ def drives_earned(rounds: Sequence[Sequence[FittedCandidate]]) -> bool:
     if not rounds:
         return False
     first, last = rounds[0][-1].fitted, rounds[-1][0].fitted
-    noise = max(last.residual.size, 1)
+    noise = max(last.samples, 1)
     may_be_left = (1.0 - SMOOTH_LAW_EXPLAINED_SHARE) * (first.squares - noise)
     return last.squares < NOISE_FLOOR_RATIO**2 * noise or last.squares - noise < may_be_left
 

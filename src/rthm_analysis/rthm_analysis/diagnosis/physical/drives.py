@@ -174,7 +174,7 @@ def _noise(experiment: Experiment, spec: Spec, runs: Windows) -> Floats:
 def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate]:
     present = {(one.kind, one.place) for one in model.added}
     starts = [s for s in drive_starts(model.spec, fitting) if (s.added.kind, s.added.place) not in present]
-    nothing = np.empty((0, here.residual.size))
+    nothing = np.empty((0, here.samples))
     promising = [
         s for s in screen(fitting, here, nothing, starts) if s.gain > DRIVE_WORTH_A_FIT * GAIN_OF_CHANCE
     ]

@@ -81,6 +81,8 @@ class FormulaFirst:
         if not self._asked and not own_laws("plant"):
             self._asked = True
             self.found = self._find()
+            if self.found is None:
+                self.near.fitting.budget.lose()
 
     def _find(self) -> tuple[Baseline, Selection] | None:
         fitting, retuned, noise = self.near.fitting, self.near.retuned, self.near.noise

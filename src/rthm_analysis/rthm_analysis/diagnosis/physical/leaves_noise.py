@@ -12,7 +12,7 @@ def at_noise(fitting: Fitting, fitted: Fitted) -> bool:
     """Whether a model leaves nothing but noise of the training part."""
     if reduced_chi2(fitting, fitted) > NEAR_NOISE_CHI2:
         return False
-    errors = fitting.projected(fitted.residual).reshape(-1, fitting.channels)
+    errors = fitting.projected(fitting.residual(fitted.model)).reshape(-1, fitting.channels)
     return all(
         slow_power(column)[0] < tolerance(white)
         for column, white in zip(errors.T, fitting.whites, strict=True)

@@ -32,7 +32,7 @@ def mismatches(physical: Physical, runs: dict[str, Simulated], located: set[str]
         found.append(Mismatch(block, _rms(error), block in located))
     if physical.drives:
         first = physical.drives[0]
-        count = max(first[0].fitted.residual.size, 1)
+        count = max(first[0].fitted.samples, 1)
         found.append(Mismatch("motor", float(np.sqrt(first[-1].fitted.squares / count)), True))
     elif physical.evidence.driven_by == "command":
         left = physical.motor_left

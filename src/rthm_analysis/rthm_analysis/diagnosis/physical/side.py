@@ -25,6 +25,7 @@ from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.motor_composing import with_formula
 from rthm_analysis.diagnosis.physical.whitening import whitened
 from rthm_analysis.diagnosis.physical.zeros import OwnZeros
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
@@ -117,13 +118,16 @@ def diagnose_physical(
         drives = choose_drives(evidence.first(train).only("motor"), spec, first)
     seen = evidence.only(*MOTION, "force")
     settled = drives.model
-    begun, *others = whitened(begin(seen, settled, first, train, progress))
+    budget = budget_for(seen.stamps_ns.size)
+    if not formula:
+        budget.lose()
+    begun, *others = whitened(begin(seen, settled, first, budget, progress))
     if (more := with_formula(drives, begun, evidence, spec, first)) is not None:
         drives, settled = more, more.model
-        begun, *others = whitened(begin(seen, settled, first, train, progress))
+        begun, *others = whitened(begin(seen, settled, first, budget, progress))
     plain = _of_plain_kinds(begun, seen, settled, train) if seen.ends_at_rest else None
     if seen.ends_at_rest and plain is None:
-        begun, *others = whitened(begin(seen, settled, first, train, progress))
+        begun, *others = whitened(begin(seen, settled, first, budget, progress))
     wanted = formula and not seen.comes_to_rest
     begun, selection = plain or chosen(begun, seen, settled, train, formula=wanted)
     begun, selection = choose_again(begun, others, selection)

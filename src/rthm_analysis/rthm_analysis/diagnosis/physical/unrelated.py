@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from rthm_analysis.diagnosis.criteria.noise import (
 )
 from rthm_analysis.diagnosis.faults.stretches import held_commands
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_core.compiled import Floats, Integers
+from rthm_core.compiled import Flags, Floats, Integers
 
 
 def possible_causes(evidence: Evidence, predicted: Floats) -> list[Floats]:
@@ -51,7 +52,7 @@ def unrelated(error: Floats, causes: Sequence[Floats]) -> bool:
     ):
         return False
     return not any(
-        _missed(_parts(cause) * known, error, blocks) < (1.0 - CAUSE_SHARE) * whole for cause in causes
+        _missed(_parts(cause, known), error, blocks) < (1.0 - CAUSE_SHARE) * whole for cause in causes
     )
 
 
@@ -68,15 +69,15 @@ def _drifts(error: Floats) -> bool:
     return float(np.square(error - straight).sum()) < DRIFT_LEFT_SHARE * float(np.square(error).sum())
 
 
-def _missed(parts: Floats, error: Floats, blocks: Integers) -> float:
-    """Squared error (s,) that parts (p, s) do not foretell, every second block (s,) by those between."""
+def _missed(parts: Callable[[slice], Floats], error: Floats, blocks: Integers) -> float:
+    """Squared error (s,) that parts do not foretell, every second block (s,) by those between."""
     edges = np.searchsorted(blocks, np.arange(CAUSE_STRETCHES + 1))
-    normal = np.zeros((2, parts.shape[0], parts.shape[0]))
-    moment = np.zeros((2, parts.shape[0]))
-    for block, (begin, end) in enumerate(pairwise(edges.tolist())):
-        here = parts[:, begin:end]
+    normal: list[Any] = [0.0, 0.0]
+    moment: list[Any] = [0.0, 0.0]
+    for block, ends in enumerate(pairwise(edges.tolist())):
+        here = parts(slice(*ends))
         normal[block % 2] += here @ here.T
-        moment[block % 2] += here @ error[begin:end]
+        moment[block % 2] += here @ error[slice(*ends)]
     missed = float(error @ error)
     for these, others in ((0, 1), (1, 0)):
         sizes = _solved(normal[others], moment[others])
@@ -91,14 +92,23 @@ def _solved(normal: Floats, moment: Floats) -> Floats:
     return np.asarray(vectors[:, kept] @ (vectors[:, kept].T @ moment / values[kept]))
 
 
-def _parts(cause: Floats) -> Floats:
-    """What a cause may make (p, s): it itself around each sample, and curves over it and its change."""
-    shifted = [np.roll(cause, shift) for shift in CAUSE_SHIFTS]
+def _parts(cause: Floats, known: Flags) -> Callable[[slice], Floats]:
+    """What a cause (s,) may make of some samples (p, b), where they are known: it itself around each, and
+    curves over it and its change. Of all samples at once it would be large.
+    """
     change = cause - np.roll(cause, max(CAUSE_SHIFTS))
-    return np.vstack([np.ones_like(cause), *shifted, _steps(cause), _steps(change)])
+    levels = [_level(cause), _level(change)]
+
+    def of(samples: slice) -> Floats:
+        at = np.arange(cause.size)[samples]
+        shifted = [cause[(at - shift) % cause.size] for shift in CAUSE_SHIFTS]
+        steps = [level[samples] == np.arange(1, CAUSE_LEVELS)[:, None] for level in levels]
+        return np.vstack([np.ones(at.size), *shifted, *steps]) * known[samples]
+
+    return of
 
 
-def _steps(values: Floats) -> Floats:
-    """Indicators (l, s) of the levels of a signal, each met equally often."""
+def _level(values: Floats) -> Integers:
+    """Level (s,) of a signal, each met equally often."""
     edges = np.quantile(values, np.linspace(0.0, 1.0, CAUSE_LEVELS + 1)[1:-1])
-    return np.asarray(np.searchsorted(edges, values) == np.arange(1, CAUSE_LEVELS)[:, None], dtype=float)
+    return np.searchsorted(edges, values)

@@ -7,16 +7,19 @@ from threading import Lock
 
 from rthm_analysis.diagnosis.criteria.replay import (
     BUDGET_MOST_RATIO,
-    BUDGET_RECORDING_S,
+    BUDGET_RECORDING_SAMPLES,
     BUDGET_STEPS,
+    LOST_STEPS,
     REPLAY_OVERHEAD_STEPS,
 )
 
 
-def budget_for(duration: float) -> Budget:
-    """What the diagnosis of a recording of some duration, s, may do."""
-    ratio = min(max(duration / BUDGET_RECORDING_S, 1.0), BUDGET_MOST_RATIO)
-    return Budget(BUDGET_STEPS * ratio)
+def budget_for(samples: int, steps: float = BUDGET_STEPS) -> Budget:
+    """What may be done in a recording of some samples, of which each replay takes the longer the more there
+    are.
+    """
+    ratio = min(max(samples / BUDGET_RECORDING_SAMPLES, 1.0), BUDGET_MOST_RATIO)
+    return Budget(steps * ratio, ratio=ratio)
 
 
 @dataclass
@@ -31,6 +34,8 @@ class Budget:
     used: float = 0.0
     cut_short: bool = False
     """Whether it was spent before more was allowed."""
+    ratio: float = 1.0
+    """How much more may be done than in a recording that is not long."""
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def charge(self, steps: float) -> None:
@@ -42,6 +47,10 @@ class Budget:
         """Let at least some more be done."""
         self.cut_short = self.cut_short or self.spent
         self.limit = max(self.limit, self.used + more)
+
+    def lose(self) -> None:
+        """Let no more be done than a search is worth that is likely to find nothing."""
+        self.limit = min(self.limit, self.used + LOST_STEPS * self.ratio)
 
     @property
     def left(self) -> float:

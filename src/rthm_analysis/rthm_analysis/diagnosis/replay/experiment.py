@@ -132,23 +132,25 @@ class Experiment:
         self._forget()
         return True
 
-    def under(self, force: Floats) -> Experiment:
-        """The same test with trial forces (s, n), N, on the dofs, straight between the samples."""
-        evidence = replace(self.evidence, load=self.evidence.load + force)
+    def under(self, force: Floats, time: Floats) -> Experiment:
+        """The same test with trial forces (g, n), N, on the dofs, straight between the instants (g,), s, at
+        which they are given.
+        """
 
         def with_force(inputs: Inputs) -> Inputs:
-            more = straight(inputs.points, evidence.time, force)
+            more = straight(inputs.points, time, force)
             return inputs._replace(further=more if inputs.further is None else inputs.further + more)
 
         with self._lock:
             motors = {key: with_force(inputs) for key, inputs in self._motors.items()}
             grids = dict(self._grids)
-        return replace(self, evidence=evidence, _motors=motors, _motions={}, _grids=grids, _lock=Lock())
+        return replace(self, _motors=motors, _motions={}, _grids=grids, _lock=Lock())
 
     def draft(self, kept: Integers | slice = slice(None)) -> Experiment:
         """The same test in coarser steps, with the samples that are kept."""
         e = self.evidence
-        return Experiment(e.kept(kept), self.first, self.starts_ns, self.between, False, e, self.budget)
+        loads = self.loads or e
+        return Experiment(e.kept(kept), self.first, self.starts_ns, self.between, False, loads, self.budget)
 
     @property
     def is_draft(self) -> bool:

@@ -28,10 +28,11 @@ class Piece:
         Of what is not there, with the trial's size.
     index : int or None
         Place among the effects that are there; None of what is not.
-    columns : (c, s k) array
-        Change of the prediction with its parameters; of what is not there, with its size over the trial's; of
-        a tone that is not there, with that in phase with the trial and with that a quarter of a period ahead.
-    whole : (s k,) array
+    columns : (c, u k) array
+        Thinned change of the prediction with its parameters; of what is not there, with its size over the
+        trial's; of a tone that is not there, with that in phase with the trial and with that a quarter of a
+        period ahead.
+    whole : (u k,) array
         What it does now.
     """
 
@@ -69,18 +70,20 @@ class Piece:
         return Piece(start, None, self.columns, sizes @ self.columns)
 
 
-def pieces_of(fitting: Fitting, selection: Selection, columns: Floats) -> list[Piece]:
+def pieces_of(fitting: Fitting, selection: Selection, columns: Floats, residual: Floats) -> list[Piece]:
     """What combinations are made of.
 
     Parameters
     ----------
     fitting : Fitting
     selection : Selection
-    columns : (p, s k) array
-        Projected, of all parameters of the best model.
+    columns : (p, u k) array
+        Thinned, of all parameters of the best model.
+    residual : (s k,) array
+        What that leaves.
     """
-    tones = [] if fitting.simple else _tones(fitting, selection)
-    return [*_present(selection, columns), *_others(fitting, selection), *tones]
+    tones = [] if fitting.simple else _tones(fitting, selection, residual)
+    return [*_present(selection, columns), *_others(fitting, selection, residual), *tones]
 
 
 def is_plain(start: InitialGuess) -> bool:
@@ -98,7 +101,7 @@ def _present(selection: Selection, columns: Floats) -> Iterator[Piece]:
         yield Piece(start, index, columns[[places[key] for key in start.free]], scale @ columns[sizes])
 
 
-def _others(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
+def _others(fitting: Fitting, selection: Selection, residual: Floats) -> Iterator[Piece]:
     """What could be beside the effects that are there, each linear in its size.
 
     Near the noise these are the plain kinds: what others are like depends on more than their size, and no
@@ -112,23 +115,24 @@ def _others(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
         plain = is_plain(start)
         if start.label not in there and start.amplitude and (plain or fitting.reduced_chi2 > NEAR_NOISE_CHI2):
             starts.setdefault(start.label if plain else len(starts), start)
-    changes = fitting.cores.each(lambda start: _change(fitting, selection, start), starts.values())
+    changes = fitting.cores.each(lambda start: _change(fitting, selection, residual, start), starts.values())
     for start, change in zip(starts.values(), changes, strict=True):
         if change is not None:
             yield Piece(start, None, change[None], np.zeros_like(change))
 
 
-def _tones(fitting: Fitting, selection: Selection) -> Iterator[Piece]:
+def _tones(fitting: Fitting, selection: Selection, residual: Floats) -> Iterator[Piece]:
     """Tones in what is left now, and in what was left before any effect was there."""
     starts: list[InitialGuess] = []
     for fitted in (selection.best, selection.base) if selection.rounds else (selection.base,):
-        left = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+        its = fitting.residual(fitted.model).reshape(fitting.weight.shape)
+        left = np.where(fitting.weight > 0.0, its, np.nan)
         for start in harmonic_starts(fitted.model.spec, fitting.experiment, left, fitting.sigma):
             if all(abs(_frequency(start) - _frequency(one)) > start.scales["frequency"] for one in starts):
                 starts.append(start)
     there = {tried[0].label for tried in selection.rounds}
     both = [s for start in starts if start.label not in there for s in (start, _ahead(start, 0.5 * np.pi))]
-    changes = fitting.cores.each(lambda start: _change(fitting, selection, start), both)
+    changes = fitting.cores.each(lambda start: _change(fitting, selection, residual, start), both)
     for start, change, ahead in zip(both[::2], changes[::2], changes[1::2], strict=True):
         if change is not None and ahead is not None:
             yield Piece(start, None, np.stack([change, ahead]), np.zeros_like(change))
@@ -144,11 +148,11 @@ def _ahead(start: InitialGuess, phase: float) -> InitialGuess:
     return start.having(values)
 
 
-def _change(fitting: Fitting, selection: Selection, start: InitialGuess) -> Floats | None:
-    """Change of the prediction with an effect; None where it makes none, or cannot be beside the others."""
+def _change(fitting: Fitting, selection: Selection, residual: Floats, start: InitialGuess) -> Floats | None:
+    """Thinned change of the prediction with an effect; None where there is none, or it cannot be there."""
     model = _grown(selection.best.model, start) or start.added_to(selection.best.model)
     try:
-        change = fitting.projected(selection.best.residual - fitting.residual(model))
+        change = fitting.thinned(fitting.projected(residual - fitting.residual(model)))
     except InputError:
         return None
     return change if np.isfinite(change).all() and change.any() else None

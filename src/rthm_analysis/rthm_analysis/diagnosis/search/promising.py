@@ -60,7 +60,8 @@ def tones(fitting: Fitting, fitted: Fitted) -> Iterable[InitialGuess]:
     """Tones that what a model leaves shows."""
     if fitting.simple:
         return []
-    residual = np.where(fitting.weight > 0.0, fitted.residual.reshape(fitting.weight.shape), np.nan)
+    left = fitting.residual(fitted.model).reshape(fitting.weight.shape)
+    residual = np.where(fitting.weight > 0.0, left, np.nan)
     return harmonic_starts(fitted.model.spec, fitting.experiment, residual, fitting.sigma)
 
 

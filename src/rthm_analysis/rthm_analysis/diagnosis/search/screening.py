@@ -60,7 +60,7 @@ def screen(
         if known.size
         else np.zeros((0, 0))
     )
-    here = fitting.projected(fitted.residual)
+    here = fitting.projected(fitting.residual(fitted.model))
 
     def cleaned(column: Floats) -> Floats:
         return column - (inverse @ (known @ column)) @ known if known.size else column

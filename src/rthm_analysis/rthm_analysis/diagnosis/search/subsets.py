@@ -43,9 +43,11 @@ def promised(fitting: Fitting, selection: Selection) -> dict[Labels, list[Piece]
         Where the present model has no finite sensitivities.
     """
     base, best = len(selection.base.model.parameters), selection.best
-    columns = fitting.projected(fitting.columns(best.model, best.residual, range(len(best.model.parameters))))
-    pieces = pieces_of(fitting, selection, columns)
-    here = fitting.projected(best.residual)
+    every = range(len(best.model.parameters))
+    residual = fitting.residual(best.model)
+    columns = fitting.thinned(fitting.columns(best.model, residual, every))
+    pieces = pieces_of(fitting, selection, columns, residual)
+    here = fitting.thinned(fitting.projected(residual))
     tables = _Tables(columns[:base], best.sums.precision[:base], here, pieces)
     near = COMBINATION_REACH_NEAR_NOISE if _may_imitate(selection) else 0.0
     reach = COMBINATION_REACH if fitting.reduced_chi2 > NEAR_NOISE_CHI2 else near
@@ -102,10 +104,10 @@ class _Tables:
 
     Parameters
     ----------
-    known : (q, s k) array
+    known : (q, u k) array
         Columns of what is uncertain in the spec.
     precision : (q,) array
-    here : (s k,) array
+    here : (u k,) array
         Residual.
     pieces : list of Piece
     """

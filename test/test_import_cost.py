@@ -28,3 +28,21 @@ def test_importing_the_core_costs_at_most_twice_importing_numpy() -> None:
 def test_importing_a_package_compiles_nothing_and_draws_nothing(module: str) -> None:
     heavy = ("bokeh", "matplotlib", "numba", "pydantic", "rclpy", "scipy.optimize", "scipy.signal")
     assert run(HEAVY.format(module=module, heavy=heavy)).split() == []
+
+
+LATER = """
+import sys
+from rthm_analysis.outcome.margin import margin_of
+from rthm_core.engine import simulate
+from rthm_core.spec import shipped_spec
+
+paper = shipped_spec("paper")
+simulate(paper, 1.0)
+margin_of(paper)
+print(*(m for m in ("numba.np.arrayobj", "numba.cpython.unicode", "scipy.linalg") if m in sys.modules))
+"""
+
+
+def test_a_later_simulation_with_its_margin_imports_nothing_that_only_compiling_needs() -> None:
+    run(LATER)  # which compiles what is not there
+    assert run(LATER).split() == []

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.lifted.commensurate import period_of
+from rthm_analysis.lifted.cycle import cycle
 from rthm_analysis.lifted.lifted import Lifted
 from rthm_analysis.lifted.linear_part import linear_part
 from rthm_analysis.lifted.matrices import linear_loop
@@ -11,6 +12,7 @@ from rthm_analysis.lifted.steps import steps
 from rthm_core.engine import simulate
 from rthm_core.errors import InputError
 from rthm_core.physical.side import build
+from rthm_core.schedule import Schedule
 from rthm_core.spec import apply, shipped_spec
 
 
@@ -97,6 +99,31 @@ def test_clocks_that_never_meet_get_the_nearest_periods_that_do():
     for what, period in ((1, spec.timing.td2),):
         ticks = np.count_nonzero(cycle.what == what)
         assert cycle.hyperperiod / ticks == pytest.approx(period, rel=2.0 * error)
+
+
+@pytest.mark.parametrize(
+    ("name", "td4", "step"), [("tau1", 0.0, 400_000), ("tau2", 0.005, 1_200_000), ("tau3", 0.005, 1_000_000)]
+)
+def test_delays_within_a_step_have_the_cycle_of_the_longest_of_them(name, td4, step):
+    schedule = Schedule(apply(shipped_spec("paper"), times(td4=td4)))
+    assert schedule.delay_step(name) == step
+
+    def events(delay_ns):
+        other = schedule.copied()
+        other.links[name].delay_ns = delay_ns
+        found = cycle(other)
+        return found.time.tolist(), found.place.tolist(), found.kept.tolist()
+
+    for steps_long in (0, 1, 7, 40, 41):
+        longest = steps_long * step
+        assert events(longest) != events(longest + 1)
+        for delay_ns in (longest - 1, longest - step // 2, longest - step + 1):
+            assert delay_ns < 0 or events(delay_ns) == events(longest)
+
+
+def test_delays_of_commands_differ_by_every_nanosecond():
+    schedule = Schedule(shipped_spec("paper"))
+    assert schedule.delay_step("tau3") == schedule.delay_step("tau4") == 1
 
 
 def test_what_is_not_linear_is_named():

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numba
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.runtime import rtsys
 
 from rthm_core.errors import InputError
@@ -97,6 +97,17 @@ def _refused(folder: Path, error: NotPrivateError) -> InputError:
     )
 
 
+class _Loading(CompileResultCacheImpl):  # type: ignore[misc]
+    """How compiled code is made of what the disk has."""
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """As numba does it, but ready for counted references only if there are any in this code."""
+        _, _, codes = payload[0]
+        if any(b"NRT_" in code for code in codes):
+            rtsys.initialize(target_context)
+        return super().rebuild(target_context, payload)
+
+
 class SharedCache(FunctionCache):  # type: ignore[misc]
     """Compiled versions of one function, which of several processes only one compiles.
 
@@ -108,6 +119,8 @@ class SharedCache(FunctionCache):  # type: ignore[misc]
     function
         The function in Python.
     """
+
+    _impl_class = _Loading
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Compiled code from the disk, or None, and then nobody else compiles it until `save_overload`."""
@@ -123,7 +136,6 @@ class SharedCache(FunctionCache):  # type: ignore[misc]
 
     def _from_disk(self, sig: Any, target_context: Any) -> Any:
         """As numba loads it, but without first importing what only compiling needs, a third of a start."""
-        rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
         return None

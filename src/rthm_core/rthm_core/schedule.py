@@ -13,7 +13,9 @@ after each of the last three a delay of zero passes at once.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+import math
+from copy import copy
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -32,6 +34,8 @@ reaches the motor, a row is written."""
 
 _MOTOR_DUE, _REFERENCE_DUE, _SAMPLING, _NUMERICAL, _CONTROL, _AFTER = 0, 2, 4, 5, 7, 9
 _AT_ONCE = 1
+_WHAT = np.arange(OUTPUT + 1)
+_RANK = np.array([_SAMPLING, _NUMERICAL, _CONTROL, _MOTOR_DUE, _AFTER])
 INITIAL = -1
 """Index of the sample in steady state before the test."""
 
@@ -147,8 +151,29 @@ class Schedule:
         self.motor_delay = max(
             to_ns(sum(sizes(spec.effects, "motor", "delay"))), -self.links["tau4"].delay_ns
         )
+        self._forget()
+
+    def _forget(self) -> None:
+        """Keep no commands for a next question about them."""
         none = np.empty(0, dtype=np.int64)
         self._within_span, self._span = Commands(none, none, none, none), (0, 0)
+
+    def copied(self) -> Schedule:
+        """The same schedule, whose clocks and delays may be changed."""
+        other = copy(self)
+        other.links = {name: copy(link) for name, link in self.links.items()}
+        other._forget()
+        return other
+
+    def delay_step(self, name: str) -> int:
+        """Step of the delays of a link that make a difference, ns: those between two multiples of it, and the
+        larger of the two, have the same schedule.
+
+        A receiver that looks at the ticks of its clock has a newer sample, or has it not.
+        """
+        clocks = {"tau1": (self.td1, self.td3), "tau2": (self.td1, self.td2), "tau3": (self.td2, self.td4)}
+        periods = clocks.get(name, (1,))
+        return math.gcd(*periods) if all(periods) else 1
 
     @property
     def depth(self) -> Depth:
@@ -255,26 +280,20 @@ class Schedule:
         at_once = due == arriving.time
         used = self.samples(begin, end)
         rows = self.ticks(output, begin, end) if output else np.empty(0, dtype=np.int64)
-        parts: list[tuple[Any, ...]] = [
-            (used * self.td1, _SAMPLING, SAMPLE, used, used, used),
-            (numbers * self.td2, _NUMERICAL, REFERENCE, numbers, numerical_state, numbers),
-            (commands.time, commands.rank, COMMAND, commands.time, commands.state, commands.reference),
-            (
-                due,
-                np.where(at_once, arriving.rank + _AT_ONCE, _MOTOR_DUE),
-                MOTOR,
-                arriving.time,
-                arriving.state,
-                arriving.reference,
-            ),
-            (rows * (output or 0), _AFTER, OUTPUT, rows, rows, rows),
-        ]
-        time = np.concatenate([part[0] for part in parts])
-        rank = np.concatenate([np.broadcast_to(part[1], part[0].shape) for part in parts])
+        sizes = [used.size, numbers.size, commands.time.size, due.size, rows.size]
+        what = _WHAT.repeat(sizes)
+        rank = _RANK.repeat(sizes)
+        rank[what == COMMAND] = commands.rank
+        rank[what == MOTOR] = np.where(at_once, arriving.rank + _AT_ONCE, _MOTOR_DUE)
+        columns = (
+            (used * self.td1, numbers * self.td2, commands.time, due, rows * (output or 0)),
+            (used, numbers, commands.time, arriving.time, rows),
+            (used, numerical_state, commands.state, arriving.state, rows),
+            (used, numbers, commands.reference, arriving.reference, rows),
+        )
+        time, *others = (np.concatenate(column) for column in columns)
         order = np.lexsort((rank, time))
-        columns = [np.concatenate([np.full(part[0].size, part[2]) for part in parts])]
-        columns += [np.concatenate([part[k] for part in parts]) for k in (3, 4, 5)]
-        return Events(time[order], *(column[order].astype(np.int64) for column in columns))
+        return Events(time[order], what[order], *(column[order] for column in others))
 
     def _earliest(self, begin: int) -> int:
         """Instant of the first command that can arrive at or after `begin`."""

@@ -64,6 +64,7 @@ class Lifted:
             u.copy(),
             np.zeros((2 * m, count), dtype=states.dtype),
             store,
+            np.empty((max(n1, self.moving - n1), count), dtype=states.dtype),
         )
 
     def states(self, columns: Columns) -> Floats:

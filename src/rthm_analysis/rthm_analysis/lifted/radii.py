@@ -174,6 +174,7 @@ def _moduli(
         np.zeros((m, size)),
         np.zeros((2 * m, size)),
         np.zeros((places, m, size)),
+        np.zeros((max(n1, n2), size)),
     )
     nothing = Forcing(np.zeros((0, 2 * m, size)), np.zeros((0, m, size)), np.zeros((0, 2 * m, size)))
     steps1 = np.zeros((intervals1.size, n1, n1 + m))

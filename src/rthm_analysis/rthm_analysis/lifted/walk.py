@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_analysis.lifted.compiled import compiled, inlined
+from rthm_analysis.lifted.compiled import compiled_in_place, inlined
 from rthm_analysis.lifted.cycle import NOWHERE, Cycle
 from rthm_analysis.lifted.matrices import LinearLoop
 from rthm_core.compiled import Floats, Integers, called, plainly
@@ -34,7 +34,7 @@ class Columns(NamedTuple):
     """States of a loop, one in each of L columns (real or complex); changed in place.
 
     `p` (np, L) and `z` (2 n2, L) move, `u` (m, L) and `held` (2 m, L) are the inputs in force, and `store`
-    (places, m, L) is what is remembered.
+    (places, m, L) is what is remembered; `scratch` is like `p` or `z`, whichever is larger.
     """
 
     p: Floats
@@ -42,6 +42,7 @@ class Columns(NamedTuple):
     u: Floats
     held: Floats
     store: Floats
+    scratch: Floats
 
 
 class Forcing(NamedTuple):
@@ -179,15 +180,15 @@ def _copy(rows, to):  # type: ignore[no-untyped-def]
 
 
 @plainly
-@compiled
+@compiled_in_place
 def walk(plan: Plan, columns: Columns, forcing: Forcing) -> None:
     """Take all columns through one cycle, in place; what is remembered stays where the cycle put it."""
-    fresh1, fresh2 = np.empty_like(columns.p), np.empty_like(columns.z)
+    scratch = columns.scratch
     for e in range(plan.what.size + 1):
         if plan.advance1[e] >= 0:
-            _step(plan.steps1[plan.advance1[e]], columns.p, columns.u, fresh1)
+            _step(plan.steps1[plan.advance1[e]], columns.p, columns.u, scratch)
         if plan.advance2[e] >= 0:
-            _step(plan.steps2[plan.advance2[e]], columns.z, columns.held, fresh2)
+            _step(plan.steps2[plan.advance2[e]], columns.z, columns.held, scratch)
         if e == plan.what.size:
             return
         what = plan.what[e]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -160,7 +159,7 @@ def _affordable(spec: Spec, loop: LinearLoop, name: str, end: float) -> float:
     schedule = Schedule(spec)
     beside = schedule.links[name].beside_ns
     while True:
-        longest = deepcopy(schedule)
+        longest = schedule.copied()
         longest.links[name].delay_ns = max(0, beside + to_ns(end))
         under_way = commensurate(longest, EVENTS_IN_A_SEARCH, loop.history).cycle.kept.size
         if under_way <= MOST_PLACES:

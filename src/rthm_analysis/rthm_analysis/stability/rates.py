@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import deepcopy
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -83,12 +82,19 @@ def of_delay(spec: Spec, loop: LinearLoop, name: str) -> Rates:
     # What is faster than the spec says takes no more off than there is.
     least = max(0, -beside, -beside - schedule.motor_delay if name == "tau4" else 0) / NS
 
+    step = schedule.delay_step(name) if loop.predictor is None and schedule.links[name].constant else 1
+
+    @cache
+    def within(steps: int, value: float | None) -> Floats:
+        changed = schedule.copied()
+        changed.links[name].delay_ns = max(0, steps * step - step // 2)
+        cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
+        return growth_rates(loop if value is None else _as_known(spec, loop, name, value), cycle)
+
     def one(value: float) -> Floats:
         value = max(value, least)
-        changed = deepcopy(schedule)
-        changed.links[name].delay_ns = beside + to_ns(value)
-        cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
-        return growth_rates(_as_known(spec, loop, name, value), cycle)
+        steps = -(-(beside + to_ns(value)) // step)
+        return within(steps, None if loop.predictor is None else value)
 
     return _at_each(one)
 
@@ -99,7 +105,7 @@ def of_period(spec: Spec, loop: LinearLoop, name: str, lattice_ns: int) -> Rates
 
     @cache
     def at(number: int) -> Floats:
-        changed = deepcopy(schedule)
+        changed = schedule.copied()
         setattr(changed, name, number * lattice_ns)
         cycle = commensurate(changed, EVENTS_IN_A_SEARCH, loop.history).cycle
         return growth_rates(_as_known(spec, loop, name, number * lattice_ns * 1e-9), cycle)

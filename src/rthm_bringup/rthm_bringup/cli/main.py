@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pkgutil
 import signal
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Annotated, Any
 
@@ -25,9 +27,12 @@ OVERFLOW = r"(overflow|invalid value|divide by zero) encountered"
 
 BAD_INPUT, INTERRUPTED, FAULT = 2, 130, 1
 
+OBJECTS_UNCHECKED = 50_000
+"""New objects after which Python looks for garbage among them; what is imported is none."""
 
-def application() -> typer.Typer:
-    """Command line with every verb: ``import_.py`` is ``import``, ``check_driver.py`` is ``check-driver``."""
+
+def application(asked: str | None = None) -> typer.Typer:
+    """Command line with the verb that is `asked` for, or with every verb if there is none of that name."""
     app = typer.Typer(
         name="rthm",
         help="Real-time hybrid testing: run, simulate and understand a test.",
@@ -37,12 +42,18 @@ def application() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    for module in pkgutil.iter_modules(verbs.__path__):
-        name = module.name.rstrip("_").replace("_", "-")
-        verb = import_module(f"{verbs.__name__}.{module.name}")
+    modules = _modules()
+    for name in [asked] if asked in modules else modules:
+        verb = import_module(f"{verbs.__name__}.{modules[name]}")
         listed = app.command(name, epilog=_examples(verb.EXAMPLES), short_help=_first(verb.verb))
         listed(verb.verb)
     return app
+
+
+def _modules() -> dict[str, str]:
+    """Module of every verb: ``import_`` of ``import``, ``check_driver`` of ``check-driver``."""
+    names = [module.name for module in pkgutil.iter_modules(verbs.__path__)]
+    return {name.rstrip("_").replace("_", "-"): name for name in names}
 
 
 def _first(verb: Callable[..., int]) -> str:
@@ -79,17 +90,30 @@ def _version(asked: bool) -> None:
 
 def main() -> None:
     """Run the verb that the command line names; exit status 0, 1 (the work says no) or 2 (bad input)."""
-    with interrupted_by(signal.SIGTERM), warnings.catch_warnings():
+    with _started_quickly(), interrupted_by(signal.SIGTERM), warnings.catch_warnings():
         # A motion without bounds is told in the words of each result.
         warnings.filterwarnings("ignore", OVERFLOW, RuntimeWarning)
         status = _status()
     sys.exit(status)
 
 
+@contextmanager
+def _started_quickly() -> Iterator[None]:
+    """Look neither through what is imported for garbage, nor through what is installed for plugins of
+    pydantic: each is a tenth of a start.
+    """
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    gc.set_threshold(OBJECTS_UNCHECKED)
+    try:
+        yield
+    finally:
+        gc.freeze()  # else Python looks through all of it again when it ends
+
+
 def _status() -> int:
     try:
         words = sys.argv[1:] or ["--help"]
-        status = application()(words, standalone_mode=False, prog_name="rthm") or 0
+        status = application(words[0])(words, standalone_mode=False, prog_name="rthm") or 0
         return _told("interrupted.", INTERRUPTED) if status == INTERRUPTED else status
     except InputError as error:
         return _told(str(error), BAD_INPUT)

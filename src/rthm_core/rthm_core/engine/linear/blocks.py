@@ -58,6 +58,7 @@ def run_program(one: Prepared, start: Start, passes: int, rows: Rows) -> tuple[A
         passes,
         tuple(rows),
         start.widths,
+        start.scratch,
     )
 
 

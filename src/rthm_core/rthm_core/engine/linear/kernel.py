@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, fused, inlined, plainly
+from rthm_core.compiled import Floats, Integers, fused_in_place, inlined, plainly
 from rthm_core.engine.linear.periods import Periods, count_periods, feel, note
 from rthm_core.engine.linear.vectors import Vector, moved, put, seen
 from rthm_core.engine.worked import worked
@@ -120,7 +120,7 @@ def _worked(
 
 
 @plainly
-@fused
+@fused_in_place
 def run(
     tables: Tables,
     operations: Operations,
@@ -137,12 +137,13 @@ def run(
     passes: int,
     out: Any,
     like: Any,
+    scratch: Floats,
 ) -> tuple[Any, ...]:
     """Execute a program `passes` times or until the rows `out` are full.
 
     With `counting`, step by step, or `periods`, eight of them together, work is counted: both sides move at
     every change of an input then, with what is `aside`, whose inputs `commands` are the commands and their
-    feedforward parts.
+    feedforward parts. `scratch` (1, .) has room for the longest of the states.
     Returns the states and held inputs; samples, references and their number stay in `memory`.
     """
     plant_step, numerical_step, sample_row, plant_row, numerical_row, reference_row, bias, k_tot = tables[:8]
@@ -150,9 +151,6 @@ def run(
     what, time, plant_at, numerical_at, sample_back, reference_back, period, work_at = operations
     samples, references, count = memory
     plant_out, numerical_out, reference_out, work_out = out
-    scratch = beside = np.empty((1, max(len(plant), len(numerical))))
-    if aside is not None:
-        beside = np.empty((1, len(aside)))
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]
     m, counted = len(like[2]), row
@@ -200,7 +198,7 @@ def run(
             if step1 >= 0:
                 plant = moved(plant_step, step1, plant, command, scratch)
                 if aside is not None:
-                    rest = moved(aside_step, step1, rest, parts, beside)
+                    rest = moved(aside_step, step1, rest, parts, scratch)
             if step2 >= 0:
                 numerical = moved(numerical_step, step2, numerical, held, scratch)
             if kind == REFERENCE:

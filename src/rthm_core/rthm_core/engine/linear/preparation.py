@@ -168,7 +168,7 @@ def without_first_pass(one: Prepared) -> Prepared:
 
 
 class Start(NamedTuple):
-    """State, memory and sensors at the start of a test."""
+    """State, memory and sensors at the start of a test, and scratch."""
 
     state: tuple[Any, ...]
     memory: Memory
@@ -176,6 +176,7 @@ class Start(NamedTuple):
     widths: tuple[Any, ...]
     work: Floats
     joint: Floats
+    scratch: Floats
 
 
 def filled(row: Floats, needed: int) -> Floats:
@@ -201,6 +202,7 @@ def start_of(model: Model, samples: int, references: int) -> Start:
         tuple(vector(np.zeros(width)) for width in widths(loop)),
         np.zeros(COLUMNS),
         np.zeros(0 if model.ledger is None else model.ledger.joint.shape[0]),
+        np.zeros((1, max(side.a.shape[0] for side in (loop.plant, loop.numerical, aside)))),
     )
 
 

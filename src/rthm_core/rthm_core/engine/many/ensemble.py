@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,19 +11,17 @@ import numpy.typing as npt
 
 from rthm_core.clock import to_ns
 from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.linear.run import repeating_program
 from rthm_core.engine.linear.vectors import vector
 from rthm_core.engine.many.delayed import Clocks, Loops, memories, moving, run_each
-from rthm_core.engine.many.lanes import GROUPS, LANES, Lanes, lane_steps, run_lanes, scratch
+from rthm_core.engine.many.lanes import Lanes, room, run_lanes
+from rthm_core.engine.many.numbered import Numbered, in_memory, numbered
 from rthm_core.engine.many.period import notes
 from rthm_core.engine.simulate import simulate
 from rthm_core.errors import InputError
-from rthm_core.kept import kept_by_clocks
 from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.substructure import held_dynamics, interface
 
 if TYPE_CHECKING:
-    from rthm_core.engine.program import Program
     from rthm_core.spec import Spec
 
 SIDE = ("mass", "damping", "stiffness", "initial_position", "initial_velocity")
@@ -91,18 +89,15 @@ def simulate_many(
     count = sizes.pop()
     step = to_ns(spec.loop().timing.td1 if sample is None else sample)
     plain = _is_plain(spec) and set(arrays) <= {*VARIED, *TIMES}
-    program = _repeating(spec, step) if plain and set(arrays) <= set(VARIED) else None
+    program = numbered(spec, step) if plain and set(arrays) <= set(VARIED) else None
     if plain:
         _check(spec, arrays)
     if program is not None:
-        return _side_by_side(spec, arrays, count, to_ns(duration), step, *program)
+        return _side_by_side(spec, arrays, count, to_ns(duration), step, program)
     clocks = _clocks(spec, arrays, count)
     if plain and spec.loop().timing.td4 == 0.0 and clocks[:, -1].min() > 0:
         return _each_with_its_delays(spec, arrays, count, to_ns(duration), step, clocks)
     return _one_after_the_other(spec, arrays, count, duration, step)
-
-
-_repeating = kept_by_clocks(repeating_program)
 
 
 def _is_plain(spec: Spec) -> bool:
@@ -171,33 +166,17 @@ def _entry(spec: Spec, arrays: dict[str, Floats], key: str, *shape: int) -> Floa
 
 
 def _side_by_side(
-    spec: Spec,
-    arrays: dict[str, Floats],
-    count: int,
-    end: int,
-    step: int,
-    first: Program,
-    further: Program,
-    period: int,
+    spec: Spec, arrays: dict[str, Floats], count: int, end: int, step: int, program: Numbered
 ) -> Ensemble:
     stacked, dofs = _stacked(spec, arrays, count), interface(spec)[:2]
-    lengths1, which1 = np.unique(np.stack([first.plant, further.plant]), return_inverse=True)
-    lengths2, which2 = np.unique(np.stack([first.numerical, further.numerical]), return_inverse=True)
-    what, back1, back2 = (np.stack([one, one]) for one in (first.what, first.sample, first.reference))
-    parts = (what, which1.reshape(what.shape), which2.reshape(what.shape), back1, back2)
-    operations = np.stack(parts, axis=-1).astype(np.int32)
     m, rows = len(dofs[0]), end // step + 1
     n1, n2 = stacked.y1.shape[0] - m, stacked.y2.shape[0] - 2 * m
     found = np.empty((count, rows, n1 + n2 + 2 * m))
-    like = tuple(vector(np.zeros(size)) for size in (n1, n1 + m, n2, n2 + 2 * m, 2 * m))
-    seen = np.concatenate([dofs[0], n1 // 2 + dofs[0]])
-    memory = scratch(int(back1.max()), int(back2.max()), m, found.shape[2])
-    for portion, begin in zip(_portions(stacked, count), range(0, count, LANES), strict=True):
-        steps1 = lane_steps(portion.a1, np.asarray(lengths1 * 1e-9, dtype=float), n1)
-        steps2 = lane_steps(portion.a2, np.asarray(lengths2 * 1e-9, dtype=float), n2)
-        interface_steps = steps1 if np.array_equal(seen, np.arange(n1)) else simd_copy(steps1[:, :, seen])
-        steps, out = (steps1, interface_steps, steps2), found[begin : begin + LANES]
-        run_lanes(portion, dofs, steps, operations, end // period + 1, out, like, memory)
+    like = tuple(vector(np.zeros(size)) for size in (n1, n1 + m, n2, n2 + 2 * m, m))
+    shapes = (program.lengths[0].size, n1 + m, n1), (program.lengths[1].size, n2 + 2 * m, n2)
+    own, passes = room(shapes, *program.sizes, m), end // program.period + 1
+    operations, moving = in_memory(program, own, m), stacked._replace(a1=stacked.a1[:n1], a2=stacked.a2[:n2])
+    run_lanes(_in_groups(moving, count), dofs, program.lengths, operations, passes, found, like, own)
     return _ensemble(found, step, n1, n2, m)
 
 
@@ -234,15 +213,15 @@ def _each_with_its_delays(
     return _ensemble(found, step, n1, n2, m)
 
 
-def _portions(stacked: Lanes, count: int) -> Iterator[Lanes]:
-    """As many loops as run side by side, then the next; the last one is repeated where there are too few."""
-    chosen: Integers = np.minimum(np.arange(-(-count // LANES) * LANES), count - 1)
+def _in_groups(stacked: Lanes, count: int) -> Lanes:
+    """The loops in groups of as many as run side by side; the last is repeated where there are too few."""
+    chosen: Integers = np.minimum(np.arange(-(-count // WIDTH) * WIDTH), count - 1)
 
-    def parted(part: Floats) -> Floats:
-        portions = part[..., chosen].reshape(*part.shape[:-1], -1, GROUPS, WIDTH)
-        return simd_copy(np.moveaxis(portions, -3, 0))
+    def grouped(part: Floats) -> Floats:
+        groups = simd_copy(np.moveaxis(part[..., chosen].reshape(*part.shape[:-1], -1, WIDTH), -2, 0))
+        return groups if groups.ndim == 4 else groups.reshape(groups.shape[0], -1)
 
-    return (Lanes(*parts) for parts in zip(*map(parted, stacked), strict=True))
+    return Lanes(*map(grouped, stacked))
 
 
 def _stacked(spec: Spec, arrays: dict[str, Floats], count: int) -> Lanes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
@@ -14,9 +14,6 @@ from std_srvs.srv import Trigger
 
 from rthm_bringup.run.question import ANSWER_LOOKED_FOR, CHANGES, Question, Transition
 from rthm_core.errors import InputError
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 SERVICES = {"change_state": ChangeState, "get_state": GetState, "set_parameters": SetParameters}
 """Types of services; all others are triggers."""
@@ -33,7 +30,7 @@ class Services:
 
     Parameters
     ----------
-    node
+    node : rclpy.node.Node
         Whose clients they are.
     namespace : str
         Of the nodes that are asked.
@@ -41,7 +38,7 @@ class Services:
         Serves the node until a condition is met (`Conductor.wait_until`).
     """
 
-    def __init__(self, node: Node, namespace: str, wait_until: WaitUntil) -> None:
+    def __init__(self, node: Any, namespace: str, wait_until: WaitUntil) -> None:
         self._node, self._namespace, self._wait_until = node, namespace, wait_until
         self._clients: dict[tuple[str, str], Any] = {}
 

@@ -45,7 +45,7 @@ BUDGET_STEPS = 1.5e8
 """Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_SAMPLES` winds down;
 on a slow host about 40 s of one core."""
 
-LOST_STEPS = 3e7
+LOST_STEPS = 4e7
 """The same from where neither a single kind nor a formula comes near the noise: what is found after that
 takes less, and mostly nothing is."""
 

@@ -26,7 +26,7 @@ from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.replay.budget import budget_for
+from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
@@ -115,18 +115,23 @@ class Regression:
     model : Model
     train : int
         Samples that choose; the others confirm.
+    budget : Budget, optional
+        That it shares with others; by default one of its own.
     """
 
     def __init__(
-        self, experiment: Experiment, windows: Windows, noise: Noise, model: Model, train: int
+        self,
+        experiment: Experiment,
+        windows: Windows,
+        noise: Noise,
+        model: Model,
+        train: int,
+        budget: Budget | None = None,
     ) -> None:
         draft = experiment if experiment.is_draft else experiment.draft()
-        draft, self.model = (
-            replace(draft, budget=budget_for(draft.evidence.stamps_ns.size, FORMULA_STEPS)),
-            model,
-        )
-        self.experiment, self.windows = draft, windows
-        self.fitting, left, kept = _some_samples(draft, windows, noise, model)
+        budget = budget or budget_for(draft.evidence.stamps_ns.size, FORMULA_STEPS)
+        self.experiment, self.windows, self.model = replace(draft, budget=budget), windows, model
+        self.fitting, left, kept = _some_samples(self.experiment, windows, noise, model)
         self.here = self.fitting.residual(model)
         self.left, blocks = self.fitting.thinned(left), self.fitting.thinned_blocks
         last = np.count_nonzero(self.fitting.edges[1:] <= np.searchsorted(kept, train))

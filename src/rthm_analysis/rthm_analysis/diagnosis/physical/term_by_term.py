@@ -15,6 +15,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_FIT_STEPS,
+    FORMULA_STEPS,
     LONGER_RUNS_RATIOS,
     PLAIN_TERM_LEFT_RATIO,
     TERM_LEFT_RATIO,
@@ -32,6 +33,7 @@ from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, 
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.named_laws import guesses_of, without_repeated
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.starting import refined
 from rthm_analysis.diagnosis.replay.windows import Windows, period, windows
@@ -62,11 +64,12 @@ def term_by_term(physical: Physical, base: Fitted) -> Iterator[Composed]:
     fitted = fitting.fit(model)
     guesses: list[InitialGuess] = []
     fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
-    for plain in _plain(fitting, physical.noise, model):
+    budget = budget_for(physical.train, FORMULA_STEPS)
+    for plain in _plain(_left_by(model, fitting, physical.noise, budget), fitting, model):
         yield Composed(_in_longer_runs(physical, plain.model), plain.guesses)
     while len(guesses) < TERMS_OF_A_FORMULA and not at_noise(fitting, fitted):
         before = fitting.reduced_chi2 = reduced_chi2(fitting, fitted)
-        more = _next(fitting, physical.noise, model)
+        more = _next(_left_by(model, fitting, physical.noise, budget), fitting, model)
         better = fit_terms(fitting, more.model) if more is not None else None
         if more is None or better is None or reduced_chi2(fitting, better) > more.allowed_ratio * before:
             return
@@ -105,15 +108,14 @@ def _in_runs(physical: Physical, longer: float) -> Fitting:
     return _fitting_in(physical, runs)
 
 
-def _left_by(model: Model, fitting: Fitting, noise: Noise) -> Regression:
+def _left_by(model: Model, fitting: Fitting, noise: Noise, budget: Budget) -> Regression:
     """What a model leaves of all samples of the runs."""
     samples = fitting.experiment.evidence.time.size
-    return Regression(fitting.experiment, fitting.windows, noise, model, samples)
+    return Regression(fitting.experiment, fitting.windows, noise, model, samples, budget)
 
 
-def _next(fitting: Fitting, noise: Noise, model: Model) -> Composed | None:
+def _next(left: Regression, fitting: Fitting, model: Model) -> Composed | None:
     """A model with one more law, of a term or two, of which these begin; None where there is none."""
-    left = _left_by(model, fitting, noise)
     curves = free_curves(left, likely(fitting.experiment, fitting.windows, model.spec))
     terms = composed(left, curves, most=1)
     if not terms:
@@ -123,9 +125,8 @@ def _next(fitting: Fitting, noise: Noise, model: Model) -> Composed | None:
     return Composed(with_all(model, guesses), guesses)
 
 
-def _plain(fitting: Fitting, noise: Noise, model: Model) -> Iterator[Composed]:
+def _plain(left: Regression, fitting: Fitting, model: Model) -> Iterator[Composed]:
     """Models with plain laws that short runs show together, one more each, fitted there."""
-    left = _left_by(model, fitting, noise)
     for found in plain_sets(left):
         if not (some := without_repeated(left, model, found)):
             continue

@@ -22,7 +22,7 @@ MASS, STIFFNESS = 2.0, 30.0
 
 FORMULAS = [
     "a * sin(b * x)", "a * (1 + b * cos(x))", "x**3 / (1 + x * x)", "2**x", "x**a", "a - b * x**-2", "1 / x",
-    "sqrt(1 + x**2) - exp(-x) * log(2 + x)", "min(min(x, a), x**2)", "max(a * x, 1 - x)", "tan(x) - (-x)",
+    "sqrt(1 + x**2) - exp(-x) * log(2 + x)", "min(x, a, x**2)", "max(a * x, 1 - x)", "tan(x) - (-x)",
     "abs(x - 1) * tanh(x) / atan(x + 3)", "3 - x", "a",
 ]  # fmt: skip
 

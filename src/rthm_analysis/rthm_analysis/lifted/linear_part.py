@@ -26,7 +26,7 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
         The linear loop.
     left_out : tuple of str
         One sentence for every effect, and every wire, whose nonlinear part was left out. A mass that depends
-        on the position is what it is where the test begins.
+        on the position is what it is at rest.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
         if one.law.linear:
             kept.append(one.name)
         elif one.name in carried:
-            left_out.append(f"{one.name} ({one.kind} of {one.place}) is taken as where the test begins.")
+            left_out.append(f"{one.name} ({one.kind} of {one.place}) is taken as at rest.")
         elif not one.law.additive:
             left_out.append(f"{one.name} ({one.kind} of {one.place}) is not linear and is left out.")
     slack = [name for name, force in zip(spec.loop().actuator.names, _pretension(spec), strict=True) if force]
@@ -53,7 +53,8 @@ def linear_part(spec: Spec) -> tuple[Spec, tuple[str, ...]]:
         **{f"noise.{name}": 0.0 for name in ("position", "velocity", "motor", "force")},
     }
     if carried:
-        changes["plant.mass"] = mass_at(apply(spec, {"effects": carried}), 0.0).ravel().tolist()
+        at_rest = {"effects": carried, "plant.initial_position": [0.0] * spec.plant.n}
+        changes["plant.mass"] = mass_at(apply(spec, at_rest), 0.0).ravel().tolist()
     return _changed(spec, changes), tuple(left_out)
 
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -34,10 +34,10 @@ FUNCTIONS = {
 }  # fmt: skip
 """Functions of a formula, and what they are in Python."""
 
-ALONG = {"abs": "abs", "min": "minimum", "max": "maximum", "sign": "sign", "atan": "arctan"} | {
+ALONG = {"abs": "abs", "sign": "sign", "atan": "arctan"} | {
     name: name for name in ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh")
 }
-"""The same for arrays, in numpy."""
+"""Those of one number for arrays, in numpy."""
 
 _ARITHMETIC = (
     ast.Expression, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Call, ast.Name, ast.Load, ast.Constant, ast.Add,
@@ -209,6 +209,7 @@ def python_of(found: Parsed, names: Names) -> str:
 
 
 _SCOPE: dict[str, Any] = {name: getattr(np, function) for name, function in ALONG.items()}
+_SCOPE |= {"min": lambda *some: reduce(np.minimum, some), "max": lambda *some: reduce(np.maximum, some)}
 _SCOPE |= {"pi": math.pi, "__builtins__": {}}
 
 

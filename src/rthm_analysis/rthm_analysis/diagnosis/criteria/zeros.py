@@ -11,6 +11,9 @@ ZERO_ROUNDS = 2
 """Steps of Gauss and Newton: the first finds a zero but for what is not linear over its size, the second what
 is left of that."""
 
+ZERO_WORTH_SHARE = 0.2
+"""`ZERO_SHARE` behind the first step, below which the second does not make a difference of it."""
+
 ZERO_SEEN_SHARE = 1e-6
 """Share of a constant that states in which runs begin leave over; below, they stand for it."""
 

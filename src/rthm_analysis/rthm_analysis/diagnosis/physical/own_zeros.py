@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 from rthm_analysis.diagnosis.criteria.search import DISTINGUISHING_GAIN
 from rthm_analysis.diagnosis.criteria.zeros import ZERO_SHARE, ZERO_STDS, ZERO_TIE_SHARE
-from rthm_analysis.diagnosis.physical.beginning import noise_left
 from rthm_analysis.diagnosis.physical.side import Physical, diagnose_physical
-from rthm_analysis.diagnosis.physical.zeros import LOAD, OwnZeros, Rig, Zeros, zeros_of
+from rthm_analysis.diagnosis.physical.zeros import LOAD, Compared, OwnZeros, Zeros, compared, zeros_of
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
-from rthm_analysis.diagnosis.replay.experiment import Experiment
-from rthm_analysis.diagnosis.replay.windows import windows
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -78,10 +75,10 @@ def differing(evidence: Evidence, spec: Spec, first: Floats) -> list[Zeros]:
     """Zeros of sensors, and zeros of forces, that differ from recording to recording beside a model; those
     that need not are left out.
     """
-    rig = Rig(spec, first, _noise(evidence, spec, first))
-    sensors = [one for one in evidence.channels if one.family in WITH_ZEROS]
-    forces = [Channel(LOAD, dof) for dof in spec.plant.dofs]
-    return [one for some in (sensors, forces) if (one := _needed(evidence, rig, some)) is not None]
+    beside = compared(evidence, spec, first)
+    sensors = tuple(one for one in evidence.channels if one.family in WITH_ZEROS)
+    forces = tuple(Channel(LOAD, dof) for dof in spec.plant.dofs)
+    return [one for some in (sensors, forces) if (one := _needed(beside, some)) is not None]
 
 
 def _first_choice(found: list[Zeros]) -> Zeros | None:
@@ -106,21 +103,14 @@ def _is_enough(zeros: Zeros | None) -> bool:
     return zeros is not None and zeros.are_enough
 
 
-def _noise(evidence: Evidence, spec: Spec, first: Floats) -> Floats:
-    """Noise (k,) of the channels."""
-    runs = windows(evidence, spec, evidence.driven_by == "command")
-    return noise_left(Experiment(evidence, first, evidence.stamps_ns[runs.start]), spec, runs).sigma
-
-
-def _needed(evidence: Evidence, rig: Rig, targets: Sequence[Channel]) -> Zeros | None:
+def _needed(beside: Compared, targets: tuple[Channel, ...]) -> Zeros | None:
     """Zeros of those signals alone that differ; None where zeros that all recordings share do as well."""
-    found = zeros_of(evidence, rig, targets)
-    while found is not None and (some := found.differing) != found.targets:
-        found = zeros_of(evidence, rig, some) if some else None
+    found = zeros_of(beside, targets)
+    while found is not None and _differs(found) and (some := found.differing) != found.targets:
+        found = zeros_of(beside, some) if some else None
     return found if found is not None and _differs(found) else None
 
 
 def _differs(found: Zeros) -> bool:
     """Whether most of what shared zeros leave above the noise is gone with those of each recording."""
-    gone = found.shared - found.left
-    return gone > max(ZERO_STDS**2, ZERO_SHARE * (found.shared - found.expected))
+    return found.gone > max(ZERO_STDS**2, ZERO_SHARE * (found.shared - found.expected))

@@ -6,7 +6,6 @@ to day is no physics.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -18,8 +17,10 @@ from rthm_analysis.diagnosis.criteria.zeros import (
     ZERO_SEEN_SHARE,
     ZERO_STDS,
     ZERO_TRIAL_SHARE,
+    ZERO_WORTH_SHARE,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.physical.beginning import noise_left
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
@@ -64,6 +65,11 @@ class Zeros(NamedTuple):
         return self.left < NEAR_NOISE_CHI2 * self.expected
 
     @property
+    def gone(self) -> float:
+        """What a zero for each recording removes beyond one for all of them."""
+        return self.shared - self.left
+
+    @property
     def differing(self) -> tuple[Channel, ...]:
         """Those whose zero differs from recording to recording."""
         apart = np.abs(self.values - self.values.mean(axis=0)) > ZERO_STDS * self.stds
@@ -90,42 +96,62 @@ class OwnZeros(NamedTuple):
     rival: Zeros | None = None
 
 
-class Rig(NamedTuple):
-    """What several recordings are compared with: a model, the command before them, and the noise (k,)."""
+class Compared(NamedTuple):
+    """Recordings beside what a model of their rig predicts, in runs that begin in states which fit each.
 
+    Attributes
+    ----------
+    evidence : Evidence
+    spec : Spec
+    first : (m,) array
+        Command in steady state before the tests, m.
+    fitting : Fitting
+        Over all of them, the last included.
+    residual : (s k,) array
+        Errors over the noise.
+    """
+
+    evidence: Evidence
     spec: Spec
     first: Floats
-    sigma: Floats
+    fitting: Fitting
+    residual: Floats
+
+    def again(self, zeros: Zeros) -> Compared:
+        """The same with zeros taken from the recordings, and the same noise."""
+        seen = replace(zeros.taken_from(self.evidence, self.spec.plant.dofs), own_zero=())
+        return compared(seen, self.spec, self.first, self.fitting.sigma)
 
 
-def zeros_of(evidence: Evidence, rig: Rig, targets: Sequence[Channel]) -> Zeros | None:
+def compared(evidence: Evidence, spec: Spec, first: Floats, sigma: Floats | None = None) -> Compared:
+    """Compare recordings with a model; their noise (k,) is what it leaves of them, if none is given."""
+    runs = windows(evidence, spec, evidence.driven_by == "command")
+    experiment = Experiment(evidence, first, evidence.stamps_ns[runs.start])
+    noise = noise_left(experiment, spec, runs).sigma if sigma is None else sigma
+    fitting = Fitting(experiment, runs, noise, Model(spec))
+    return Compared(evidence, spec, first, fitting, fitting.residual(fitting.base))
+
+
+def zeros_of(beside: Compared, targets: tuple[Channel, ...]) -> Zeros | None:
     """Zeros of some signals in each recording that fit best; None where the model diverges."""
-    nothing = np.zeros((len(evidence.begins), len(targets)))
-    found = Zeros(tuple(targets), nothing, nothing, np.inf, np.inf, 0.0)
-    for _ in range(ZERO_ROUNDS):
-        step = _step(
-            replace(found.taken_from(evidence, rig.spec.plant.dofs), own_zero=()), rig, found.targets
-        )
-        if step is None:
-            return None
-        shared = step.shared if found.left == np.inf else found.shared
-        found = step._replace(values=found.values + step.values, shared=shared)
+    found = _step(beside, targets)
+    for _ in range(ZERO_ROUNDS - 1):
+        if found is None or found.gone < ZERO_WORTH_SHARE * (found.shared - found.expected):
+            return found
+        more = _step(beside.again(found), targets)
+        found = more and more._replace(values=found.values + more.values, shared=found.shared)
     return found
 
 
-def _step(evidence: Evidence, rig: Rig, targets: tuple[Channel, ...]) -> Zeros | None:
+def _step(beside: Compared, targets: tuple[Channel, ...]) -> Zeros | None:
     """One step towards the zeros, and what is left behind it."""
-    model = Model(rig.spec)
-    runs = windows(evidence, rig.spec, evidence.driven_by == "command")
-    experiment = Experiment(evidence, rig.first, evidence.stamps_ns[runs.start])
-    fitting = Fitting(experiment, runs, rig.sigma, model)
-    residual = fitting.residual(model)
-    whole = np.stack([_response(fitting, residual, rig, one) for one in targets])
+    fitting, residual = beside.fitting, beside.residual
+    whole = np.stack([_response(beside, one) for one in targets])
     if not (np.isfinite(residual).all() and np.isfinite(whole).all()):
         return None
     left, columns = fitting.projected(residual), fitting.projected(whole)
     width, each = fitting.channels, []
-    for one in evidence.recordings:
+    for one in beside.evidence.recordings:
         rows = slice(one.start * width, one.stop * width)
         each.append(_solved(left[rows], columns[:, rows], whole[:, rows]))
     shared = _solved(left, columns, whole)[2]
@@ -133,22 +159,21 @@ def _step(evidence: Evidence, rig: Rig, targets: tuple[Channel, ...]) -> Zeros |
     return Zeros(targets, values, stds, float(squares.sum()), shared, fitting.expected)
 
 
-def _response(fitting: Fitting, residual: Floats, rig: Rig, target: Channel) -> Floats:
+def _response(beside: Compared, target: Channel) -> Floats:
     """Change of all that is measured (s k,), over the noise, with a zero that is one unit higher in all
     recordings.
     """
-    experiment = fitting.experiment
-    evidence = experiment.evidence
+    evidence, fitting, spec = beside.evidence, beside.fitting, beside.spec
     if target.family != LOAD:
         column = np.zeros_like(evidence.measured)
         column[:, evidence.channels.index(target)] = 1.0
         return (column * fitting.weight).ravel()
-    size = _trial(evidence, rig.spec, target.place)
+    size = _trial(evidence, spec, target.place)
     load = evidence.load.copy()
-    load[:, rig.spec.plant.dofs.index(target.place)] -= size
-    pushed = Experiment(replace(evidence, load=load), rig.first, experiment.starts_ns)
-    predicted = pushed.predicted(rig.spec, fitting.windows)
-    return np.asarray((fitting.errors(predicted) - residual) / -size)
+    load[:, spec.plant.dofs.index(target.place)] -= size
+    pushed = Experiment(replace(evidence, load=load), beside.first, fitting.experiment.starts_ns)
+    predicted = pushed.predicted(spec, fitting.windows)
+    return np.asarray((beside.residual - fitting.errors(predicted)) / size)
 
 
 def _trial(evidence: Evidence, spec: Spec, dof: str) -> float:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from rthm_core.addressed import part
 from rthm_core.compile_cache import SharedCache, cache_folder
-from rthm_core.part_of_callers import PartOfCallers, Plain
+from rthm_core.part_of_callers import PartOfCallers, Plain, PlainUnrolled
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -88,9 +88,18 @@ def plainly(function: F) -> F:
     """Have a compiled function optimised once and its loops left as they are (`Plain`): what goes through
     loops of a few turns is compiled sooner then, and runs no slower.
     """
+    return _compiled_by(Plain, function)
+
+
+def unrolled(function: F) -> F:
+    """As `plainly`, for what holds states in tuples: loops over these are written out."""
+    return _compiled_by(PlainUnrolled, function)
+
+
+def _compiled_by(pipeline: type[Plain], function: F) -> F:
     compiler = getattr(function, "_compiler", None)  # numba may be switched off
     if compiler is not None:
-        compiler.pipeline_class = Plain
+        compiler.pipeline_class = pipeline
     return function
 
 

@@ -57,23 +57,42 @@ class PartOfCallers(Compiler):  # type: ignore[misc]
 class _Plain(JITCodeLibrary):  # type: ignore[misc]
     """Code that is optimised once, and whose loops are left as they are."""
 
+    unrolls = False
+
     def _optimize_final_module(self) -> None:
-        manager, builder = self._codegen._module_pass_manager(
-            opt=LEVEL, loop_vectorize=False, slp_vectorize=False
-        )
+        options = llvm.create_pipeline_tuning_options(speed_level=LEVEL)
+        options.loop_vectorization = options.slp_vectorization = False
+        options.loop_unrolling = self.unrolls
+        builder = llvm.create_pass_builder(self._codegen._tm, options)
+        manager = builder.getModulePassManager()
         with self._recorded_timings.record("Module passes", builder):
             manager.run(self._final_module, builder)
+
+
+class _Unrolled(_Plain):
+    """The same, but loops over a tuple are written out, which then stays in registers."""
+
+    unrolls = True
 
 
 class Plain(Compiler):  # type: ignore[misc]
     """How numba compiles what goes through loops of a few turns.
 
-    Left to itself it optimises everything twice, for the sake of counted references in between, and makes
-    vectors of each loop, which with three or four turns take longer than the loop itself.
+    Left to itself it optimises everything twice, for the sake of counted references in between, makes vectors
+    of each loop and writes several turns out: with three or four turns that takes longer than the loop, and
+    it is most of the code.
     """
+
+    library = _Plain
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function in Python."""
-        self.state.library = _Plain(self.state.targetctx.codegen(), function.__qualname__)
+        self.state.library = self.library(self.state.targetctx.codegen(), function.__qualname__)
         self.state.library.enable_object_caching()
         return super().compile_extra(function)
+
+
+class PlainUnrolled(Plain):
+    """How numba compiles what goes through loops over tuples."""
+
+    library = _Unrolled

@@ -14,11 +14,15 @@ def worked(tables, k, z):  # type: ignore[no-untyped-def]
     """
     total, pair = everywhere(0.0), 0
     for i in range(len(z)):
-        part = everywhere(0.0)
-        for j in range(i, len(z)):
-            part += numbers(tables, (k, pair)) * z[j]
+        one = other = everywhere(0.0)  # side by side: a sum waits for the one before
+        for j in range(i, len(z) - 1, 2):
+            one += numbers(tables, (k, pair)) * z[j]
+            other += numbers(tables, (k, pair + 1)) * z[j + 1]
+            pair += 2
+        if (len(z) - i) % 2:
+            one += numbers(tables, (k, pair)) * z[len(z) - 1]
             pair += 1
-        total += part * z[i]
+        total += (one + other) * z[i]
     return total
 
 

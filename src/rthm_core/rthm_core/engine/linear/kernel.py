@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, fused_in_place, inlined, plainly
+from rthm_core.compiled import Floats, Integers, fused_in_place, inlined, unrolled
 from rthm_core.engine.linear.periods import Periods, count_periods, feel, note
 from rthm_core.engine.linear.vectors import Vector, moved, put, seen
 from rthm_core.engine.worked import worked
@@ -119,7 +119,7 @@ def _worked(
     return worked(tables, k, joint)
 
 
-@plainly
+@unrolled
 @fused_in_place
 def run(
     tables: Tables,

@@ -45,23 +45,35 @@ class Numbered(NamedTuple):
 
 @kept_by_clocks
 def numbered(spec: Spec, step: int) -> Numbered | None:
-    """Program of one hyperperiod with a row every `step` ns; None where nothing repeats."""
+    """Program with a row every `step` ns of as many hyperperiods as it looks back on; None where nothing
+    repeats.
+    """
     found = repeating_program(spec, step)
     if found is None:
         return None
     first, further, period = found
-    lengths1, which1 = np.unique(np.stack([first.plant, further.plant]), return_inverse=True)
-    lengths2, which2 = np.unique(np.stack([first.numerical, further.numerical]), return_inverse=True)
-    samples, sampled = _ring(first.what == SAMPLE, first.sample)
-    references, referred = _ring(first.what == REFERENCE, first.reference)
+    makes, backs = (first.what == SAMPLE, first.what == REFERENCE), (first.sample, first.reference)
+    times = max(-(-int(back.max()) // max(1, int(one.sum()))) for one, back in zip(makes, backs, strict=True))
+    times = max(times, 1)
+    rings = [_ring(np.tile(one, times), np.tile(back, times)) for one, back in zip(makes, backs, strict=True)]
+    (samples, sampled), (references, referred) = rings
+    steps1, lengths1 = _steps(first.plant, further.plant, times)
+    steps2, lengths2 = _steps(first.numerical, further.numerical, times)
     return Numbered(
-        first.what,
-        (which1.reshape(2, -1), which2.reshape(2, -1)),
+        np.tile(first.what, times),
+        (steps1, steps2),
         (sampled, referred),
-        (np.asarray(lengths1 * 1e-9, dtype=float), np.asarray(lengths2 * 1e-9, dtype=float)),
+        (lengths1, lengths2),
         (samples, references),
-        period,
+        period * times,
     )
+
+
+def _steps(first: Integers, further: Integers, times: int) -> tuple[Integers, Floats]:
+    """Numbers (2, E) of the steps of a program, that many times after one another; their lengths in s."""
+    every = np.stack([np.concatenate([first, *[further] * (times - 1)]), np.tile(further, times)])
+    lengths, which = np.unique(every, return_inverse=True)
+    return which.reshape(every.shape), np.asarray(lengths * 1e-9, dtype=float)
 
 
 def _ring(makes: Flags, back: Integers) -> tuple[int, Integers]:
@@ -69,8 +81,7 @@ def _ring(makes: Flags, back: Integers) -> tuple[int, Integers]:
     so many places back from the newest, or puts what it makes.
     """
     made, reach = max(1, int(np.count_nonzero(makes))), max(1, int(back.max()))
-    whole = -(-reach // made) * made
-    length = next((one for one in range(reach, whole) if made % one == 0), whole)
+    length = next((one for one in range(reach, made + 1) if made % one == 0), reach)
     number: Integers = np.cumsum(makes) - makes
     return length, np.where(makes, number, number - back) % length
 

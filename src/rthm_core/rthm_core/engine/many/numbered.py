@@ -23,6 +23,8 @@ class Numbered(NamedTuple):
     Attributes
     ----------
     what : (E,) array
+    latched : (E,) array
+        Which are samples that the numerical side latches: of others nobody asks the velocity.
     steps : tuple of (2, E) arrays
         Numbers of the steps of the plant and of the numerical side, in the first and in every further pass.
     rings : tuple of (E,) arrays
@@ -36,6 +38,7 @@ class Numbered(NamedTuple):
     """
 
     what: Integers
+    latched: Flags
     steps: tuple[Integers, Integers]
     rings: tuple[Integers, Integers]
     lengths: tuple[Floats, Floats]
@@ -61,6 +64,7 @@ def numbered(spec: Spec, step: int) -> Numbered | None:
     steps2, lengths2 = _steps(first.numerical, further.numerical, times)
     return Numbered(
         np.tile(first.what, times),
+        _latched(np.tile(first.what, times), np.tile(first.sample, times)),
         (steps1, steps2),
         (sampled, referred),
         (lengths1, lengths2),
@@ -74,6 +78,15 @@ def _steps(first: Integers, further: Integers, times: int) -> tuple[Integers, Fl
     every = np.stack([np.concatenate([first, *[further] * (times - 1)]), np.tile(further, times)])
     lengths, which = np.unique(every, return_inverse=True)
     return which.reshape(every.shape), np.asarray(lengths * 1e-9, dtype=float)
+
+
+def _latched(what: Integers, back: Integers) -> Flags:
+    """Which operations are samples that the numerical side latches."""
+    makes = what == SAMPLE
+    number: Integers = np.cumsum(makes) - makes
+    used = np.zeros(max(1, int(np.count_nonzero(makes))), dtype=bool)
+    used[(number - back)[what == REFERENCE] % used.size] = True
+    return np.asarray(makes & used[number % used.size])
 
 
 def _ring(makes: Flags, back: Integers) -> tuple[int, Integers]:
@@ -93,7 +106,7 @@ def in_memory(program: Numbered, room: Room, m: int) -> Integers:
     columns = (
         program.what,
         one * size1,
-        two * size2 + room.steps1.size,
+        np.where(program.what == SAMPLE, program.latched, two * size2 + room.steps1.size),
         room.samples + sampled * (2 * m * WIDTH),
         room.references + referred * (m * WIDTH),
     )

@@ -42,6 +42,22 @@ def test_loops_side_by_side_move_like_each_alone():
             assert np.abs(getattr(together, name)[i] - getattr(alone, name)).max() < 1e-12
 
 
+@pytest.mark.parametrize(
+    "times",
+    [{"tau4": 0.05, "tau2": 0.03}, {"td1": 0.0007, "td2": 0.0035}, {"td1": 0.03, "td2": 0.005, "td3": 0.01}],
+    ids=["long delays", "many samples", "few samples"],
+)
+def test_loops_side_by_side_find_their_samples_whatever_the_clocks(times):
+    spec = apply(shipped_spec("paper"), {f"timing.{name}": time for name, time in times.items()})
+    mass = np.linspace(1.0, 1.5, 9)[:, None]
+    together = simulate_many(spec, {"plant.mass": mass}, 3.0, 0.01)
+    for i in (0, 8):
+        alone = simulate(apply(spec, {"plant.mass": mass[i].tolist()}), 3.0, 0.01, energies=False)
+        for name in SIGNALS:
+            scale = max(1.0, np.abs(getattr(alone, name)).max())
+            assert np.abs(getattr(together, name)[i] - getattr(alone, name)).max() < 1e-12 * scale
+
+
 def with_more_dofs(spec, more):
     """The spec with free masses on springs beside those of the plant, so that its state is long."""
 

@@ -20,7 +20,7 @@ from rthm_core.engine.nonlinear.run import Portion, State, looks_of, outputs, pl
 from rthm_core.engine.simulate import checked_step, simulate
 from rthm_core.engine.tangents.advance import TangentWork, Term
 from rthm_core.engine.tangents.changes import Placement, Tangents, stencil, tangents
-from rthm_core.engine.tangents.entries import look_entries, step_entries
+from rthm_core.engine.tangents.entries import PAIRS, TRIPLES, Look, look, look_entries, step_entries
 from rthm_core.engine.tangents.kernel import Layout, TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
@@ -171,11 +171,20 @@ def _steps(one: _Prepared, slots: int) -> TangentSteps:
         one.steps[slots] = TangentSteps(
             step_entries(loop, changes, slots),
             np.zeros(slots, dtype=np.int64),
-            look_entries(loop.sample, changes.sample),
-            look_entries(loop.force, changes.force),
+            _row_look(loop, changes, slots),
+            look(loop, changes, loop.sample, changes.sample, slots, PAIRS),
             look_entries(loop.reference, changes.reference),
         )
     return one.steps[slots]
+
+
+def _row_look(loop: NonlinearLoop, changes: Tangents, slots: int) -> Look:
+    """What is seen for a row [x1, v1, F, x2, v2] after so many steps."""
+    d, plant = loop.sample.shape[1], loop.motion.size - loop.linear.numerical.y.size
+    before, behind = np.split(np.eye(d)[loop.motion], [plant])
+    moved = np.zeros((d, loop.motion.size + loop.force.shape[0], *changes.force.shape[2:]))
+    moved[:, plant : plant + loop.force.shape[0]] = changes.force
+    return look(loop, changes, np.vstack([before, loop.force, behind]), moved, slots, TRIPLES)
 
 
 def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
@@ -183,15 +192,14 @@ def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
     changes = one.changes
     _, n, d, *groups = changes.systems.shape
     nothing = np.zeros((d, *groups))
-    three = simd_copy(np.zeros((3, *nothing.shape)))
-    three[:, : changes.start.shape[0]] = changes.start
+    halves = simd_copy(np.zeros((2, *nothing.shape)))
+    halves[:, : changes.start.shape[0]] = changes.start
     return TangentWork(
-        three,
-        three.reshape(-1),
+        halves,
+        halves.reshape(-1),
         simd_copy(filled(changes.first_sample, samples)).reshape(-1),
         simd_copy(filled(changes.first_reference, references)).reshape(-1),
-        simd_copy(np.zeros(changes.k_tot.size)),
-        np.zeros(d),
+        simd_empty((one.loop.motion.size + one.loop.force.shape[0]) * WIDTH),
         np.zeros(n),
         simd_copy(nothing[0]),
         Term(np.zeros(n), simd_copy(nothing[:n])),
@@ -234,8 +242,8 @@ def _block(
     """
     loop, out = one.loop, outputs(one.loop, portion.rows + 1)
     shape = (portion.rows + 1, sum(array.shape[1] for array in out[:3]), parameters)
-    beside = np.empty(math.prod(shape) + WIDTH)
-    groups = (0,) * one.changes.start.shape[1]
+    beside, groups = np.empty(math.prod(shape)), one.changes.start.shape[1]
+    like = tuple((0,) * (rows * groups) for rows in (1, PAIRS, TRIPLES))
     state.memory.count[ROW_COUNT] = 0
     run_tangents(
         loop.nonlinear,
@@ -250,11 +258,11 @@ def _block(
         one.changes,
         _steps(one, portion.steps.filled.size),
         own,
-        groups,
-        Layout(parameters, one.placement.before, one.placement.motion),
+        Layout(parameters, one.placement.before, one.placement.counts, one.placement.motion),
+        like,
         beside,
     )
-    return [rows[:-1] for rows in out], [beside[:-WIDTH].reshape(shape)[:-1]]
+    return [rows[:-1] for rows in out], [beside.reshape(shape)[:-1]]
 
 
 def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajectory:

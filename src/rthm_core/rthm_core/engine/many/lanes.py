@@ -154,9 +154,10 @@ def run_lanes(
     lengths : (K,) arrays
         Of the steps of both, in s.
     operations : (2 operations 5,) array of int32
-        What, and the places in the memory of the step of the plant's and of the numerical side, of the sample
-        and of the reference that are used or made; for the first and then for every further pass. Narrow,
-        since a long program leaves less of the nearest memory to the steps.
+        What, and the places in the memory of the step of the plant's and of the numerical side (of a sample:
+        whether its velocity is asked for), of the sample and of the reference that are used or made; for the
+        first and then for every further pass. Narrow, since a long program leaves less of the nearest memory
+        to the steps.
     passes : int
         How often the program is executed, unless `out` is full before.
     out : (loops, N, n1 + n2 + 2 m) array
@@ -186,13 +187,13 @@ def run_lanes(
             for e in range(begin, begin + once, size):
                 what, step = _of(operations, e, 0), _of(operations, e, 1)
                 if what == SAMPLE:
-                    to = _of(operations, e, 3)
+                    to, whole = _of(operations, e, 3), _of(operations, e, 2)
                     for i in range(m):
                         x = dofs[0][i]
-                        v = n1 // 2 + x
                         put_numbers_from(memory, to + i * WIDTH, seen(memory, step, x, plant, made1, of1))
-                        to_v = to + (m + i) * WIDTH
-                        put_numbers_from(memory, to_v, seen(memory, step, v, plant, made1, of1))
+                        if whole:
+                            v, to_v = n1 // 2 + x, to + (m + i) * WIDTH
+                            put_numbers_from(memory, to_v, seen(memory, step, v, plant, made1, of1))
                 elif what == MOTOR:
                     plant = moved(memory, step, plant, made1, of1, room.state)
                     used, asked = _of(operations, e, 3), _of(operations, e, 4)

@@ -23,6 +23,8 @@ class Numbered(NamedTuple):
     Attributes
     ----------
     what : (E,) array
+    latched : (E,) array
+        Which are samples that the numerical side latches: of others nobody asks the velocity.
     steps : tuple of (2, E) arrays
         Numbers of the steps of the plant and of the numerical side, in the first and in every further pass.
     rings : tuple of (E,) arrays
@@ -36,6 +38,7 @@ class Numbered(NamedTuple):
     """
 
     what: Integers
+    latched: Flags
     steps: tuple[Integers, Integers]
     rings: tuple[Integers, Integers]
     lengths: tuple[Floats, Floats]
@@ -45,23 +48,45 @@ class Numbered(NamedTuple):
 
 @kept_by_clocks
 def numbered(spec: Spec, step: int) -> Numbered | None:
-    """Program of one hyperperiod with a row every `step` ns; None where nothing repeats."""
+    """Program with a row every `step` ns of as many hyperperiods as it looks back on; None where nothing
+    repeats.
+    """
     found = repeating_program(spec, step)
     if found is None:
         return None
     first, further, period = found
-    lengths1, which1 = np.unique(np.stack([first.plant, further.plant]), return_inverse=True)
-    lengths2, which2 = np.unique(np.stack([first.numerical, further.numerical]), return_inverse=True)
-    samples, sampled = _ring(first.what == SAMPLE, first.sample)
-    references, referred = _ring(first.what == REFERENCE, first.reference)
+    makes, backs = (first.what == SAMPLE, first.what == REFERENCE), (first.sample, first.reference)
+    times = max(-(-int(back.max()) // max(1, int(one.sum()))) for one, back in zip(makes, backs, strict=True))
+    times = max(times, 1)
+    rings = [_ring(np.tile(one, times), np.tile(back, times)) for one, back in zip(makes, backs, strict=True)]
+    (samples, sampled), (references, referred) = rings
+    steps1, lengths1 = _steps(first.plant, further.plant, times)
+    steps2, lengths2 = _steps(first.numerical, further.numerical, times)
     return Numbered(
-        first.what,
-        (which1.reshape(2, -1), which2.reshape(2, -1)),
+        np.tile(first.what, times),
+        _latched(np.tile(first.what, times), np.tile(first.sample, times)),
+        (steps1, steps2),
         (sampled, referred),
-        (np.asarray(lengths1 * 1e-9, dtype=float), np.asarray(lengths2 * 1e-9, dtype=float)),
+        (lengths1, lengths2),
         (samples, references),
-        period,
+        period * times,
     )
+
+
+def _steps(first: Integers, further: Integers, times: int) -> tuple[Integers, Floats]:
+    """Numbers (2, E) of the steps of a program, that many times after one another; their lengths in s."""
+    every = np.stack([np.concatenate([first, *[further] * (times - 1)]), np.tile(further, times)])
+    lengths, which = np.unique(every, return_inverse=True)
+    return which.reshape(every.shape), np.asarray(lengths * 1e-9, dtype=float)
+
+
+def _latched(what: Integers, back: Integers) -> Flags:
+    """Which operations are samples that the numerical side latches."""
+    makes = what == SAMPLE
+    number: Integers = np.cumsum(makes) - makes
+    used = np.zeros(max(1, int(np.count_nonzero(makes))), dtype=bool)
+    used[(number - back)[what == REFERENCE] % used.size] = True
+    return np.asarray(makes & used[number % used.size])
 
 
 def _ring(makes: Flags, back: Integers) -> tuple[int, Integers]:
@@ -69,8 +94,7 @@ def _ring(makes: Flags, back: Integers) -> tuple[int, Integers]:
     so many places back from the newest, or puts what it makes.
     """
     made, reach = max(1, int(np.count_nonzero(makes))), max(1, int(back.max()))
-    whole = -(-reach // made) * made
-    length = next((one for one in range(reach, whole) if made % one == 0), whole)
+    length = next((one for one in range(reach, made + 1) if made % one == 0), reach)
     number: Integers = np.cumsum(makes) - makes
     return length, np.where(makes, number, number - back) % length
 
@@ -82,7 +106,7 @@ def in_memory(program: Numbered, room: Room, m: int) -> Integers:
     columns = (
         program.what,
         one * size1,
-        two * size2 + room.steps1.size,
+        np.where(program.what == SAMPLE, program.latched, two * size2 + room.steps1.size),
         room.samples + sampled * (2 * m * WIDTH),
         room.references + referred * (m * WIDTH),
     )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, inlined
+from rthm_core.compiled import Floats, Integers, called, inlined
 from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
 from rthm_core.engine.nonlinear.collocation import collocate
 from rthm_core.engine.nonlinear.forces import forces
@@ -19,7 +19,7 @@ from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.packed import end_of, prepare
 from rthm_core.engine.nonlinear.steps import MOST_TERMS, ORDERS, at
 from rthm_core.engine.nonlinear.switch import expand, first_left, product
-from rthm_core.engine.worked import worked
+from rthm_core.engine.worked import put_products, weighed
 from rthm_core.physical.switching import breakaway_mode, next_mode
 from rthm_core.simd import WIDTH, numbers, put_numbers, simd_copy
 
@@ -68,8 +68,10 @@ class Work(NamedTuple):
         In force.
     moments : (d (d + 1) / 2,) array
         Integrals of the products of [y, held, g] over the last steps; empty where work is not counted.
+    products : (P,) array
+        Those of every two numbers of what describes a step or a part of it; empty likewise.
     sums, before : (8,) arrays
-        Work so far, and before the present arc.
+        Work so far and, on the way through an arc, the energy; and those before the present arc.
     """
 
     end: Floats
@@ -90,6 +92,7 @@ class Work(NamedTuple):
     scale: Floats
     modes: Integers
     moments: Floats
+    products: Floats
     sums: Floats
     before: Floats
 
@@ -98,6 +101,7 @@ def work(nonlinear: Nonlinear, seen: int, *, counting: bool) -> Work:
     """Work at the start of a test, of which `seen` numbers are seen."""
     _, size, d = nonlinear.systems.shape
     g, orders = nonlinear.weight.size, 1 if nonlinear.steady else ORDERS
+    whole = d + (orders - 1) * g
     felt, after = -(-3 * nonlinear.felt.size // WIDTH), -(-size // WIDTH)
     lengths = [felt, felt, after, seen // WIDTH, 1, 1]
     wide = simd_copy(np.zeros((sum(lengths), WIDTH)))
@@ -116,14 +120,15 @@ def work(nonlinear: Nonlinear, seen: int, *, counting: bool) -> Work:
         np.zeros((4, g)),
         np.zeros((orders, g)),
         np.zeros((MOST_TERMS + ORDERS, size)),
-        np.zeros(d + (orders - 1) * g),
-        np.zeros(d + (orders - 1) * g),
+        np.zeros(whole),
+        np.zeros(whole),
         np.zeros((3, g)),
         np.full(1, np.inf),
         np.ones(1),
         np.full(1, 1e-2),
         nonlinear.modes.copy(),
         np.zeros(d * (d + 1) // 2 if counting else 0),
+        np.zeros(whole * (whole + 1) // 2 if counting else 0),
         sums.ravel(),
         before.ravel(),
     )
@@ -202,11 +207,17 @@ def end_step(nonlinear, work, number, z, law, share, terms, length):  # type: ig
         at(work.terms, terms, share, work.end)
 
 
+@called
+def _add_work(tables, slot, products, before, sums):  # type: ignore[no-untyped-def]
+    """See `count_work`; by itself, so that loops whose work is not counted are none the slower for it."""
+    put_numbers(sums, (), numbers(before, ()) + weighed(tables, slot, products))
+
+
 @inlined
-def count_work(nonlinear, tables, number, k, whole, before, sums):  # type: ignore[no-untyped-def]
-    """Work over length `k` of the motion that `whole` describes, added to that `before`, into `sums`."""
+def count_work(nonlinear, tables, number, k, products, before, sums):  # type: ignore[no-untyped-def]
+    """Work over length `k` of a motion by its `products`, added to that `before`, into `sums`."""
     slot = number * (tables.shape[0] // nonlinear.systems.shape[0]) + k
-    put_numbers(sums, (), numbers(before, ()) + worked(tables, slot, whole))
+    _add_work(tables, slot, products, before, sums)
 
 
 @inlined
@@ -214,7 +225,8 @@ def _count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[n
     """Add the work over a whole length from its table; whether there is one."""
     if halvings or nonlinear.steady or not tables.shape[0]:
         return False
-    count_work(nonlinear, tables, number, k, work.whole, work.sums, work.sums)
+    put_products(work.whole, work.products)
+    count_work(nonlinear, tables, number, k, work.products, work.sums, work.sums)
     return True
 
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from rthm_core.compiled import copy_into, inlined
+from rthm_core.energy import TERMS
 from rthm_core.engine.nonlinear.advance import count_work, set_of
 from rthm_core.engine.nonlinear.collocation import collocate
 from rthm_core.engine.nonlinear.event_free import nothing_switches
 from rthm_core.engine.nonlinear.packed import end_of, prepare, wide_product
 from rthm_core.engine.nonlinear.steps import ORDERS
 from rthm_core.engine.nonlinear.switch import product, stays
+from rthm_core.engine.worked import put_products
 from rthm_core.physical.laws import FRICTION, PARTITION
+
+ENERGY = len(TERMS)
+"""Where the energy stands beside the work."""
 
 
 @inlined
@@ -43,6 +48,16 @@ def _comes_loose(nonlinear, number, modes, z):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def before_arc(work, z, steady):  # type: ignore[no-untyped-def]
+    """Keep the work before an arc from z on, and the products that describe it where forces are `steady`."""
+    if work.products.size:
+        copy_into(work.before, work.sums)
+        work.before[ENERGY] = 0.0  # which is no sum
+        if steady:
+            put_products(z, work.products)
+
+
+@inlined
 def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped-def]
     """Find the motion over length `k` from z on, from time `t` (s) on: it is described by ``work.whole``, its
     end is in ``work.end``. Returns the number of the set that sticks, or -1 where something switches on the
@@ -67,7 +82,7 @@ def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyp
     else:
         good = collocate(nonlinear, packed, work, slot, z, t, steps.lengths[k])
         good = good and stays(nonlinear, number, work.modes, z, work.end)
-    copy_into(work.before, work.sums)
+    before_arc(work, z, nonlinear.steady)
     return number if good and sticks_on(nonlinear, number, work.modes, z, work.end) else -1
 
 
@@ -85,30 +100,25 @@ def _part(whole, g, share, part):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _look(nonlinear, packed, tables, work, number, slot, span, part, z):  # type: ignore[no-untyped-def]
-    """What is seen at the end of what `part` describes; and the motion there and the work, where it is
-    counted.
-    """
-    wide_product(packed.seen, slot, part, work.seen)
-    if tables.shape[0]:
-        end_of(packed, slot, part, work.wide, z[: nonlinear.systems.shape[1]])
-        count_work(nonlinear, tables, number, span, part, work.before, work.sums)
-
-
-@inlined
-def within_arc(nonlinear, steps, packed, work, number, k, span, z):  # type: ignore[no-untyped-def]
-    """What is seen a length `span` after the beginning of an arc over length `k`, into ``work.seen``.
-
-    Where work is counted, that so far also goes into ``work.sums``, from ``work.before`` before the arc on,
-    and the motion into z.
-    """
+def within_arc(nonlinear, steps, packed, work, number, k, span):  # type: ignore[no-untyped-def]
+    """What is seen a length `span` after the beginning of an arc over length `k`, into ``work.seen``."""
     slot = number * steps.lengths.size + span
     prepare(nonlinear, steps, packed, number, slot, steps.lengths[span])
     if nonlinear.steady:
-        _look(nonlinear, packed, steps.work_tables, work, number, slot, span, work.whole, z)
+        wide_product(packed.seen, slot, work.whole, work.seen)
     else:
         _part(work.whole, work.force.size, steps.lengths[span] / steps.lengths[k], work.part)
-        _look(nonlinear, packed, steps.work_tables, work, number, slot, span, work.part, z)
+        wide_product(packed.seen, slot, work.part, work.seen)
+
+
+@inlined
+def count_within(nonlinear, steps, work, number, span):  # type: ignore[no-untyped-def]
+    """Work and energy where an arc was last looked at, a length `span` after its beginning, into
+    ``work.sums``.
+    """
+    if not nonlinear.steady:
+        put_products(work.part, work.products)
+    count_work(nonlinear, steps.work_tables, number, span, work.products, work.before, work.sums)
 
 
 @inlined
@@ -118,4 +128,6 @@ def end_arc(nonlinear, steps, work, number, k, z):  # type: ignore[no-untyped-de
     for j in range(z.size):
         z[j] = work.end[j]
     if tables.shape[0]:
-        count_work(nonlinear, tables, number, k, work.whole, work.before, work.sums)
+        if not nonlinear.steady:
+            put_products(work.whole, work.products)
+        count_work(nonlinear, tables, number, k, work.products, work.before, work.sums)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined, plainly
 from rthm_core.engine.linear.kernel import Memory
 from rthm_core.engine.nonlinear.advance import Work, advance
-from rthm_core.engine.nonlinear.arc import begin_arc, end_arc, within_arc
+from rthm_core.engine.nonlinear.arc import begin_arc, count_within, end_arc, within_arc
 from rthm_core.engine.nonlinear.forces import wire_forces
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.operations import Operations
@@ -16,6 +16,7 @@ from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.worked import energy
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
+from rthm_core.simd import numbers, put_first
 
 
 class Looks(NamedTuple):
@@ -102,6 +103,12 @@ def write_work(forms, sums, z, out):  # type: ignore[no-untyped-def]
     out[last] = energy(forms[last], z)
 
 
+@inlined
+def write_work_within(sums, out, row):  # type: ignore[no-untyped-def]
+    """Write work and energy on the way through an arc."""
+    put_first(out, (row, 0), numbers(sums, ()), out.shape[1])
+
+
 @plainly
 @compiled_in_place
 def run_nonlinear(
@@ -143,7 +150,7 @@ def run_nonlinear(
                 end_arc(nonlinear, steps, work, number, arc, z)
                 fresh = False
             elif k >= 0:
-                within_arc(nonlinear, steps, packed, work, number, arc, span, z)
+                within_arc(nonlinear, steps, packed, work, number, arc, span)
                 fresh = True
             used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
             if what == MOTOR:
@@ -166,7 +173,10 @@ def run_nonlinear(
                 r += 1
             elif what == OUTPUT:
                 write_row(seen, references[asked], out, row)
-                if counting:
+                if counting and e <= until and 0 <= span != arc:
+                    count_within(nonlinear, steps, work, number, span)
+                    write_work_within(work.sums, out.work, row)
+                elif counting:
                     write_work(looks.forms, work.sums, z, out.work[row])
                 row += 1
                 if row == out.plant.shape[0]:

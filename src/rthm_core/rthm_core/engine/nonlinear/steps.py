@@ -30,9 +30,9 @@ class Steps(NamedTuple):
         Which of them are there.
     lengths : (K,) array
         In s.
-    work_tables : (sets lengths, d (d + 1) / 2, 8) array
-        Work over each length from the products of [y, held, g] at its start, where forces are constant;
-        empty where they are not, or work is not counted.
+    work_tables : (sets lengths, pairs, 8) array
+        Work over each length, and the energy at its end, from the products of what describes the motion over
+        it; empty where work is not counted, or not so.
     work, term : (2, N + M + orders G, N), (N + M + G + 1, N) arrays
         Scratch.
     """

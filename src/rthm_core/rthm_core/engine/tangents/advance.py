@@ -30,16 +30,14 @@ class TangentWork(NamedTuple):
 
     Attributes
     ----------
-    three : (3, d, Q, 8) array
-        Tangents of [y, held, g] at the beginning of a step, those at its end, and on the way.
-    lanes : (3 d Q 8,) array
+    halves : (2, d, Q, 8) array
+        Tangents of [y, held, g] at the beginning of a step and those at its end.
+    lanes : (2 d Q 8,) array
         The same memory.
     samples, references : (length 2 m Q 8,), (length m Q 8,) arrays
         Those of the memory.
-    force : (m Q 8,) array
-        Those of the forces in the wires.
-    now : (d,) array
-        [y, held, g] on the way.
+    seen : (R 8,) array
+        What is seen for a row, among the tangents of the last group.
     rate : (N,) array
         Of y just before a law switches.
     shift : (Q, 8) array
@@ -48,12 +46,11 @@ class TangentWork(NamedTuple):
     unit, zero, change : (d,), (d, Q, 8), (d, N, Q, 8) arrays
     """
 
-    three: Floats
+    halves: Floats
     lanes: Floats
     samples: Floats
     references: Floats
-    force: Floats
-    now: Floats
+    seen: Floats
     rate: Floats
     shift: Floats
     one: Term

@@ -69,15 +69,16 @@ class Placement(NamedTuple):
     ----------
     order, lanes : (P,) arrays
         Parameters as they follow each other, and the lane of each of these.
-    before : (Q,) array
-        How many parameters come before each group.
+    before, counts : tuple of int
+        How many parameters come before each group, and how many are in it.
     motion : int
         Lane of the motion.
     """
 
     order: Integers
     lanes: Integers
-    before: Integers
+    before: tuple[int, ...]
+    counts: tuple[int, ...]
     motion: int
 
 
@@ -143,8 +144,9 @@ def _placement(loop: NonlinearLoop, systems: Sequence[Floats]) -> Placement:
             lane = following
         lanes.append(lane)
         lane += 1
-    before = np.searchsorted(lanes, np.arange(0, room, WIDTH))
-    return Placement(np.array(order), np.array(lanes), before.astype(np.int64), lane)
+    before = np.searchsorted(lanes, np.arange(0, room + 1, WIDTH))
+    counts = np.diff(before).tolist()
+    return Placement(np.array(order), np.array(lanes), tuple(before[:-1].tolist()), tuple(counts), lane)
 
 
 def _motion(loop: NonlinearLoop) -> list[Floats]:
@@ -156,7 +158,7 @@ def _motion(loop: NonlinearLoop) -> list[Floats]:
 
 def _lanes(derivatives: Sequence[Floats], motion: Floats, placement: Placement) -> Floats:
     """Arrays along a last axis of lanes, parted into groups."""
-    groups = placement.before.size
+    groups = len(placement.before)
     lanes = np.zeros((*motion.shape, groups * WIDTH))
     for p, lane in zip(placement.order, placement.lanes, strict=True):
         lanes[..., lane] = derivatives[p]

@@ -9,24 +9,28 @@ import numpy as np
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop
 from rthm_core.engine.tangents.changes import Tangents, reach
-from rthm_core.simd import WIDTH, simd_empty
+from rthm_core.simd import WIDTH, simd_copy, simd_empty
+
+PAIRS, TRIPLES = 2, 3
+"""Rows of a block: position and velocity of a dof depend on the same, and the force of an actuator there."""
 
 
 class Entries(NamedTuple):
-    """Matrices of the same form, in blocks of two rows (twice the same where there is no other like it).
+    """Matrices of the same form, in blocks of A rows (the last again where there are too few like it).
 
     Attributes
     ----------
-    rows : (B, 2) array
+    rows : (B, A) array
         Numbers of the rows of each block.
     ends : (B + 1,) array
         Where the entries of each block begin, and those of the last end.
     columns : (E,) array
         Element that belongs to each entry.
-    touched : (B, Q) array
-        Which groups of parameters change a block: 1, else 0.
-    values, changes : (K, 2 E), (K width,) arrays
-        Of each entry of K matrices those of both rows, and the changes of both in each group that is touched.
+    places : (B, Q) array
+        Where the changes of a block by a group of parameters begin, -1: they are none.
+    values, changes : (K, A E), (K width,) arrays
+        Of each entry of K matrices those of all rows, and the changes of all by each group, one group after
+        the other.
     width : int
         How many numbers the changes of a matrix are.
     """
@@ -34,64 +38,108 @@ class Entries(NamedTuple):
     rows: Integers
     ends: Integers
     columns: Integers
-    touched: Integers
+    places: Integers
     values: Floats
     changes: Floats
     width: int
 
 
-def entries(pattern: Flags, touched: Flags, count: int) -> Entries:
-    """Room for `count` matrices whose elements are zero but for a `pattern` (rows, d), and whose rows change
-    with the groups of parameters that are `touched` (rows, Q).
+class Look(NamedTuple):
+    """What is seen of the motion after each step, as matrices of the motion before it.
+
+    Attributes
+    ----------
+    rows, changes : (R, d), (d, R, Q, 8) arrays
+        What is seen of [y, held, g], and its transposed changes.
+    entries : Entries
+        Of K steps, and last as it is without a step.
+    matrix, change : (d, R), (d, R, Q, 8) arrays
+        Scratch.
     """
-    rows = _blocks(pattern)
-    both = pattern[rows].any(axis=1)
-    groups = touched[rows].any(axis=1)
-    ends = np.concatenate([[0], np.cumsum(both.sum(axis=1))])
-    width = 2 * WIDTH * int((both.sum(axis=1) * groups.sum(axis=1)).sum())
+
+    rows: Floats
+    changes: Floats
+    entries: Entries
+    matrix: Floats
+    change: Floats
+
+
+def entries(pattern: Flags, touched: Flags, count: int, abreast: int) -> Entries:
+    """Room for `count` matrices whose elements are zero but for a `pattern` (rows, d), and whose rows change
+    with the groups of parameters that are `touched` (rows, Q), in blocks of rows `abreast`.
+    """
+    rows = _blocks(pattern, abreast)
+    every, groups = pattern[rows].any(axis=1), touched[rows].any(axis=1)
+    sizes = abreast * WIDTH * every.sum(axis=1)[:, None] * groups
+    begins = np.cumsum(sizes).reshape(sizes.shape) - sizes
+    ends = np.concatenate([[0], np.cumsum(every.sum(axis=1))])
+    width = int(sizes.sum())
     return Entries(
         rows,
         ends.astype(np.int64),
-        np.nonzero(both)[1].astype(np.int64),
-        np.asarray(groups, dtype=np.int64),
-        np.empty((count, 2 * int(ends[-1]))),
+        np.nonzero(every)[1].astype(np.int64),
+        np.where(groups, begins, -1).astype(np.int64),
+        np.empty((count, abreast * int(ends[-1]))),
         simd_empty(count * width),
         width,
     )
 
 
-def _blocks(pattern: Flags) -> Integers:
-    """Rows, two and two whose elements are the same ones where there are such; others twice."""
+def _blocks(pattern: Flags, abreast: int) -> Integers:
+    """Rows whose elements are the same ones, so many in each block; the last again where there are fewer."""
     left, found = list(range(pattern.shape[0])), []
     while left:
-        row = left.pop(0)
-        other = next((one for one in left if np.array_equal(pattern[one], pattern[row])), row)
-        if other != row:
-            left.remove(other)
-        found.append((row, other))
+        alike = [row for row in left if np.array_equal(pattern[row], pattern[left[0]])][:abreast]
+        left = [row for row in left if row not in alike]
+        found.append(alike + alike[-1:] * (abreast - len(alike)))
     return np.array(found, dtype=np.int64)
 
 
 def step_entries(loop: NonlinearLoop, changes: Tangents, slots: int) -> Entries:
     """Room for the matrices (N, d) of so many steps, which are made when they are needed."""
+    return entries(*_of_steps(loop, changes), slots, PAIRS)
+
+
+def _of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
+    """Pattern (N, d) of steps, and which groups (N, Q) change their rows."""
     systems = np.abs(loop.nonlinear.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
     reached, n = reach(systems), systems.shape[0]
     pattern = np.hstack([reached, reached.astype(int) @ (systems[:, n:] != 0.0) > 0])
     changed = np.any(changes.systems != 0.0, axis=(0, 2, 4))
-    return entries(pattern, reached.astype(int) @ changed > 0, slots)
+    return pattern, reached.astype(int) @ changed > 0
+
+
+def look(
+    loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats, slots: int, abreast: int
+) -> Look:
+    """What is seen through `rows` (R, d), with transposed changes `moved` (d, R, Q, 8), after so many steps,
+    for which there is room, and without one.
+    """
+    (step, touched), (n, d) = _of_steps(loop, changes), loop.nonlinear.systems.shape[1:]
+    changed = np.any(moved != 0.0, axis=3)
+    through = (rows != 0.0) | changed.any(axis=2).T
+    pattern = through | (through[:, :n].astype(int) @ step > 0)
+    groups = changed.any(axis=0) | (through[:, :n].astype(int) @ touched > 0)
+    room = entries(pattern, groups, slots + 1, abreast)
+    _put_last(room, rows, moved)
+    moved = simd_copy(moved)
+    return Look(rows, moved, room, np.empty((d, rows.shape[0])), simd_copy(moved))
 
 
 def look_entries(rows: Floats, changes: Floats) -> Entries:
-    """What is seen of [y, held] through `rows` (., N + M), with their transposed `changes`."""
+    """What is seen of [y, held, g] through `rows` (R, d), with transposed `changes` (d, R, Q, 8)."""
     changed = np.any(changes != 0.0, axis=3)
-    one = entries((rows != 0.0) | changed.any(axis=2).T, changed.any(axis=0), 1)
-    block_of = np.repeat(np.arange(one.touched.shape[0]), np.diff(one.ends))
-    one.values[0] = rows[one.rows[block_of], one.columns[:, None]].ravel()
-    beside = [
-        changes[j, row, group]
-        for block, j in zip(block_of, one.columns, strict=True)
-        for group in np.flatnonzero(one.touched[block])
-        for row in one.rows[block]
-    ]
-    one.changes[:] = np.ravel(beside)
+    one = entries((rows != 0.0) | changed.any(axis=2).T, changed.any(axis=0), 1, PAIRS)
+    _put_last(one, rows, changes)
     return one
+
+
+def _put_last(room: Entries, rows: Floats, changes: Floats) -> None:
+    """Let the last matrix be `rows`, which change by `changes`."""
+    blocks = np.repeat(np.arange(room.rows.shape[0]), np.diff(room.ends))
+    room.values[-1] = rows[room.rows[blocks], room.columns[:, None]].ravel()
+    last = room.changes[room.changes.size - room.width :]
+    for block, group in zip(*np.nonzero(room.places >= 0), strict=True):
+        columns = room.columns[room.ends[block] : room.ends[block + 1], None]
+        begin, beside = room.places[block, group], changes[columns, room.rows[block], group]
+        last[begin : begin + beside.size] = beside.ravel()

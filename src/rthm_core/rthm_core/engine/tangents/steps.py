@@ -6,11 +6,19 @@ Where ``y' = S z`` with ``z = [y, held, g]``, the derivative dz of z with respec
 
 from __future__ import annotations
 
-import numpy as np
 from numba.cpython.unsafe.tuple import tuple_setitem
 
-from rthm_core.compiled import called, inlined
-from rthm_core.simd import WIDTH, everywhere, numbers, numbers_from, put_numbers, put_numbers_from, several
+from rthm_core.compiled import inlined
+from rthm_core.simd import (
+    WIDTH,
+    element,
+    everywhere,
+    numbers,
+    numbers_from,
+    put_numbers,
+    put_numbers_from,
+    several,
+)
 
 
 @inlined
@@ -24,54 +32,65 @@ def copy_numbers(source, target, count):  # type: ignore[no-untyped-def]
 @inlined
 def put_entries(matrix, change, entries, slot):  # type: ignore[no-untyped-def]
     """Let one of several matrices be a transposed matrix (d, rows) that changes by (d, rows, Q, 8)."""
-    c = slot * entries.width
+    abreast = entries.rows.shape[1]
     for block in range(entries.rows.shape[0]):
-        for e in range(entries.ends[block], entries.ends[block + 1]):
-            j = entries.columns[e]
-            for side in range(2):
-                entries.values[slot, 2 * e + side] = matrix[j, entries.rows[block, side]]
+        first, end = entries.ends[block], entries.ends[block + 1]
+        for e in range(first, end):
+            for i in range(abreast):
+                entries.values[slot, abreast * e + i] = matrix[entries.columns[e], entries.rows[block, i]]
+        for group in range(change.shape[2]):
+            place = slot * entries.width + entries.places[block, group]
+            for e in range(first, end if entries.places[block, group] >= 0 else first):
+                for i in range(abreast):
+                    beside = numbers(change, (entries.columns[e], entries.rows[block, i], group))
+                    put_numbers_from(entries.changes, place, beside)
+                    place += WIDTH
+
+
+@inlined
+def look_through(step, change, look):  # type: ignore[no-untyped-def]
+    """What is seen after a transposed step (d, N) that changes by (d, N, Q, 8), into scratch of `look`."""
+    rows, n = look.rows, step.shape[1]
+    for j in range(step.shape[0]):
+        for row in range(rows.shape[0]):
+            look.matrix[j, row] = rows[row, j] if j >= n else 0.0
+            for i in range(n):
+                look.matrix[j, row] += rows[row, i] * step[j, i]
             for group in range(change.shape[2]):
-                if entries.touched[block, group]:
-                    for side in range(2):
-                        beside = numbers(change, (j, entries.rows[block, side], group))
-                        put_numbers_from(entries.changes, c, beside)
-                        c += WIDTH
+                total = numbers(look.changes, (j, row, group)) if j >= n else everywhere(0.0)
+                for i in range(n):
+                    total += numbers(change, (j, i, group)) * rows[row, i]
+                    total += numbers(look.changes, (i, row, group)) * step[j, i]
+                put_numbers(look.change, (j, row, group), total)
 
 
-@called
-def by_entries(entries, slot, z, lanes, at, groups, out, to):  # type: ignore[no-untyped-def]
-    """What one of several matrices makes of z, and its tangents.
+@inlined
+def of_block(entries, slot, block, z, lanes, at, groups, like):  # type: ignore[no-untyped-def]
+    """Tangents (8,), SIMD values, of all rows of a block of what one of several matrices makes of z, those of
+    all groups of a row side by side.
 
-    Both `lanes` and `out` are flat and have the tangents of one element after the other, those of z from `at`
-    on and those of what comes of it from `to` on. A tuple of Q `groups` lets the compiler keep the sums in
-    registers.
+    The flat `lanes` have the tangents of each element of z one after another from `at` on. Tuples as long as
+    there are `groups`, and `like` the result, let the compiler keep the sums in registers.
     """
-    columns, touched, values, changes = entries.columns, entries.touched, entries.values, entries.changes
-    k, c, width = np.uint64(slot), slot * entries.width, len(groups) * WIDTH
-    for block in range(touched.shape[0]):
-        one, other, by_one, by_other = several(groups), several(groups), several(groups), several(groups)
-        both = entries.rows[block, 0] != entries.rows[block, 1]
-        for e in range(entries.ends[block], entries.ends[block + 1]):
-            j = columns[np.uint64(e)]
-            here, first = z[np.uint64(j)], values[k, np.uint64(2 * e)]
-            second = values[k, np.uint64(2 * e + 1)]
-            for group in range(len(groups)):
-                moving = numbers_from(lanes, at + j * width + group * WIDTH)
-                one = tuple_setitem(one, group, one[group] + moving * first)
-                if both:
-                    other = tuple_setitem(other, group, other[group] + moving * second)
-                if touched[np.uint64(block), np.uint64(group)]:
-                    change = numbers_from(changes, c)
-                    by_one = tuple_setitem(by_one, group, by_one[group] + change * here)
-                    if both:
-                        change = numbers_from(changes, c + WIDTH)
-                        by_other = tuple_setitem(by_other, group, by_other[group] + change * here)
-                    c += 2 * WIDTH
-        one_at, other_at = to + entries.rows[block, 0] * width, to + entries.rows[block, 1] * width
+    sums, each = several(like), len(like) // len(groups)
+    first, end = element(entries.ends, (block,)), element(entries.ends, (block + 1,))
+    for e in range(first, end):
+        begin = at + element(entries.columns, (e,)) * (len(groups) * WIDTH)
         for group in range(len(groups)):
-            put_numbers_from(out, one_at + group * WIDTH, one[group] + by_one[group])
-            if both:
-                put_numbers_from(out, other_at + group * WIDTH, other[group] + by_other[group])
+            moving = numbers_from(lanes, begin + group * WIDTH)
+            for i in range(each):
+                part = moving * element(entries.values, (slot, e * each + i))
+                sums = tuple_setitem(sums, i * len(groups) + group, sums[i * len(groups) + group] + part)
+    for group in range(len(groups)):
+        place = element(entries.places, (block, group))
+        c = slot * entries.width + place
+        for e in range(first, end if place >= 0 else first):
+            here = element(z, (element(entries.columns, (e,)),))
+            for i in range(each):
+                part = numbers_from(entries.changes, c + i * WIDTH) * here
+                sums = tuple_setitem(sums, i * len(groups) + group, sums[i * len(groups) + group] + part)
+            c += each * WIDTH
+    return sums
 
 
 @inlined

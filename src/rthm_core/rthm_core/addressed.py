@@ -124,11 +124,13 @@ def law_function(calls: dict[str, Call], name: str, otherwise: Callable[..., Any
     return part(scope[name])
 
 
-def part(function: Callable[..., Any], *, nrt: bool = False) -> Any:
-    """A function that is compiled as part of its callers; `nrt`: it may make arrays."""
+def part(function: Callable[..., Any], *, nrt: bool = False, inline: bool = True) -> Any:
+    """A function that is compiled as part of its callers; `nrt`: it may make arrays; `inline`: it is
+    called nowhere, but stands there itself.
+    """
     return numba.njit(
         _nrt=nrt,
-        forceinline=True,
+        forceinline=inline,
         error_model="numpy",
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,

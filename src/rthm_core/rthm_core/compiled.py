@@ -141,6 +141,13 @@ def inlined(function: Callable[..., Any]) -> Any:
     return part(function)
 
 
+def whole(function: Callable[..., Any]) -> Any:
+    """As `inlined`, but called where it is called: what is long, or stands in several places, is optimised
+    once. Records are `lent` to it.
+    """
+    return part(function, inline=False)
+
+
 def called(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call and that makes no arrays, and keep it on disk for
     all its callers: what is long and stands in several places takes minutes to compile otherwise.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, inlined
+from rthm_core.compiled import Floats, Integers, called, inlined, whole
 from rthm_core.energy import GAUSS_NODES, GAUSS_WEIGHTS
 from rthm_core.engine.nonlinear.collocation import collocate
 from rthm_core.engine.nonlinear.forces import forces
@@ -20,6 +20,7 @@ from rthm_core.engine.nonlinear.packed import end_of, prepare
 from rthm_core.engine.nonlinear.steps import MOST_TERMS, ORDERS, at
 from rthm_core.engine.nonlinear.switch import expand, first_left, product
 from rthm_core.engine.worked import put_products, weighed
+from rthm_core.lent import given, lent
 from rthm_core.physical.switching import breakaway_mode, next_mode
 from rthm_core.simd import WIDTH, numbers, put_numbers, simd_copy
 
@@ -241,13 +242,15 @@ def _halvings(lengths, packed, k, fewest, limit):  # type: ignore[no-untyped-def
     return halvings
 
 
-@inlined
+@whole
 def advance(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped-def]
     """Advance ``z = [y, held, g]`` over length `k`, from time `t` (s) on.
 
     Steps are halves of the length, and halves of these, until a law switches: from there on they have any
     length.
     """
+    nonlinear, steps = lent(given(nonlinear)), lent(given(steps))
+    packed, work = lent(given(packed)), lent(given(work))
     size, lengths, kinds = nonlinear.systems.shape[1], steps.lengths, steps.lengths.size
     whole, most = lengths[k], kinds // packed.whole - 1
     halvings, done, switches = _halvings(lengths, packed, k, 0, work.pace[0]), 0.0, 0

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 
-from rthm_core.compiled import inlined
+from rthm_core.compiled import inlined, whole
 from rthm_core.engine.nonlinear.forces import forces
 from rthm_core.engine.nonlinear.packed import end_of
+from rthm_core.lent import given, lent
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, put_numbers_from
 
 TOLERANCE = 1e-8
@@ -129,11 +130,12 @@ def _keep(whole, first, third, trend):  # type: ignore[no-untyped-def]
         trend[2, j] = three * inverse * inverse * inverse
 
 
-@inlined
+@whole
 def collocate(nonlinear, packed, work, slot, z, t, length):  # type: ignore[no-untyped-def]
     """Step with forces that change: from z to ``work.end``, and what describes all of it to ``work.whole``;
     whether the iteration settled and the degree is high enough.
     """
+    nonlinear, packed, work = lent(given(nonlinear)), lent(given(packed)), lent(given(work))
     first, third = z.size - work.force.size, length / 3.0
     for j in range(work.force.size):
         work.scale[0] = max(work.scale[0], abs(z[first + j]) * nonlinear.weight[j])

@@ -14,6 +14,7 @@ from rthm_core.engine.nonlinear.operations import Operations
 from rthm_core.engine.nonlinear.packed import Packed, see
 from rthm_core.engine.nonlinear.steps import Steps
 from rthm_core.engine.worked import energy
+from rthm_core.lent import lent
 from rthm_core.physical.sensors import Sensors, measured
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
 from rthm_core.simd import numbers, put_first
@@ -124,6 +125,7 @@ def run_nonlinear(
     out: Outputs,
 ) -> None:
     """Execute a program `passes` times or until the rows `out` are full, from ``z = [y, held, g]`` on."""
+    nonlinear, steps, packed, work = lent(nonlinear), lent(steps), lent(packed), lent(work)
     samples, references, count = memory
     s_mask, r_mask = samples.shape[0] - 1, references.shape[0] - 1
     s, r, row = count[0], count[1], count[2]

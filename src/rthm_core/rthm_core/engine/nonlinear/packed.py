@@ -9,6 +9,7 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, called, inlined
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.steps import Steps, fill
+from rthm_core.lent import given
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers, put_numbers_from, simd_empty
 
 HALVINGS = 6
@@ -100,7 +101,7 @@ def _make(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-un
 def prepare(nonlinear, steps, packed, number, slot, length):  # type: ignore[no-untyped-def]
     """Make the step of `length` seconds in a slot, if it is not there."""
     if not packed.filled[slot] or slot == packed.filled.size - 1:
-        _make(nonlinear, steps, packed, number, slot, length)
+        _make(given(nonlinear), given(steps), given(packed), number, slot, length)
 
 
 @inlined

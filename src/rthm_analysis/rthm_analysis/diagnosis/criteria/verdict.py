@@ -177,8 +177,8 @@ DRAFT_LEAST_EXCESS = 5000.0
 much tells kinds apart."""
 
 DRAFT_MOST_APART = 16
-"""Samples from one of a draft to the next at most: between those of a long recording that is sampled often, the
-recorded motion would not be smooth enough for the force of a wire to follow from it."""
+"""Samples from one of a draft to the next at most: further apart, in a long recording that is sampled often,
+the recorded motion is not smooth enough for the force of a wire to follow from it."""
 
 DRAFT_FEWEST_IN_WINDOW = 30
 """Samples of a draft in each window at least."""

@@ -180,6 +180,10 @@ DRAFT_LEAST_EXCESS = 5000.0
 """Samples that a draft has at least, and squared error in them above the noise, in units of the noise: so
 much tells kinds apart."""
 
+DRAFT_MOST_APART = 16
+"""Samples from one of a draft to the next at most: further apart, in a long recording that is sampled often,
+the recorded motion is not smooth enough for the force of a wire to follow from it."""
+
 DRAFT_FEWEST_IN_WINDOW = 30
 """Samples of a draft in each window at least."""
 

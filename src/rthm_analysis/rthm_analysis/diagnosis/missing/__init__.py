@@ -6,6 +6,7 @@
 ``features``  free curves over motion, time and load, as sums of simple shapes
 ``binned``    averages of a force over another variable
 ``likely``    which of them are worth a replay
+``normal``    normal equations by block, and what they leave of data left out
 ``curves``    which of them predicts data that chose nothing, and by how much
 ``describe``  what was found in words: on what, when, which way, where it was seen
 ``shapes``    the grammar: shapes over one variable, and where a fit of each may begin

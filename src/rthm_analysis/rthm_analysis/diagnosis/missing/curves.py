@@ -11,8 +11,6 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import DIFFERENCE_STEP, POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.missing import (
-    CURVE_LEAST_RESPONSE,
-    CURVE_RIDGE,
     CURVE_STIFFNESSES,
     CURVE_TRIAL_FORCE_RATIO,
     FORMULA_STEPS,
@@ -26,6 +24,7 @@ from rthm_analysis.diagnosis.fitting.noise import Noise
 from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.missing.normal import Normal, normal_of, solved, squares
 from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
@@ -136,7 +135,7 @@ class Regression:
         self.left, blocks = self.fitting.thinned(left), self.fitting.thinned_blocks
         last = np.count_nonzero(self.fitting.edges[1:] <= np.searchsorted(kept, train))
         self.train, self.held = blocks[:last], blocks[last:]
-        reduced_chi2 = max(1.0, _squares(left) / max(self.fitting.expected, 1.0))
+        reduced_chi2 = max(1.0, squares(left) / max(self.fitting.expected, 1.0))
         self.motion = self.experiment.motion(model.spec, windows)
         self._along = self._along_each()
         self.motion_forces = self._motion_forces()
@@ -240,13 +239,13 @@ class Regression:
         first, own, held = self.known.shape[0], self.motion_forces.shape[2], self.held
         base, columns = whole.leading(first), np.vstack([self.known, response])
         left_out, plain = float(base.left_out().sum()), base.sizes
-        before = sum(_squares(self.left[b] - plain @ columns[:first, b]) for b in held)
+        before = sum(squares(self.left[b] - plain @ columns[:first, b]) for b in held)
         scatter = max(float(np.median(whole.squares / whole.count)), 1.0)
 
         def held_together(stiffness: float) -> CurveFit:
             stiff = whole.stiffened(feature.roughness, stiffness)
             sizes, inverse = solved(*stiff.total)
-            after = sum(_squares(self.left[b] - sizes @ columns[:, b]) for b in held)
+            after = sum(squares(self.left[b] - sizes @ columns[:, b]) for b in held)
             return CurveFit(
                 name,
                 feature,
@@ -278,7 +277,7 @@ class Regression:
         columns = np.vstack([self.known, responses])
         if not np.isfinite(columns).all():
             return None
-        return _normal(columns, self.left, self.train, self.precision)
+        return normal_of(columns, self.left, self.train, self.precision)
 
     def normal_of_any_unit(self, responses: Floats) -> tuple[Normal | None, Floats]:
         """Normal equations as `normal`, of responses that weigh alike; and the factors (q,) that turn their
@@ -296,56 +295,6 @@ class Regression:
             if kept.nbytes + sum(one.nbytes for one in self._responses.values()) < MOST_RESPONSE_BYTES:
                 self._responses[feature, dof] = kept
         return kept
-
-
-@dataclass(frozen=True)
-class Normal:
-    """Normal equations by block, and what is known of the sizes beside the data."""
-
-    hessian: Floats
-    gradient: Floats
-    squares: Floats
-    count: Floats
-    prior: Floats
-
-    @property
-    def total(self) -> tuple[Floats, Floats]:
-        """Hessian and gradient of all blocks."""
-        return self.hessian.sum(0) + self.prior, self.gradient.sum(0)
-
-    @property
-    def sizes(self) -> Floats:
-        """Sizes (p,) that fit best."""
-        return solved(*self.total)[0]
-
-    def leading(self, count: int) -> Normal:
-        """Those of the first sizes alone."""
-        return self.within(np.eye(self.prior.shape[0])[:, :count])
-
-    def within(self, directions: Floats) -> Normal:
-        """Those of sizes that are sums of some directions (p, q)."""
-        return Normal(
-            directions.T @ self.hessian @ directions,
-            self.gradient @ directions,
-            self.squares,
-            self.count,
-            directions.T @ self.prior @ directions,
-        )
-
-    def stiffened(self, roughness: Floats, stiffness: float) -> Normal:
-        """The same with the last sizes held together: `roughness` (p, p), of the mean weight of the data."""
-        count = roughness.shape[0]
-        weight = float(np.diag(self.total[0])[-count:].mean())
-        prior = self.prior.copy()
-        prior[-count:, -count:] += stiffness * weight * roughness
-        return replace(self, prior=prior)
-
-    def left_out(self) -> Floats:
-        """Squared error (b,) of each block under the fit to all others."""
-        hessian, gradient = self.total
-        sizes, _ = solved(hessian - self.hessian, gradient - self.gradient)
-        bent = (self.hessian @ sizes[..., None])[..., 0] - 2.0 * self.gradient
-        return np.asarray(self.squares + np.sum(sizes * bent, axis=1))
 
 
 def _some_samples(
@@ -395,35 +344,6 @@ def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
         return np.asarray((np.reshape(other, (n, n)) - np.reshape(one, (n, n))) / step)
 
     return change(before.damping, after.damping), change(before.stiffness, after.stiffness)
-
-
-def _normal(columns: Floats, left: Floats, blocks: list[slice], precision: Floats) -> Normal:
-    prior = np.zeros(columns.shape[0])
-    prior[: precision.size] = precision
-    return Normal(
-        np.stack([columns[:, b] @ columns[:, b].T for b in blocks]),
-        np.stack([columns[:, b] @ left[b] for b in blocks]),
-        np.array([_squares(left[b]) for b in blocks]),
-        np.array([float(np.count_nonzero(left[b])) for b in blocks]),
-        np.diag(prior),
-    )
-
-
-def solved(hessian: Floats, gradient: Floats) -> tuple[Floats, Floats]:
-    """Sizes (..., p) and covariance (..., p, p) for noise of power 1, of equations (..., p, p), (..., p).
-
-    What the data do not reach has size 0.
-    """
-    diagonal = np.diagonal(hessian, axis1=-2, axis2=-1)
-    reached = diagonal > CURVE_LEAST_RESPONSE * diagonal.max(axis=-1, keepdims=True, initial=0.0)
-    scale = np.where(reached, 1.0 / np.sqrt(np.where(reached, diagonal, 1.0)), 0.0)
-    both = scale[..., :, None] * scale[..., None, :]
-    inverse = np.linalg.inv(hessian * both + CURVE_RIDGE * np.eye(scale.shape[-1])) * both
-    return (inverse @ gradient[..., None])[..., 0], inverse
-
-
-def _squares(values: Floats) -> float:
-    return float(values @ values)
 
 
 def free_curves(regression: Regression, among: Mapping[str, Collection[int]] | None = None) -> list[CurveFit]:

@@ -28,8 +28,9 @@ from rthm_analysis.diagnosis.criteria.missing import (
     TERM_GAIN_SHARE,
     TERMS_OF_A_FORMULA,
 )
-from rthm_analysis.diagnosis.missing.curves import CurveFit, Normal, Regression, beside
+from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, beside
 from rthm_analysis.diagnosis.missing.features import Curve, Feature, feature_of, knots_over
+from rthm_analysis.diagnosis.missing.normal import Normal
 from rthm_analysis.diagnosis.missing.plain import plain_laws
 from rthm_analysis.diagnosis.missing.recurring import recurring, swinging
 from rthm_analysis.diagnosis.missing.shapes import BEYOND, WITHIN, Shape, shapes_over

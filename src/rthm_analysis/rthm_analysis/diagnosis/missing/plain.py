@@ -20,7 +20,8 @@ from rthm_analysis.diagnosis.criteria.missing import (
     SAME_LEFT_RATIO,
     SWINGING_ANGLES,
 )
-from rthm_analysis.diagnosis.missing.curves import Normal, Regression, solved
+from rthm_analysis.diagnosis.missing.curves import Regression
+from rthm_analysis.diagnosis.missing.normal import Normal, solved
 from rthm_analysis.diagnosis.missing.shapes import PENDULUM, Shape
 from rthm_analysis.diagnosis.missing.terms import Term
 

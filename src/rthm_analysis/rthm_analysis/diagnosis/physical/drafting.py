@@ -20,6 +20,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     DRAFT_FEWEST_SAMPLES,
     DRAFT_KINDS_COPIED,
     DRAFT_LEAST_EXCESS,
+    DRAFT_MOST_APART,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline
@@ -74,9 +75,10 @@ def _every(begun: Baseline) -> int:
     samples = fitting.experiment.evidence.stamps_ns.size
     shortest = int(np.diff(np.append(fitting.windows.start, samples)).min())
     excess = (fitting.reduced_chi2 - 1.0) * fitting.expected
-    return int(
-        min(samples // DRAFT_FEWEST_SAMPLES, shortest // DRAFT_FEWEST_IN_WINDOW, excess // DRAFT_LEAST_EXCESS)
+    fewest = min(
+        samples // DRAFT_FEWEST_SAMPLES, shortest // DRAFT_FEWEST_IN_WINDOW, excess // DRAFT_LEAST_EXCESS
     )
+    return int(min(fewest, DRAFT_MOST_APART))
 
 
 def _copied(begun: Baseline, draft: Draft, found: Selection) -> Selection | None:

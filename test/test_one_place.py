@@ -20,6 +20,7 @@ OTHERS = {
     "scale": {"stability/analysis.py", "stability/result.py", "cli/verbs/stability.py"},  # of all delays
     "saturation": {"faults/clipped.py"},  # a fault of a recording
     "bias": {"tangents/changes.py"},  # an array of the engine
+    "inertia": {"physical/laws.py"},  # a function of every law on the plant
 }
 """Words that name a kind and mean something else in these files."""
 

@@ -99,6 +99,10 @@ def one_effect(draw: st.DrawFn, name: str, blocks: list[str], places: dict[str, 
         entries[parameter] = text if isinstance(entry, Text) else number_of(draw, entry)
     if kind == "extra_delay":  # how early a delay may be depends on the others, see test_early_delays
         entries["delay"] = abs(entries["delay"])
+    for joining in {"mass_change": ["change"], "growing_mass": ["rate"]}.get(kind, []):
+        entries[joining] = abs(entries[joining])  # no more may leave than there is, see test_mass
+    if kind == "inertia":
+        entries["mass"] = "2 * x**2"
     return {f"{name}.{key}": value for key, value in entries.items()}
 
 

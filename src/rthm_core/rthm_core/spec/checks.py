@@ -221,7 +221,7 @@ def check_mass(spec: Spec) -> None:
     """No effect takes away more than there is."""
     for one in heavy(spec):
         if not all(_positive_definite(mass_at(spec, t)) for t in instants(spec)):
-            name, value = next(iter(one.numbers.items()))
+            name, value = next(iter({**one.numbers, **one.parameters}.items()))
             allowed = "such that what leaves the plant is less than its mass"
             raise RefusedError(value, allowed, within=f"{one.name}.{name}")
 

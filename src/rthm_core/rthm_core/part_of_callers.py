@@ -7,6 +7,9 @@ optimised at each link; here it is once, at the top. What is at the top may be o
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -17,7 +20,33 @@ LEVEL = 2
 """Of LLVM's optimisation; its third takes longer and makes such code no quicker."""
 
 
-class _Part(JITCodeLibrary):  # type: ignore[misc]
+@contextmanager
+def _garbage_kept() -> Iterator[None]:
+    """Look for no garbage: nearly all that compiling makes is in use until it ends."""
+    is_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if is_enabled:
+            gc.enable()
+
+
+class _TidiedOnly(JITCodeLibrary):  # type: ignore[misc]
+    """Code whose functions are made small before they are linked, and optimised afterwards."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+        options = llvm.create_pipeline_tuning_options(speed_level=1)
+        options.loop_unrolling = False
+        builder = llvm.create_pass_builder(self._codegen._tm, options)
+        passes = builder.getFunctionPassManager()
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                passes.run(function, builder)
+
+
+class _Part(_TidiedOnly):
     """Code that is only linked into that of callers."""
 
     def _optimize_final_module(self) -> None:
@@ -51,10 +80,11 @@ class PartOfCallers(Compiler):  # type: ignore[misc]
     def compile_extra(self, function: Any) -> Any:
         """Compile a function in Python."""
         self.state.library = _Part(self.state.targetctx.codegen(), function.__qualname__)
-        return super().compile_extra(function)
+        with _garbage_kept():
+            return super().compile_extra(function)
 
 
-class _Plain(JITCodeLibrary):  # type: ignore[misc]
+class _Plain(_TidiedOnly):
     """Code that is optimised once, and whose loops are left as they are."""
 
     unrolls = False
@@ -89,7 +119,8 @@ class Plain(Compiler):  # type: ignore[misc]
         """Compile a function in Python."""
         self.state.library = self.library(self.state.targetctx.codegen(), function.__qualname__)
         self.state.library.enable_object_caching()
-        return super().compile_extra(function)
+        with _garbage_kept():
+            return super().compile_extra(function)
 
 
 class PlainUnrolled(Plain):

@@ -17,7 +17,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from rthm_core.part_of_callers import PartOfCallers
+from rthm_core.part_of_callers import PartOfCallers, WrittenOutPart
 
 
 class Call(NamedTuple):
@@ -124,9 +124,11 @@ def law_function(calls: dict[str, Call], name: str, otherwise: Callable[..., Any
     return part(scope[name])
 
 
-def part(function: Callable[..., Any], *, nrt: bool = False, inline: bool = True) -> Any:
+def part(
+    function: Callable[..., Any], *, nrt: bool = False, inline: bool = True, written_out: bool = False
+) -> Any:
     """A function that is compiled as part of its callers; `nrt`: it may make arrays; `inline`: it is
-    called nowhere, but stands there itself.
+    called nowhere, but stands there itself; `written_out`: so do the turns of its loops.
     """
     return numba.njit(
         _nrt=nrt,
@@ -134,7 +136,7 @@ def part(function: Callable[..., Any], *, nrt: bool = False, inline: bool = True
         error_model="numpy",
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
-        pipeline_class=PartOfCallers,
+        pipeline_class=WrittenOutPart if written_out else PartOfCallers,
     )(function)
 
 

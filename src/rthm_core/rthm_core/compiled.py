@@ -141,6 +141,11 @@ def inlined(function: Callable[..., Any]) -> Any:
     return part(function)
 
 
+def written_out(function: Callable[..., Any]) -> Any:
+    """As `inlined`, for loops over tuples: written out, what these hold stays in registers."""
+    return part(function, written_out=True)
+
+
 def whole(function: Callable[..., Any]) -> Any:
     """As `inlined`, but called where it is called: what is long, or stands in several places, is optimised
     once. Records are `lent` to it.

@@ -74,14 +74,31 @@ class _Part(_TidiedOnly):
         return bytes(self._codegen._tm.emit_object(self._variables()))
 
 
+class _WrittenOutPart(_Part):
+    """The same, with loops written out before it is linked, where the numbers of their turns are known."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        JITCodeLibrary._optimize_functions(self, ll_module)
+
+
 class PartOfCallers(Compiler):  # type: ignore[misc]
     """How numba compiles such a function."""
 
+    library = _Part
+
     def compile_extra(self, function: Any) -> Any:
         """Compile a function in Python."""
-        self.state.library = _Part(self.state.targetctx.codegen(), function.__qualname__)
+        self.state.library = self.library(self.state.targetctx.codegen(), function.__qualname__)
         with _garbage_kept():
             return super().compile_extra(function)
+
+
+class WrittenOutPart(PartOfCallers):
+    """How numba compiles one with loops over tuples: the outer ones are written out first, and the inner ones
+    then have as many turns as is known when they are compiled.
+    """
+
+    library = _WrittenOutPart
 
 
 class _Plain(_TidiedOnly):

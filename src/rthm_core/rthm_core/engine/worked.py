@@ -6,11 +6,11 @@ come first and are weighed in one loop.
 
 from __future__ import annotations
 
-from rthm_core.compiled import inlined
+from rthm_core.compiled import written_out
 from rthm_core.simd import element, everywhere, numbers, put_element
 
 
-@inlined
+@written_out
 def worked(tables, k, z):  # type: ignore[no-untyped-def]
     """Work (8,), a SIMD value, over a step from `z` on.
 
@@ -18,19 +18,15 @@ def worked(tables, k, z):  # type: ignore[no-untyped-def]
     """
     total, pair = everywhere(0.0), 0
     for i in range(len(z)):
-        one = other = everywhere(0.0)  # side by side: a sum waits for the one before
-        for j in range(i, len(z) - 1, 2):
-            one += numbers(tables, (k, pair)) * z[j]
-            other += numbers(tables, (k, pair + 1)) * z[j + 1]
-            pair += 2
-        if (len(z) - i) % 2:
-            one += numbers(tables, (k, pair)) * z[len(z) - 1]
+        part = everywhere(0.0)
+        for j in range(i, len(z)):
+            part += numbers(tables, (k, pair)) * z[j]
             pair += 1
-        total += (one + other) * z[i]
+        total += part * z[i]
     return total
 
 
-@inlined
+@written_out
 def put_products(z, out):  # type: ignore[no-untyped-def]
     """Products of every two elements of `z`, into `out`."""
     pair = 0
@@ -41,7 +37,7 @@ def put_products(z, out):  # type: ignore[no-untyped-def]
             pair += 1
 
 
-@inlined
+@written_out
 def weighed(tables, k, products):  # type: ignore[no-untyped-def]
     """Work (8,), a SIMD value, over a step that begins with what has such `products`."""
     one = other = third = last = everywhere(0.0)  # side by side: a sum waits for the one before
@@ -56,7 +52,7 @@ def weighed(tables, k, products):  # type: ignore[no-untyped-def]
     return (one + other) + (third + last)
 
 
-@inlined
+@written_out
 def energy(form, z):  # type: ignore[no-untyped-def]
     """Sum over every two elements of `z` of ``form[pair] z_i z_j``."""
     total, pair = 0.0, 0

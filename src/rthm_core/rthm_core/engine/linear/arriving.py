@@ -10,10 +10,10 @@ import numpy as np
 from numba.core import types
 from numba.extending import overload
 
-from rthm_core.compiled import inlined
+from rthm_core.compiled import written_out
 from rthm_core.engine.linear.arrivals import TERMS_KEPT
 from rthm_core.engine.linear.vectors import put
-from rthm_core.part_of_callers import PartOfCallers
+from rthm_core.part_of_callers import WrittenOutPart
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers
 
 
@@ -23,12 +23,12 @@ def inlined_state(function: Callable[..., Any]) -> Any:
         error_model="numpy",
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
-        pipeline_class=PartOfCallers,
+        pipeline_class=WrittenOutPart,
         forceinline=True,
     )(function)
 
 
-@inlined
+@written_out
 def piece(responses, length):  # type: ignore[no-untyped-def]
     """Number of the piece in which a length (ns) lies, and its distance from the middle in half pieces."""
     k = np.uint64(min(int(length * responses.scale), responses.centres.size - 1))
@@ -80,7 +80,7 @@ def _joint(z: Any, plant: Any, command: Any, numerical: Any, held: Any) -> Any:
     return in_place
 
 
-@inlined
+@written_out
 def _pass_on(works, responses, length, z):  # type: ignore[no-untyped-def]
     """Write the joint state a length (ns) later that may be any."""
     k, x = piece(responses, length)
@@ -112,7 +112,7 @@ def changed(z, first, share, change):  # type: ignore[no-untyped-def]
     return z
 
 
-@inlined
+@written_out
 def added_work(works, k, x, change, z):  # type: ignore[no-untyped-def]
     """Work (8,), a SIMD value, that a change of the inputs makes until the next instant of the clocks; `z` is
     the joint state with the mean of what they were and are.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rthm_core.compiled import Floats, Integers, called, inlined
+from rthm_core.compiled import Floats, Integers, called, written_out
 from rthm_core.energy import FF, FX
 from rthm_core.simd import WIDTH, columns, element, everywhere, numbers, put_element, put_numbers
 
@@ -76,14 +76,14 @@ class Periods(NamedTuple):
     work: Floats
 
 
-@inlined
+@written_out
 def _note(states, change, begin, lane, part):  # type: ignore[no-untyped-def]
     for i in range(len(part)):
         put_element(states, (change, begin + i, lane), part[i])
     return begin + len(part)
 
 
-@inlined
+@written_out
 def feel(felt, i, held):  # type: ignore[no-untyped-def]
     """What of the held motion matters for work."""
     total = 0.0
@@ -92,7 +92,7 @@ def feel(felt, i, held):  # type: ignore[no-untyped-def]
     return total
 
 
-@inlined
+@written_out
 def note(  # type: ignore[no-untyped-def]
     states, change, lane, plant, aside, commands, numerical, held, felt
 ):
@@ -105,7 +105,7 @@ def note(  # type: ignore[no-untyped-def]
         put_element(states, (change, d + i, lane), feel(felt, i, held))
 
 
-@inlined
+@written_out
 def _multiply(pairs, begin, count, states, change, products):  # type: ignore[no-untyped-def]
     """Products of some pairs of elements of the joint states after a change."""
     for n in range(count):
@@ -113,12 +113,12 @@ def _multiply(pairs, begin, count, states, change, products):  # type: ignore[no
         put_numbers(products, (n,), numbers(states, (change, one)) * numbers(states, (change, other)))
 
 
-@inlined
+@written_out
 def _add(sums, look, term, value):  # type: ignore[no-untyped-def]
     put_numbers(sums, (look, term), numbers(sums, (look, term)) + value)
 
 
-@inlined
+@written_out
 def _add_to_terms(  # type: ignore[no-untyped-def]
     coefficients, k, at, count, products, terms, sums, look
 ):
@@ -136,7 +136,7 @@ def _add_to_terms(  # type: ignore[no-untyped-def]
     _add(sums, look, terms[3], d)
 
 
-@inlined
+@written_out
 def _add_to_term(coefficients, k, at, count, products, term, sums, look):  # type: ignore[no-untyped-def]
     """Add what products, four at a time, say of one term."""
     a = b = c = d = everywhere(0.0)
@@ -149,7 +149,7 @@ def _add_to_term(coefficients, k, at, count, products, term, sums, look):  # typ
     _add(sums, look, term, (a + b) + (c + d))
 
 
-@inlined
+@written_out
 def _add_segment(periods, segment, change, later, first, stop):  # type: ignore[no-untyped-def]
     """Add what the pairs of a segment say of its terms, at the looks after a change."""
     looks, products, sums = periods.looks, periods.products, periods.sums
@@ -168,7 +168,7 @@ def _add_segment(periods, segment, change, later, first, stop):  # type: ignore[
         at += count // SIDE_BY_SIDE if alone else count
 
 
-@inlined
+@written_out
 def _sum_up(periods, later):  # type: ignore[no-untyped-def]
     """Work since the start of each period at all looks."""
     ends, sums = periods.looks.ends, periods.sums
@@ -181,14 +181,14 @@ def _sum_up(periods, later):  # type: ignore[no-untyped-def]
             _add_segment(periods, segment, change, later, first, stop)
 
 
-@inlined
+@written_out
 def _columns(sums, look):  # type: ignore[no-untyped-def]
     """Work of each period at a look, after which that of E_ff is without E_fx."""
     put_numbers(sums, (look, FF), numbers(sums, (look, FF)) - numbers(sums, (look, FX)))
     return columns(sums, (look,))
 
 
-@inlined
+@written_out
 def _write(periods, look, first, out, row, until):  # type: ignore[no-untyped-def]
     """Write the work of a row in each period from the first on, whose rows begin with `row`."""
     at = row + periods.looks.row[look] - first * periods.looks.rows

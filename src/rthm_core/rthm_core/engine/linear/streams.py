@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Integers, fused, inlined
+from rthm_core.compiled import Integers, fused, written_out
 from rthm_core.engine.linear.arrivals import Responses, Works
 from rthm_core.engine.linear.arriving import (
     added_work,
@@ -67,19 +67,19 @@ class Span(NamedTuple):
     which: Integers
 
 
-@inlined
+@written_out
 def _place(number):  # type: ignore[no-untyped-def]
     """A number that is not negative as an index: the compiler then leaves out counting from the end."""
     return np.uint64(number)
 
 
-@inlined
+@written_out
 def _within(number, ring):  # type: ignore[no-untyped-def]
     """Where a memory has what has this number."""
     return np.uint64(number & (ring.shape[0] - 1))
 
 
-@inlined
+@written_out
 def _beyond(numbers_used, at, last):  # type: ignore[no-untyped-def]
     """First place from `at` on that uses what is newer than `last`."""
     while numbers_used[_place(at)] <= last:
@@ -87,7 +87,7 @@ def _beyond(numbers_used, at, last):  # type: ignore[no-untyped-def]
     return at
 
 
-@inlined
+@written_out
 def _input(tables, memory, sample, reference, parts, j):  # type: ignore[no-untyped-def]
     """Input `j` of the plant by a command, whose parts are one input or two."""
     m, value = tables.k_tot.size, 0.0
@@ -112,7 +112,7 @@ def _arrive(tables, memory, span, arriving, command, change):  # type: ignore[no
     return command, change
 
 
-@inlined
+@written_out
 def _sample(tables, memory, sensors, number, stamp, plant, command, held):  # type: ignore[no-untyped-def]
     """Keep a sample of the plant."""
     samples, bias = memory.samples, tables.bias
@@ -135,7 +135,7 @@ def _tick(tables, memory, span, number, numerical, held, like):  # type: ignore[
     return held
 
 
-@inlined
+@written_out
 def _row(tables, memory, span, giver, row, plant, command, numerical, held, rows):  # type: ignore[no-untyped-def]
     """Write a row, in which the controller uses the reference of the command before `giver`."""
     (plant_out, numerical_out, reference_out, _), like = rows

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, compiled_in_place, written_out
 from rthm_core.engine.many.lane_steps import fill_steps
 from rthm_core.engine.many.states import laid, moved, put, seen, state_of, taken
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
@@ -94,7 +94,7 @@ def room(steps: tuple[tuple[int, ...], tuple[int, ...]], samples: int, reference
     )
 
 
-@inlined
+@written_out
 def _force(stiffness, damping, dofs, y, at, n, memory, to):  # type: ignore[no-untyped-def]
     """F_d between the held and the present motion, which is in y from place `at` on and has `n` elements."""
     m = len(stiffness)
@@ -106,7 +106,7 @@ def _force(stiffness, damping, dofs, y, at, n, memory, to):  # type: ignore[no-u
         put_numbers_from(memory, to + i * WIDTH, force)
 
 
-@inlined
+@written_out
 def _write(k_tot, dofs, plant, n, memory, asked, out, row):  # type: ignore[no-untyped-def]
     """Write the last 2 m columns of a row: F_d in use and the force in the wire."""
     m = len(k_tot)
@@ -117,7 +117,7 @@ def _write(k_tot, dofs, plant, n, memory, asked, out, row):  # type: ignore[no-u
         put_numbers(out, (row, first + m + i), taken(k_tot, i) * stretch)
 
 
-@inlined
+@written_out
 def _unload(buffer, rows, out, begin, first):  # type: ignore[no-untyped-def]
     """Write a few rows of the loops from `begin` on to where each has its own."""
     for lane in range(min(WIDTH, out.shape[0] - begin)):
@@ -126,7 +126,7 @@ def _unload(buffer, rows, out, begin, first):  # type: ignore[no-untyped-def]
                 out[begin + lane, first + row, i] = buffer[row, i, lane]
 
 
-@inlined
+@written_out
 def _of(operations, at, which):  # type: ignore[no-untyped-def]
     """One of the numbers of an operation."""
     return np.int64(element(operations, (at + which,)))

@@ -12,7 +12,7 @@ from numba.core import types
 from numba.cpython.unsafe.tuple import tuple_setitem
 from numba.extending import overload
 
-from rthm_core.compiled import inlined
+from rthm_core.compiled import written_out
 from rthm_core.simd import WIDTH, everywhere, numbers_from, put_numbers_from, several
 
 
@@ -98,7 +98,7 @@ def _laid(state: Any, memory: Any, place: Any) -> Any:
     return stored
 
 
-@inlined
+@written_out
 def seen(memory, step, i, state, made, of):  # type: ignore[no-untyped-def]
     """Element `i` of what the step in the memory at a place makes of a state.
 

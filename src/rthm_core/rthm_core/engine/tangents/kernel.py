@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, inlined, plainly
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, unrolled, written_out
 from rthm_core.engine.nonlinear.advance import Work, count_work, set_of
 from rthm_core.engine.nonlinear.arc import before_arc, sticks_on
 from rthm_core.engine.nonlinear.event_free import nothing_switches
@@ -46,13 +46,13 @@ class Layout(NamedTuple):
     motion: int
 
 
-@inlined
+@written_out
 def _lane(lanes, row, width, motion):  # type: ignore[no-untyped-def]
     """Element of the motion whose tangents these are."""
     return lanes[np.uint64(row * width + motion)]
 
 
-@inlined
+@written_out
 def _move(source, begin, target, to, count):  # type: ignore[no-untyped-def]
     """Copy so many numbers, which are whole SIMD values."""
     for i in range(0, count, WIDTH):
@@ -70,7 +70,7 @@ def _seen(entries, slot, z, lanes, at, out, to, groups, pairs):  # type: ignore[
                 put_numbers_from(out, begin + group * WIDTH, sums[i * len(groups) + group])
 
 
-@inlined
+@written_out
 def _add(bias, lanes, begin):  # type: ignore[no-untyped-def]
     """Add the tangents of a bias."""
     for i in range(bias.shape[0]):
@@ -79,7 +79,7 @@ def _add(bias, lanes, begin):  # type: ignore[no-untyped-def]
             put_numbers_from(lanes, place, numbers_from(lanes, place) + numbers(bias, (i, group)))
 
 
-@inlined
+@written_out
 def _command(k_tot, change, counting, motion, own, used, asked, to, width):  # type: ignore[no-untyped-def]
     """Tangents of a command from a sample and a reference: of its two parts where work is counted."""
     m = k_tot.size
@@ -97,14 +97,14 @@ def _command(k_tot, change, counting, motion, own, used, asked, to, width):  # t
                 put_numbers_from(own.lanes, to + i * width + lane, sample + beside)
 
 
-@inlined
+@written_out
 def _put(layout, beside, signal, group, tangents):  # type: ignore[no-untyped-def]
     """Write the tangents of a signal with respect to the parameters of a group."""
     begin = signal * layout.parameters + layout.before[group]
     put_first(beside, (begin,), tangents, layout.counts[group])
 
 
-@inlined
+@written_out
 def _write_seen(entries, slot, z, own, at, layout, beside, signal, groups, triples):  # type: ignore[no-untyped-def]
     """Write the tangents of what is seen, from a `signal` on; the motion goes into ``own.seen``."""
     for block in range(entries.rows.shape[0]):
@@ -116,7 +116,7 @@ def _write_seen(entries, slot, z, own, at, layout, beside, signal, groups, tripl
                 _put(layout, beside, signal + seen, group, sums[i * len(groups) + group])
 
 
-@inlined
+@written_out
 def _write(  # type: ignore[no-untyped-def]
     entries, slot, z, own, at, asked, layout, out, row, beside, groups, triples
 ):
@@ -135,7 +135,7 @@ def _write(  # type: ignore[no-untyped-def]
             _put(layout, beside, signal + plant + n + i, group, tangents)
 
 
-@inlined
+@written_out
 def _put_look(step, change, look, slot):  # type: ignore[no-untyped-def]
     """Keep what is seen after a step."""
     look_through(step, change, look)
@@ -155,7 +155,7 @@ def _prepare(nonlinear, steps, tangents, changes, own, number, k, slot):  # type
     changes.filled[slot] = 1
 
 
-@inlined
+@written_out
 def _slot(nonlinear, steps, tangents, changes, own, number, k):  # type: ignore[no-untyped-def]
     """Where the matrices of a step over length `k` are."""
     slot = number * steps.lengths.size + k
@@ -164,7 +164,7 @@ def _slot(nonlinear, steps, tangents, changes, own, number, k):  # type: ignore[
     return slot
 
 
-@inlined
+@written_out
 def _goes_on(nonlinear, work, number, z):  # type: ignore[no-untyped-def]
     """Whether nothing switches between z and ``work.end``."""
     return nothing_switches(
@@ -173,7 +173,7 @@ def _goes_on(nonlinear, work, number, z):  # type: ignore[no-untyped-def]
     ) and sticks_on(nonlinear, number, work.modes, z, work.end)  # fmt: skip
 
 
-@plainly
+@unrolled
 @compiled_in_place
 def run_tangents(
     nonlinear: Nonlinear,

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, unrolled, written_out
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, written_out
 from rthm_core.engine.nonlinear.advance import Work, count_work, set_of
 from rthm_core.engine.nonlinear.arc import before_arc, sticks_on
 from rthm_core.engine.nonlinear.event_free import nothing_switches
@@ -173,7 +173,6 @@ def _goes_on(nonlinear, work, number, z):  # type: ignore[no-untyped-def]
     ) and sticks_on(nonlinear, number, work.modes, z, work.end)  # fmt: skip
 
 
-@unrolled
 @compiled_in_place
 def run_tangents(
     nonlinear: Nonlinear,

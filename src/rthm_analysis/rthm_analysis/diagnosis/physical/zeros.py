@@ -40,8 +40,7 @@ class Zeros(NamedTuple):
     targets : tuple of c Channel
         Measured signals, or known forces of the family `LOAD`.
     values, stds : (r, c) arrays
-        What each reads at a true value of zero; NaN and infinity where states in which runs begin stand for
-        it.
+        What each reads at a true value of zero; 0 and infinity where states in which runs begin stand for it.
     left, shared, expected : float
         Squared error, in units of the noise, with a zero for each recording, with one for all of them, and of
         noise alone.

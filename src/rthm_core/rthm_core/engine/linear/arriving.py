@@ -5,27 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numba
 import numpy as np
 from numba.core import types
 from numba.extending import overload
 
+from rthm_core.addressed import part
 from rthm_core.compiled import written_out
 from rthm_core.engine.linear.arrivals import TERMS_KEPT
 from rthm_core.engine.linear.vectors import put
-from rthm_core.part_of_callers import WrittenOutPart
 from rthm_core.simd import WIDTH, everywhere, numbers, put_numbers
 
 
 def inlined_state(function: Callable[..., Any]) -> Any:
-    """As `inlined`, for a function that gives a state back, be it a tuple or an array that it changes."""
-    return numba.njit(
-        error_model="numpy",
-        no_cpython_wrapper=True,
-        no_cfunc_wrapper=True,
-        pipeline_class=WrittenOutPart,
-        forceinline=True,
-    )(function)
+    """As `written_out`, for a function that gives a state back, be it a tuple or an array that it changes."""
+    return part(function, nrt=True, written_out=True)
 
 
 @written_out

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from rthm_core.compiled import Floats, called, written_out
+from rthm_core.compiled import Floats, called, inlined
 from rthm_core.engine.nonlinear.steps import terms_of
 from rthm_core.simd import numbers, put_numbers
 
 
-@written_out
+@inlined
 def _product(start: Floats, factor: float, a: Floats, b: Floats, out: Floats) -> None:
     """Let `out` be ``factor start + a b``, where inputs have no rates: all are (states, n, 8), and `out` is
     none of the others.
@@ -22,14 +22,14 @@ def _product(start: Floats, factor: float, a: Floats, b: Floats, out: Floats) ->
             put_numbers(out, (i, j), total)
 
 
-@written_out
+@inlined
 def _scaled(a: Floats, factor: float, out: Floats) -> None:
     for i in range(a.shape[0]):
         for j in range(a.shape[1]):
             put_numbers(out, (i, j), numbers(a, (i, j)) * factor)
 
 
-@written_out
+@inlined
 def _largest(a: Floats) -> float:
     """Largest row sum of matrices (states, n, 8)."""
     largest = 0.0
@@ -42,7 +42,7 @@ def _largest(a: Floats) -> float:
     return largest
 
 
-@written_out
+@inlined
 def _exponential(a: Floats, t: float, largest: float, x: Floats, grown: Floats, work: Floats) -> None:
     """``exp(a t) - 1`` of matrices (states, n, 8) into `grown`, by scaling and squaring of the series;
     `largest` is their largest row sum times `t`.

@@ -139,7 +139,7 @@ def diagnosed(bag: Path, spec: Path, environment: Mapping[str, str]) -> tuple[fl
     seconds, cpu = time.perf_counter() - begin, children_cpu() - before
     said = json.loads(done.stdout)
     names = ", ".join(f"{one['block']} {one['kind']}" for one in said["physics"])
-    formulas = ", ".join(f"`{one['formula']}`" for one in said["described"] if one["formula"])
+    formulas = ", ".join(f"`{one['formula']}`" for one in said.get("described", ()) if one["formula"])
     return seconds, cpu, names or formulas or said["verdict"]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.physical.constant_part import with_constant_parts
 from rthm_analysis.diagnosis.physical.inseparable import inseparable
+from rthm_analysis.diagnosis.physical.parts_of_force import with_parts
 from rthm_analysis.diagnosis.result import Described, Physics, Value
 
 
@@ -43,11 +45,29 @@ def _left(*depends_on: str, size: float, place: str = "x1") -> Described:
 def test_a_constant_beside_an_unknown_force_over_the_position_may_be_part_of_it() -> None:
     named = [_found("constant_load", force=50.0), _found("quadratic_drag", coefficient=2.0)]
 
-    kept, (whole,) = with_constant_parts(named, [_left("x", "v", size=30.0)])
+    kept, (whole,) = with_parts(named, [_left("x", "v", size=30.0)])
 
     assert [one.kind for one in kept] == ["quadratic_drag"]
     assert whole.force == pytest.approx(np.linspace(20.0, 80.0, 5))
     assert "a constant force of 50.00 +- 0.10 N" in whole.words
+
+
+def test_a_spring_beside_a_formula_of_the_position_is_a_term_of_it() -> None:
+    spring = _found("cubic_stiffness", coefficient=4.0)
+    left = replace(_left("x", "v", size=30.0), formula="30 * (x - sin(x))")
+
+    kept, (whole,) = with_parts([spring], [left], {"x1"})
+
+    assert not kept
+    assert whole.formula == "-4 * x**3 + 30 * (x - sin(x))"
+    assert whole.force == pytest.approx(30.0 * whole.at - 4.0 * whole.at**3)
+
+
+@pytest.mark.parametrize("places", [set(), {"x2"}])
+def test_a_spring_beside_other_forces_keeps_its_name(places: set[str]) -> None:
+    spring, left = _found("cubic_stiffness", coefficient=4.0), _left("x", "v", size=30.0)
+
+    assert with_parts([spring], [replace(left, formula="30 * x**2 * v")], places)[0] == [spring]
 
 
 @pytest.mark.parametrize(
@@ -60,7 +80,7 @@ def test_a_constant_beside_an_unknown_force_over_the_position_may_be_part_of_it(
     ],
 )
 def test_a_constant_of_its_own_keeps_its_name(left: Described, others: list[Physics]) -> None:
-    kept, whole = with_constant_parts([_found("constant_load", force=50.0), *others], [left])
+    kept, whole = with_parts([_found("constant_load", force=50.0), *others], [left])
 
     assert "constant_load" in {one.kind for one in kept}
     assert whole == (left,)

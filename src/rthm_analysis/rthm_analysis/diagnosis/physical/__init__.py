@@ -29,7 +29,7 @@
 ``acting``       when a force acts that does not act all the time
 ``term_by_term``  a formula in short runs, where a wrong model stays near
 ``inseparable``  what no recording of a motion tells apart
-``constant_part``  a constant force that may belong to one that is left
+``parts_of_force``  a constant force or spring that may belong to a force that is left
 ``named_laws``   plain laws as kinds of the library
 ``kinds_beside``  kinds of the library beside a formula
 ``unconfirmed``  what shows in the unseen part alone

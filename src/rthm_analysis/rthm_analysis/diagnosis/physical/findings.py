@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
     RETUNED_LEFT_SHARE,
@@ -13,7 +15,6 @@ from rthm_analysis.diagnosis.physical.confirming import (
     because,
     confirmed,
 )
-from rthm_analysis.diagnosis.physical.constant_part import with_constant_parts
 from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
@@ -28,6 +29,7 @@ from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
 from rthm_analysis.diagnosis.physical.offsets import offsets
+from rthm_analysis.diagnosis.physical.parts_of_force import over_position, with_parts
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.shown_kinds import with_shown_kind
@@ -54,9 +56,12 @@ from rthm_analysis.diagnosis.result import (
 )
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
+from rthm_core.effects import Effect
 from rthm_core.spec import apply
 
 ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
+
+UNSURE_ABOVE_NOISE = "beside what is left above the noise its size may be nothing"
 
 DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
@@ -92,7 +97,7 @@ def physical_part(physical: Physical) -> Part:
     rounded = rounded_sensors(physical, runs["explained"].predicted)
     physics, traces, vague = _named(physical, judged)
     if left:
-        physics, force = with_constant_parts(physics, force)
+        physics, force = with_parts(physics, force, over_position(physical.selection))
     physics = [*_drive_physics(physical), *physics, *rounded]
     driven = DRIVEN if judged.is_driven_wrong else READ_WRONG if motors_read_wrong(physical) else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
@@ -226,13 +231,23 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         values = less_sure(values_of(selection.best, i), judged.misfit)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if len(selection.rounds) == 1 or not 0.0 <= share < negligible(judged):
+        if selection.formulas and not judged.at_noise and not _is_sure(one.law, values):
+            vague.append(because((one.block, one.kind, one.place), UNSURE_ABOVE_NOISE))
+        elif len(selection.rounds) == 1 or not 0.0 <= share < negligible(judged):
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
         elif judged.at_noise:
             traces.append(Trace(one.block, one.kind, share, words))
         else:
             vague.append(because((one.block, one.kind, one.place), ABOVE_NOISE))
     return found, traces, vague
+
+
+def _is_sure(law: type[Effect], values: Mapping[str, Value | str]) -> bool:
+    """Whether values leave an effect its size, as unsure as they are."""
+    known = {key: one for key, one in values.items() if isinstance(one, Value)}
+    return law.identified(
+        {key: one.value for key, one in known.items()}, {key: one.std for key, one in known.items()}
+    )
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_exper
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.names import check_names, check_one_rig
+from rthm_analysis.diagnosis.physical.bent_sensors import bent_sensors, straight_or_curved
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
@@ -95,7 +96,12 @@ def diagnose_together(
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:
         several = [one.moved_back(late) for one in several]
         physical = _physical(several, say)
-    parts = [software_part(several), Part(notes=undecided(lateness)), physical_part(physical)]
+    bent = bent_sensors(physical)
+    if bends := {one.channel: one.bend for one in bent if one.is_clear}:
+        several = [one.straightened(bends) for one in several]
+        physical = _physical(several, say)
+    notes = (*undecided(lateness), *straight_or_curved(bent))
+    parts = [software_part(several), Part(notes=notes), physical_part(physical)]
     say("putting it into words")
     found = joined(parts, spec)
     say("planning the next test")

@@ -64,8 +64,8 @@ class Fault:
         Where it shows: that of the sensor or link; ``plant`` for a load and for a spec of another rig.
     kind : str
         ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
-        ``rectified``, ``saturation``, ``clock_drift``, ``offset`` (that differs from recording to recording),
-        ``wrong_parameter`` (of timing or compensator), ``wrong_spec``.
+        ``rectified``, ``saturation``, ``nonlinear`` (of a sensor), ``clock_drift``, ``offset`` (that differs
+        from recording to recording), ``wrong_parameter`` (of timing or compensator), ``wrong_spec``.
     channel : str
         ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
     words : str

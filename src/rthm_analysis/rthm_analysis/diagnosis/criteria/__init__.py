@@ -3,6 +3,7 @@
 ==============  ==========================================================================================
 ``samples``     faults of single samples: stuck values, drop-outs, spikes, ends of a range
 ``signals``     faults of whole signals: signs, units, hum, lateness, another rig than that of the spec
+``readings``    sensors that are not linear, noise that is not what the spec says
 ``links``       delays, losses, stalls and clocks of the links
 ``computed``    numerical side, controller and compensators, computed again
 ``replay``      how exactly the physical side is simulated again, and for how long

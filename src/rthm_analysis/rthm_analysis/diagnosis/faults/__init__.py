@@ -20,6 +20,7 @@
 ``lateness``     a constant delay, told from a lag
 ``delays``       which channel is late
 ``hum``          hum of the mains
+``bend``         sensors that are not linear
 ``belonging``    a spec of another test
 ``other_loop``   delays, periods and computing blocks of another test
 ``mending``      all of it, in order

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from rthm_analysis.diagnosis.faults.belonging import find_wrong_spec
+from rthm_analysis.diagnosis.faults.bend import NONLINEAR, Bend, straightened
 from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
 from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
@@ -29,7 +30,7 @@ from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
 from rthm_core.topics import PLANT_STATE
 
-CHANGING = (*FACTORS, "swapped", "channel_delay")
+CHANGING = (*FACTORS, "swapped", "channel_delay", NONLINEAR)
 """Faults that change every sample of a signal."""
 
 
@@ -60,6 +61,11 @@ class Mended:
     def moved_back(self, late: Mapping[Channel, float]) -> Mended:
         """The same with channels that come late by so many seconds."""
         evidence, faults = moved_back(self.evidence, late)
+        return replace(self, evidence=evidence, faults=(*self.faults, *faults))
+
+    def straightened(self, bends: Mapping[Channel, Bend]) -> Mended:
+        """The same without the errors of sensors that are not linear."""
+        evidence, faults = straightened(self.evidence, bends)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
 

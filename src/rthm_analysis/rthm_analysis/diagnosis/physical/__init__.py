@@ -10,6 +10,7 @@
 ``formula_model``  terms of a formula as effects of a model
 ``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
+``bent_sensors`` sensors that are not linear
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured
@@ -41,6 +42,7 @@
 ``curves``       force that the plant lacks, over the variable that explains it best
 ``wire_curves``  the same of a wire
 ``offsets``      offsets of accelerometers
+``loud``         noise that is louder than the spec says
 ``zeros``        zeros that differ from recording to recording
 ``own_zeros``    whether they do, and whether those of sensors or of forces
 ``zeros_told``   in words

@@ -25,6 +25,7 @@ from rthm_analysis.diagnosis.physical.inseparable import inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.kinds_beside import with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
+from rthm_analysis.diagnosis.physical.loud import loud
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
@@ -124,6 +125,7 @@ def physical_part(physical: Physical) -> Part:
             *_on_the_load(physical),
             *inseparable(physics),
             *offsets(physical, runs["explained"].predicted),
+            *loud(physical),
             *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),
             *filter(None, [physical.fitting.budget.note]),
         ),

@@ -73,6 +73,9 @@ period of the motion that these are apart at most."""
 MOST_RESPONSE_BYTES = 300_000_000
 """Memory for responses to free curves that are kept until formulas were looked for."""
 
+RESPONSES_AT_ONCE = 8
+"""Forces whose responses are found side by side where the plant is linear."""
+
 TERMS_OF_A_FORMULA = 3
 """Terms of a formula."""
 

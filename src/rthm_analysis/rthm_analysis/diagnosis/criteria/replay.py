@@ -57,6 +57,9 @@ more at most."""
 WIRELESS_STEP_COST = 0.75
 """What a step of a plant without wires takes, over one with them."""
 
+LINEAR_STEP_COST = 0.03
+"""What a step of one of many forces on a linear plant takes, over a step of a replay."""
+
 SECOND_QUESTION_STEPS = 3e7
 """Steps that a second question, which is asked of a few kinds only, may take in any case."""
 

@@ -171,6 +171,11 @@ class Fitting:
         errors = (self.measured - predicted) * self.weight
         return whitened_from(errors, self.colours, self.windows.start).ravel()
 
+    def weighed(self, changes: Floats) -> Floats:
+        """Changes (p, s, k) of what is predicted, over the noise and whitened: (p, s k)."""
+        rows = (whitened_from(one * self.weight, self.colours, self.windows.start) for one in changes)
+        return np.stack([one.ravel() for one in rows])
+
     def squares(self, model: Model) -> float:
         """Squared error of a model as it stands, in units of the noise; inf where it diverges."""
         residual = self.residual(model)

@@ -43,7 +43,8 @@ class Traits(NamedTuple):
         for one, other in combinations(range(count), 2):
             alone &= (rubs[:, one] < 0) | (rubs[:, one] != rubs[:, other])
         alone &= self.bends[some].sum(axis=1) <= 1
-        return some[alone & (self.stays[some].sum(axis=1) == self.stays.sum())]
+        kept = alone & (self.stays[some].sum(axis=1) == self.stays.sum())
+        return np.asarray(some[kept])
 
 
 def traits_of(pieces: Sequence[Piece]) -> Traits:

@@ -27,8 +27,9 @@ from rthm_analysis.diagnosis.criteria.fitting import (
     POOR_FIT_CHI2,
     SETTLED_GAIN,
 )
+from rthm_analysis.diagnosis.criteria.replay import FITS_AT_ONCE
 from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
-from rthm_analysis.diagnosis.fitting.cores import Cores
+from rthm_analysis.diagnosis.fitting.cores import A, B, Cores
 from rthm_analysis.diagnosis.fitting.steps import moved, trial_step
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
@@ -161,6 +162,13 @@ class Fitting:
     def wires_alone(self) -> WiresAlone:
         """Check of the wires by their own forces."""
         return WiresAlone(self.experiment, self.base.spec, self.sigma)
+
+    def each_affordable(self, work: Callable[[A], B], items: Sequence[A]) -> list[B]:
+        """Do some work for the first items, a few side by side, until the budget is spent."""
+        done: list[B] = []
+        while len(done) < len(items) and not (done and self.budget.spent):
+            done += self.cores.each_in_parts(work, items[len(done) : len(done) + FITS_AT_ONCE])
+        return done
 
     def residual(self, model: Model, windows: Windows | None = None) -> Floats:
         """Measured minus predicted, over the noise and whitened: (s k,)."""

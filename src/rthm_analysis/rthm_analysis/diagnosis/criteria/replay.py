@@ -41,9 +41,9 @@ third is enough for a draft."""
 
 # Work.
 
-BUDGET_STEPS = 1e8
+BUDGET_STEPS = 1.5e8
 """Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_SAMPLES` winds down;
-on a slow host about 25 s of one core."""
+on a slow host about 40 s of one core."""
 
 LOST_STEPS = 2.5e7
 """The same from where neither a single kind nor a formula comes near the noise: what is found after that

@@ -14,7 +14,7 @@ from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_cu
 from rthm_analysis.diagnosis.missing.features import Curve, Feature
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.physical import above_noise
-from rthm_analysis.diagnosis.physical.above_noise import Laws, needed_only
+from rthm_analysis.diagnosis.physical.above_noise import Laws, least_gone, needed_only
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -45,10 +45,13 @@ def curve(depends_on: str, share: float, held_out: float | None = None, **jump: 
     return CurveFit("x1", feature, sizes, stds, share, 1.0, held, 1.0, AT, np.zeros((1, 0)), NOTHING[:0])
 
 
-def told(gone: float, curves: list[CurveFit], **kinds: dict[str, float]) -> bool:
+def model_with(**kinds: dict[str, float]) -> Any:
     added = tuple(EffectInstance("plant", kind, "x1", dict(values)) for kind, values in kinds.items())
-    model: Any = SimpleNamespace(added=added, effect_values=lambda i: added[i].parameters)
-    return Laws(model, gone, curves).are_told
+    return SimpleNamespace(added=added, effect_values=lambda i: added[i].parameters)
+
+
+def told(gone: float, curves: list[CurveFit], **kinds: dict[str, float]) -> bool:
+    return Laws(model_with(**kinds), gone, curves).are_told
 
 
 FRICTION = {"coulomb_friction": {"force": 2.0}}
@@ -58,6 +61,13 @@ CUBIC = {"cubic_stiffness": {"coefficient": 5.0}}
 
 def test_friction_is_known_by_its_jump_whatever_else_depends_on_the_velocity() -> None:
     assert told(0.8, [curve("v", 0.9, change=0.3, std=0.1), curve("xv", 0.95)], **FRICTION)
+
+
+@pytest.mark.parametrize("kinds", [FRICTION, FRICTION | OFFSET, CUBIC, OFFSET, FRICTION | CUBIC])
+def test_what_removes_too_little_is_refused_whatever_curves_say(kinds: dict[str, dict[str, float]]) -> None:
+    least, jump = least_gone(model_with(**kinds)), curve("v", 0.0, change=0.1, std=0.1)
+    assert not told(least, [jump], **kinds)
+    assert told(least + 0.01, [jump], **kinds)
 
 
 @pytest.mark.parametrize("jump", [{"change": 1.9}, {"change": 0.3, "std": 1.0}, {"change": -1.2}])

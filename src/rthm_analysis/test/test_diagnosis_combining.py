@@ -7,6 +7,7 @@ import pytest
 
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.sums import Sums
+from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.combining import combined
@@ -106,6 +107,30 @@ def test_a_fit_that_is_to_be_affordable_ends_with_the_step_that_spends_the_budge
     assert work(20, True) == whole > one_step
     fitting.budget.limit = 0.0
     assert work(20, True) == one_step and work(20, False) == whole
+
+
+def test_of_several_fits_a_few_are_begun_when_the_budget_is_spent() -> None:
+    fitting, begun = fitting_of(three(0.3, 2.0, 20.0), 3), []
+
+    def work(item: int) -> int:
+        begun.append(item)
+        fitting.budget.charge(1e6)
+        return 2 * item
+
+    assert fitting.each_affordable(work, range(9)) == [2 * item for item in range(9)]
+    begun.clear()
+    fitting.budget.limit = fitting.budget.used + 1e6
+    assert fitting.each_affordable(work, range(9)) == [0, 2, 4, 6] and sorted(begun) == [0, 1, 2, 3]
+    assert fitting.each_affordable(work, []) == []
+
+
+def test_a_question_has_a_share_of_the_work_and_says_when_it_ended_early() -> None:
+    budget = Budget()
+    share = budget.share(1e6)
+    assert not share.is_over and not budget.note
+    budget.charge(2e6)
+    assert share.is_over and not budget.spent and "before everything was tried" in budget.note
+    assert not budget.share(1e6).is_over
 
 
 def test_the_same_fit_is_the_same_work() -> None:

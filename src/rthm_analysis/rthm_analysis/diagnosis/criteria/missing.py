@@ -73,6 +73,9 @@ period of the motion that these are apart at most."""
 MOST_RESPONSE_BYTES = 300_000_000
 """Memory for responses to free curves that are kept until formulas were looked for."""
 
+RESPONSES_AT_ONCE = 8
+"""Forces whose responses are found side by side where the plant is linear."""
+
 TERMS_OF_A_FORMULA = 3
 """Terms of a formula."""
 
@@ -236,7 +239,7 @@ SHOWN_KIND_BUDGET = 1e7
 best of each way is fitted to its end, instants that are tried around its own, and work that may be done for
 it: steps of replays."""
 
-FORMULA_STEPS = 4e7
-FORMULA_FIT_BUDGET = 1e7
-"""Work that may be done to find a formula, beside that of the search for kinds, and to fit it: steps of
-replays."""
+FORMULA_STEPS = 2e7
+FORMULA_FIT_BUDGET, COMPOSING_BUDGET = 5e6, 1.2e7
+"""Work that may be done to find a formula, beside that of the search for kinds, to fit one in any case, and
+after which no other is fitted: steps of replays."""

@@ -119,6 +119,9 @@ COMBINATION_REACH_NEAR_NOISE = 0.1
 best: what it would leave is counted as if everything were linear, and is less once it is fitted. Near the
 noise, of a plain combination that stands for what could imitate it."""
 
+COMBINATIONS_AT_ONCE = 20_000
+"""Combinations that are solved at once, for the memory that they take."""
+
 COMBINATION_RIDGE = 1e-9
 """Share by which products of columns with themselves are larger, so that equal columns share a size."""
 

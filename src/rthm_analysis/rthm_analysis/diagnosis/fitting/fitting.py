@@ -27,8 +27,9 @@ from rthm_analysis.diagnosis.criteria.fitting import (
     POOR_FIT_CHI2,
     SETTLED_GAIN,
 )
+from rthm_analysis.diagnosis.criteria.replay import FITS_AT_ONCE
 from rthm_analysis.diagnosis.fitting.colour import Colour, whitened_from
-from rthm_analysis.diagnosis.fitting.cores import Cores
+from rthm_analysis.diagnosis.fitting.cores import A, B, Cores
 from rthm_analysis.diagnosis.fitting.steps import moved, trial_step
 from rthm_analysis.diagnosis.fitting.sums import Sums
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
@@ -162,6 +163,13 @@ class Fitting:
         """Check of the wires by their own forces."""
         return WiresAlone(self.experiment, self.base.spec, self.sigma)
 
+    def each_affordable(self, work: Callable[[A], B], items: Sequence[A]) -> list[B]:
+        """Do some work for the first items, a few side by side, until the budget is spent."""
+        done: list[B] = []
+        while len(done) < len(items) and not (done and self.budget.spent):
+            done += self.cores.each_in_parts(work, items[len(done) : len(done) + FITS_AT_ONCE])
+        return done
+
     def residual(self, model: Model, windows: Windows | None = None) -> Floats:
         """Measured minus predicted, over the noise and whitened: (s k,)."""
         return self.errors(self.experiment.predicted(model.spec, windows or self.windows))
@@ -170,6 +178,11 @@ class Fitting:
         """Errors (s k,) of what was predicted (s, k), over the noise and whitened."""
         errors = (self.measured - predicted) * self.weight
         return whitened_from(errors, self.colours, self.windows.start).ravel()
+
+    def weighed(self, changes: Floats) -> Floats:
+        """Changes (p, s, k) of what is predicted, over the noise and whitened: (p, s k)."""
+        rows = (whitened_from(one * self.weight, self.colours, self.windows.start) for one in changes)
+        return np.stack([one.ravel() for one in rows])
 
     def squares(self, model: Model) -> float:
         """Squared error of a model as it stands, in units of the noise; inf where it diverges."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,7 +17,9 @@ from rthm_analysis.diagnosis.criteria.missing import (
     MOST_RESPONSE_BYTES,
     REGRESSION_PERIOD_SHARE,
     REGRESSION_SAMPLES,
+    RESPONSES_AT_ONCE,
 )
+from rthm_analysis.diagnosis.criteria.replay import LINEAR_STEP_COST
 from rthm_analysis.diagnosis.criteria.verdict import DRAFT_FEWEST_IN_WINDOW
 from rthm_analysis.diagnosis.fitting.fitting import Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise
@@ -27,6 +29,7 @@ from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.missing.normal import Normal, normal_of, solved, squares
 from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.linear import linear_response
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, period
 from rthm_core.compiled import Floats, Integers
@@ -132,6 +135,8 @@ class Regression:
         self.experiment, self.windows, self.model = replace(draft, budget=budget), windows, model
         self.fitting, left, kept = _some_samples(self.experiment, windows, noise, model)
         self.here = self.fitting.residual(model)
+        some = self.fitting.experiment.evidence, self.fitting.windows.start
+        self._linear = linear_response(model.spec, self.experiment.evidence, *some)
         self.left, blocks = self.fitting.thinned(left), self.fitting.thinned_blocks
         last = np.count_nonzero(self.fitting.edges[1:] <= np.searchsorted(kept, train))
         self.train, self.held = blocks[:last], blocks[last:]
@@ -179,7 +184,26 @@ class Regression:
 
     def response(self, shapes: Floats, dof: int) -> Floats:
         """Change of all channels (p, u k) with the size of each shape (s, p), over the noise, whitened."""
-        return np.stack(self.fitting.cores.each(lambda shape: self._response(shape, dof), shapes.T))
+        return self._responses_of(lambda i: np.asarray(shapes[:, i]), shapes.shape[1], dof)
+
+    def _responses_of(self, shape: Callable[[int], Floats], count: int, dof: int) -> Floats:
+        """The same of so many shapes (s,), each made where it is asked for."""
+        cores = self.fitting.cores
+        if self._linear is None:
+            return np.stack(cores.each(lambda i: self._response(shape(i), dof), range(count)))
+
+        def together(first: int) -> Floats:
+            some = range(first, min(first + RESPONSES_AT_ONCE, count))
+            return self._linear_response(np.stack([shape(i) for i in some], axis=1), dof)
+
+        return np.concatenate(cores.each(together, range(0, count, RESPONSES_AT_ONCE)))
+
+    def _linear_response(self, shapes: Floats, dof: int) -> Floats:
+        """The same (p, u k) of some shapes (s, p) where nothing bends."""
+        assert self._linear is not None
+        self.experiment.budget.charge(LINEAR_STEP_COST * shapes.size)
+        change = self.fitting.weighed(self._linear.to(shapes, dof))
+        return self.fitting.thinned(self.fitting.projected(change))
 
     def _response(self, shape: Floats, dof: int) -> Floats:
         """The same (u k,) of one shape (s,)."""
@@ -290,8 +314,7 @@ class Regression:
         """Response to a feature; kept, as the same features are asked again beside others."""
         kept = self._responses.get((feature, dof))
         if kept is None:
-            shapes = range(feature.count)
-            kept = np.stack(self.fitting.cores.each(lambda i: self._response(feature.shape(i), dof), shapes))
+            kept = self._responses_of(feature.shape, feature.count, dof)
             if kept.nbytes + sum(one.nbytes for one in self._responses.values()) < MOST_RESPONSE_BYTES:
                 self._responses[feature, dof] = kept
         return kept

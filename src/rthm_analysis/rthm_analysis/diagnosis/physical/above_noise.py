@@ -97,6 +97,15 @@ def _without(physical: Physical, selection: Selection, index: int) -> Fitted | N
         return None
 
 
+def least_gone(model: Model) -> float:
+    """Part of the mismatch that plain kinds must remove to be the law, whatever free curves say."""
+    laws = [one.law for one in model.added]
+    if any(not law.jump and law.depends_on for law in laws) or not any(law.jump for law in laws):
+        return SMOOTH_LAW_EXPLAINED_SHARE
+    beside_load = any(not law.depends_on for law in laws)
+    return FRICTION_EXPLAINED_SHARE_BESIDE_LOAD if beside_load else FRICTION_EXPLAINED_SHARE
+
+
 @dataclass(frozen=True)
 class Laws:
     """Plain kinds that were found, and what says whether they are the missing law.

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNINGS,
+    COMPOSING_BUDGET,
     CURVE_GAIN,
     ENOUGH_GONE_SHARE,
     FORMULA_FITS,
@@ -44,20 +45,30 @@ def compose(judged: Judgement, curve: CurveFit) -> Judgement | None:
     judged.physical.fitting.progress("looking for a formula of the missing force")
     whole = max((one.excess for one in missing.curves), default=0.0)
     found: list[Judgement] = []
+    share = judged.physical.fitting.budget.share(COMPOSING_BUDGET)
     for some in _ways(missing.regression, missing.curves):
         one = _large(judged, base, some, whole, curve.held_out_share)
         found += [one] if one is not None else []
-        if one is not None and one.at_noise:
+        if (one is not None and one.at_noise) or share.is_over:
             break
-    else:
-        followed = term_by_term(judged.physical, base)
-        found += filter(None, (with_formulas(judged, base, *one) for one in followed))
+    if not any(one.at_noise for one in found):
+        found += _term_by_term(judged, base)
     for one in sorted(found, key=_price):
         if is_earned(judged, one, curve.held_out_share):
             return one
     bends = polygon(curve)
     last = with_formulas(judged, base, with_all(base.model, [bends]), [bends]) if bends is not None else None
     return last if last is not None and is_earned(judged, last, curve.held_out_share) else None
+
+
+def _term_by_term(judged: Judgement, base: Fitted) -> Iterator[Judgement]:
+    """Models with one term more each, judged, as far as their share of the work goes."""
+    share = judged.physical.fitting.budget.share(COMPOSING_BUDGET)
+    for followed in term_by_term(judged.physical, base):
+        if (one := with_formulas(judged, base, *followed)) is not None:
+            yield one
+        if share.is_over:
+            return
 
 
 def _ways(regression: Regression, curves: list[CurveFit]) -> Iterator[tuple[Term, ...]]:
@@ -171,6 +182,7 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
     if physical.fitting.reduced_chi2 < LOST_CHI2:
         return physical, fit_terms(physical.fitting, model)
     fitted, left = None, physical.fitting.reduced_chi2
+    share = physical.fitting.budget.share(COMPOSING_BUDGET)
     for _ in range(BEGINNINGS):
         there = beginning_as(physical, model)
         there.fitting.reduced_chi2 = physical.fitting.reduced_chi2
@@ -179,7 +191,7 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
             break
         gains = leaves < FORMULA_LEFT_RATIO * left
         physical, fitted, model, left = there, again, again.model, leaves
-        if not gains:
+        if not gains or share.is_over:
             break
     return physical, fitted
 

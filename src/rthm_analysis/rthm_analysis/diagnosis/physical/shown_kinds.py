@@ -78,8 +78,9 @@ def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list
         candidate = unfitted(one.start, base, one.start.added_to(base.model))
         return fit_further(fitting, candidate, known, SHOWN_KIND_STEPS)
 
-    worth = [one for way in _ways(screen(fitting, base, known, starts)) for one in way[:SHOWN_KIND_STARTS]]
-    tried = in_order(fitting.cores.each_in_parts(begun, worth))
+    ways = _ways(screen(fitting, base, known, starts))
+    worth = [one for place in range(SHOWN_KIND_STARTS) for way in ways for one in way[place : place + 1]]
+    tried = in_order(fitting.each_affordable(begun, worth))
     firsts = [way[0] for way in _ways(tried) if np.isfinite(way[0].error)]
     found = best_of_labels([finished_by_itself(fitting, _elsewhere(fitting, one)) for one in firsts])
     if found:

@@ -28,7 +28,7 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves
 from rthm_analysis.diagnosis.missing.describe import is_clear
 from rthm_analysis.diagnosis.numbers import bare, percent
-from rthm_analysis.diagnosis.physical.above_noise import Laws, found
+from rthm_analysis.diagnosis.physical.above_noise import Laws, found, least_gone
 from rthm_analysis.diagnosis.physical.contradicted import denied
 from rthm_analysis.diagnosis.physical.driven import is_driven_wrong
 from rthm_analysis.diagnosis.physical.judged import (
@@ -331,6 +331,8 @@ class Judgement:
         if selection.imitates:
             helps = min(self.shares) > 0.0  # what makes unseen data worse was only made up for by the next
             return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and helps
+        if self.gone <= least_gone(selection.best.model):
+            return False
         yardsticks = [one for one in self._yardsticks if not one.feature.straight]
         return Laws(selection.best.model, self.gone, yardsticks).are_told
 

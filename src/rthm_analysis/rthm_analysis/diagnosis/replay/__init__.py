@@ -15,6 +15,7 @@
 ``steps``       compiled: one step, to where a law leaves its mode
 ``kernel``      compiled: the replay of plant and wires
 ``sensing``     what the sensors make of the motion
+``linear``      compiled: what many forces do to a linear plant
 ``budget``      how much of this one diagnosis may do
 ``experiment``  all of it: what a model predicts for the samples of the recording
 ==============  ===============================================================================

@@ -22,6 +22,21 @@ def budget_for(samples: int, steps: float = BUDGET_STEPS) -> Budget:
     return Budget(steps * ratio, ratio=ratio)
 
 
+@dataclass(frozen=True)
+class Share:
+    """Work for one question: another way of asking it is only begun as long as there is some left."""
+
+    budget: Budget
+    end: float
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it is spent: what then is left out is said."""
+        over = self.budget.used > self.end
+        self.budget.cut_short = self.budget.cut_short or over
+        return over
+
+
 @dataclass
 class Budget:
     """Work that was done, and how much of it may be done.
@@ -47,6 +62,10 @@ class Budget:
         """Let at least some more be done."""
         self.cut_short = self.cut_short or self.spent
         self.limit = max(self.limit, self.used + more)
+
+    def share(self, steps: float) -> Share:
+        """So much of the work from now on."""
+        return Share(self, self.used + steps * self.ratio)
 
     def lose(self) -> None:
         """Let no more be done than a search is worth that is likely to find nothing."""

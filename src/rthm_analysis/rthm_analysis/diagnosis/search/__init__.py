@@ -17,6 +17,7 @@
 ``replacing``        other kinds in the place of one, beside all others that were found
 ``pieces``           effects of which combinations are made
 ``subsets``          what every combination would leave
+``tables``           the same by products of columns, many at once
 ``combining``        combinations that do better than what was found one by one
 ``driven_plant``     the plant alone, under the forces that were measured
 ``beside_wire``      what goes beside an effect of such a wire

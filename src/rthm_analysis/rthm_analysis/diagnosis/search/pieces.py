@@ -56,9 +56,10 @@ class Piece:
         """Whether no combination can do without it: it is linear in nothing."""
         return self.index is not None and not self.start.amplitude
 
-    def may_have(self, sizes: Floats) -> bool:
-        """Whether it can be so large: what takes energy out cannot be negative."""
-        return self.index is not None or sizes.size > 1 or self.start.signed or float(sizes[0]) > 0.0
+    @property
+    def is_positive(self) -> bool:
+        """Whether its size cannot be negative: it takes energy out."""
+        return self.index is None and len(self.columns) == 1 and not self.start.signed
 
     def sized(self, sizes: Floats) -> Piece:
         """What is not there, with these factors on its columns."""

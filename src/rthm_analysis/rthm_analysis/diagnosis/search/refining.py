@@ -69,9 +69,9 @@ def _begun_fits(
     def begun(one: ScoredCandidate) -> FittedCandidate:
         return first(one.start, _begun(fitting, fitted.model, one))
 
-    tried = fitting.cores.each_in_parts(begun, promising)
-    grown = _grown([*others, *tried], promising)
-    tried += fitting.cores.each_in_parts(lambda start: first(start, start.added_to(fitted.model)), grown)
+    tried = fitting.each_affordable(begun, promising)
+    grown = [*_grown([*others, *tried], promising)]
+    tried += fitting.each_affordable(lambda start: first(start, start.added_to(fitted.model)), grown)
     return [one for one in tried if np.isfinite(one.error)]
 
 
@@ -81,7 +81,8 @@ def _in_heats(fitting: Fitting, known: Floats, tried: list[FittedCandidate]) -> 
         tried = sorted(tried, key=lambda t: t.fitted.squares)
         most = 1 if fitting.budget.spent else min(most, _within_reach(fitting, tried))
         further = partial(fit_further, fitting, known=known, steps=steps)
-        tried = fitting.cores.each_in_parts(further, tried[:most]) + tried[most:]
+        longer = fitting.each_affordable(further, tried[:most])
+        tried = [*longer, *tried[len(longer) :]]
     return tried
 
 

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, work
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, on_columns, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
-from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
+from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, steps_in, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, levelled, sensed, time_constant
 from rthm_core.spec import apply
 from rthm_core.spec.effect import sizes
@@ -237,16 +237,15 @@ class Experiment:
             return Motion(nothing, nothing, nothing, nothing, seen), time.size
         arrays = mechanics(spec, motor[0, 0])
         load = on_columns(arrays, known, hidden_loads(spec, points), further)
-        longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 3 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
-        steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self.is_draft)
+        steps = steps_in(points.time, spec, arrays, over, coarse=self.is_draft)
         sample, seen_motor = time.ravel(), seen.reshape(time.size, m)
-        replay = Replay(points.time, motor, load, starts, windows.state, sample, seen_motor)
-        replay_mechanics(arrays, replay, steps, out, working(arrays))
+        replay = Replay(points.time, steps, motor, load, starts, windows.state, sample, seen_motor)
+        replay_mechanics(arrays, replay, out, working(arrays))
         x, v, a, force = np.split(out.reshape(*time.shape, 3 * n + m), [n, 2 * n, 3 * n], axis=-1)
-        return Motion(x, v, a, force, seen), worth(spec) * steps * points.time.size + time.size
+        return Motion(x, v, a, force, seen), worth(spec) * int(steps.sum()) + time.size
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""

@@ -147,6 +147,10 @@ def _run(
         for k in range(m):
             if rate[k] == np.inf:
                 now[k] = target[k]
+        if not moves:
+            for part in range(3):
+                _read(row, through, q, now, out, g, part)
+            continue
         half = 0.5e-9 * (time_ns[g + 1] - time_ns[g]) if g + 1 < time_ns.size else 0.0
         for i in range(nq):
             travelled[i] = 0.0
@@ -183,7 +187,7 @@ def _run(
                 travelled[i] += (q[i] - before - entered) / modes[i]
             for k in range(m):
                 now[k] = later[k]
-        if moves and half > 0.0:
+        if half > 0.0:
             for i in range(nq):
                 travelled[i] /= 2.0 * half
             for k in range(m):

@@ -16,7 +16,7 @@ from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, on_columns, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
-from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
+from rthm_analysis.diagnosis.replay.motor import held_motion, motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, steps_in, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, levelled, sensed, time_constant
 from rthm_core.spec import apply
@@ -228,13 +228,14 @@ class Experiment:
 
     def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
         """Motion, and the steps that it took."""
+        if self._motors_alone:
+            seen = self._motors_moved(spec)
+            nothing = np.empty((len(seen), 0))
+            return Motion(nothing, nothing, nothing, nothing, seen), len(seen)
         points, motor, known, fine, course, samples, further = self._inputs(spec)
         n, m = known.shape[2], motor.shape[2]
         time = fine.points_before_jumps if between else self.evidence.time
         seen = course if between else np.ascontiguousarray(course[samples, 0])
-        if self._motors_alone:
-            nothing = np.empty((*time.shape, 0))
-            return Motion(nothing, nothing, nothing, nothing, seen), time.size
         arrays = mechanics(spec, motor[0, 0])
         load = on_columns(arrays, known, hidden_loads(spec, points), further)
         out = np.zeros((time.size, 3 * n + m))
@@ -246,6 +247,16 @@ class Experiment:
         replay_mechanics(arrays, replay, out, working(arrays))
         x, v, a, force = np.split(out.reshape(*time.shape, 3 * n + m), [n, 2 * n, 3 * n], axis=-1)
         return Motion(x, v, a, force, seen), worth(spec) * int(steps.sum()) + time.size
+
+    def _motors_moved(self, spec: Spec) -> Floats:
+        """Motor positions (s, m) at the samples."""
+        e, held = self.evidence, None
+        if e.driven_by == "command":
+            held = held_motion(spec, e.stamps_ns, e.due_ns + motor_delay(spec), e.commands, self.first)
+        if held is not None:
+            return held
+        inputs = self._inputs(spec)
+        return np.ascontiguousarray(inputs.course[inputs.samples, 0])
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""

@@ -53,7 +53,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     """
     motors = drive(spec)
     modes, vectors, entry = _modes(motors)
-    taken = accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
+    taken = _taken(motors, due_ns, commands, first)
     nq = modes.size
     result = np.zeros((time_ns.size, 3, first.size))
     _run(
@@ -69,6 +69,26 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
         _working(first.size, nq),
     )
     return result
+
+
+def held_motion(
+    spec: Spec, at_ns: Integers, due_ns: Integers, commands: Floats, first: Floats
+) -> Floats | None:
+    """Positions (s, m) at some instants (s,) of motors that follow their commands at once, in m; None where
+    they do not.
+
+    As `motor_motion` has them, but read off, with no way between.
+    """
+    motors = drive(spec)
+    if motors.system.a.size or np.isfinite(motors.conditioning[RATE]).any():
+        return None
+    row = np.searchsorted(due_ns, at_ns, side="right")
+    return np.asarray(_taken(motors, due_ns, commands, first)[row] @ motors.out.T)
+
+
+def _taken(motors: Drive, due_ns: Integers, commands: Floats, first: Floats) -> Floats:
+    """Commands (c + 1, m) as the motors take them, behind that in steady state before."""
+    return accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
 
 
 def _modes(motors: Drive) -> tuple[Complex, Complex, Complex]:

@@ -11,7 +11,7 @@ import pytest
 
 from rthm_analysis.diagnosis.experiment.closed import fastest_motion
 from rthm_analysis.diagnosis.experiment.planning import Hypothesis, Planned, plan_experiment
-from rthm_analysis.diagnosis.experiment.predicting import Predictor, step_of
+from rthm_analysis.diagnosis.experiment.predicting import Predicted, Predictor, step_of
 from rthm_analysis.diagnosis.experiment.trials import Trial, constant, harmonic, multisine
 from rthm_analysis.diagnosis.replay.kernel import replay_mechanics
 from rthm_core.engine import simulate
@@ -140,6 +140,26 @@ def test_numbers_that_are_said_are_those_that_were_predicted() -> None:
 def _field(record: Any, name: str) -> Any:
     """Type of a field of a record."""
     return record.types[record.fields.index(name)]
+
+
+def test_plans_with_a_hypothesis_in_common_predict_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def by_turns(seen: dict[str, Predicted] | None) -> list[Planned | None]:
+        return [planned(PAPER, PAPER, having(PAPER, one=more), budget=12, seen=seen) for more in (CUBIC, DRY)]
+
+    asked: list[bool] = []
+    predict = Predictor.predict
+
+    def counted(one: Predictor, trial: Trial) -> Predicted:
+        asked.append(bool(one.spec.effects))
+        return predict(one, trial)
+
+    monkeypatch.setattr(Predictor, "predict", counted)
+    apart = by_turns(None)
+    before = asked.copy()
+    asked.clear()
+    assert by_turns({}) == apart
+    assert asked.count(True) == before.count(True)
+    assert 2 * asked.count(False) <= before.count(False) + 2
 
 
 @pytest.mark.parametrize("nominal", [PAPER, DECAY])

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS
+from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS, KINK_STEP_S
 from rthm_analysis.diagnosis.physical.drives import choose_drives
 from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.mechanics import mechanics
+from rthm_analysis.diagnosis.replay.motor import held_motion
+from rthm_analysis.diagnosis.replay.resolution import steps_in
 from rthm_analysis.diagnosis.replay.windows import state_at, windows
 from rthm_core.physical.side import first_command
 from rthm_core.spec import Spec, apply, shipped_spec
@@ -129,6 +132,29 @@ def test_before_the_first_command_wires_and_motors_count_as_not_measured() -> No
 def test_a_longer_recording_may_take_more_work_up_to_four_times() -> None:
     shares = [budget_for(samples).limit / BUDGET_STEPS for samples in (3_000, 50_000, 75_000, 600_000)]
     assert shares == [1.0, 1.0, 1.5, 4.0]
+
+
+@pytest.mark.parametrize(
+    "kind", [{}, {"kind": "quantisation", "step": 0.004}, {"kind": "extra_delay", "delay": 0.003}]
+)
+def test_motors_that_follow_at_once_are_where_they_are_on_a_grid(kind: dict) -> None:
+    motors = EVIDENCE.only("motor")
+    spec = having("motor", **kind) if kind else PAPER
+    alone = Experiment(motors, first_command(spec))
+    inputs = alone._inputs(spec)
+    assert np.array_equal(
+        alone.motion(spec, windows(EVIDENCE, PAPER, True)).motor, inputs.course[inputs.samples, 0]
+    )
+    slow = having("motor", "rate_limit", rate=0.5)
+    assert held_motion(slow, motors.stamps_ns, motors.due_ns, motors.commands, alone.first) is None
+
+
+def test_an_interval_takes_as_many_steps_as_it_is_long() -> None:
+    spec = having("wire", "backlash", gap=0.01)
+    time = np.cumsum([0.0, 0.004, 0.0005, 0.005, 0.002])
+    steps = steps_in(time, spec, mechanics(spec), 1.0, coarse=False)
+    assert steps.tolist() == [2, 1, 3, 1, 1]
+    assert np.all(np.diff(time) / steps[:-1] <= KINK_STEP_S)
 
 
 def test_what_a_law_does_is_not_lost_in_the_replay() -> None:

@@ -24,6 +24,7 @@ from rthm_core.effects import effect
 from rthm_core.effects.blocks import family
 
 if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.experiment.predicting import Predicted
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
@@ -152,8 +153,9 @@ def _sharper(found: Found) -> Next:
 def _smaller(found: Found) -> Next:
     """To see smaller effects than this recording would have shown: the kind that gains most."""
     seen = smallest_seen(found.nominal, found.limits)
+    without: dict[str, Predicted] = {}
     plans = [
-        (_plan(found, contrast, SMALLER_SIMULATIONS // len(seen)), contrast, limit)
+        (_plan(found, contrast, SMALLER_SIMULATIONS // len(seen), without), contrast, limit)
         for contrast, limit in seen
     ]
     planned = [(plan, contrast, limit) for plan, contrast, limit in plans if plan]
@@ -168,11 +170,16 @@ def _smaller(found: Found) -> Next:
     return Next(words, plan.spec, plan.gain)
 
 
-def _plan(found: Found, contrast: Contrast | None, budget: int = PLAN_SIMULATIONS) -> Planned | None:
+def _plan(
+    found: Found,
+    contrast: Contrast | None,
+    budget: int = PLAN_SIMULATIONS,
+    seen: dict[str, Predicted] | None = None,
+) -> Planned | None:
     if contrast is None:
         return None
     return plan_experiment(
-        found.nominal, contrast.pair, found.noise, found.duration, budget, known=found.known
+        found.nominal, contrast.pair, found.noise, found.duration, budget, known=found.known, seen=seen
     )
 
 

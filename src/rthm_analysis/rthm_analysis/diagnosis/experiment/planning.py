@@ -18,6 +18,7 @@ from rthm_core.errors import InputError
 from rthm_core.spec import write_spec
 
 if TYPE_CHECKING:
+    from rthm_analysis.diagnosis.experiment.predicting import Predicted
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
@@ -64,6 +65,7 @@ def plan_experiment(
     duration: float,
     budget: int = PLAN_SIMULATIONS,
     known: tuple[Floats, Floats] | None = None,
+    seen: dict[str, Predicted] | None = None,
 ) -> Planned | None:
     """Find the input whose predictions by the surviving hypotheses differ most.
 
@@ -82,6 +84,8 @@ def plan_experiment(
         Simulations that may be made.
     known : ((s,), (s, n)) arrays, optional
         Instants, s, and forces on the plant, N, that the recording knows and the spec does not.
+    seen : dict, optional
+        What the first hypothesis does in trials, for other plans of which it is the first as well.
 
     Returns
     -------
@@ -101,7 +105,7 @@ def plan_experiment(
         return None
     try:
         present = Trial({}, 1.0, known) if known else present_trial(nominal)
-        search = Search(nominal, specs, noise, duration, budget)
+        search = Search(nominal, specs, noise, duration, budget, seen)
         found = search.best(present)
     except InputError:  # a load that comes from a file which is not here
         return None

@@ -93,8 +93,9 @@ class Predictor:
         out = np.zeros((points.shape[0], 3 * n + m))
         first, state = np.zeros(1, dtype=np.int64), np.ascontiguousarray(start.initial[None, : 2 * n])
         no_motor = np.zeros((points.shape[0], m))
-        replay = Replay(self.grid.time, motor, forces, first, state, self.grid.time, no_motor)
-        replay_mechanics(start, replay, 1, out, working(start))
+        once = np.ones(points.shape[0], dtype=np.int64)
+        replay = Replay(self.grid.time, once, motor, forces, first, state, self.grid.time, no_motor)
+        replay_mechanics(start, replay, out, working(start))
         return self._named(out, n)
 
     def _load(self, trial: Trial, points: Floats) -> Floats:

@@ -48,18 +48,26 @@ class Search:
     duration : float
         s.
     budget : int
-        Simulations.
+        Simulations; what is seen already counts, too.
+    seen : dict, optional
+        What the first hypothesis does in trials, for other searches of which it is the first as well.
     """
 
     def __init__(
-        self, nominal: Spec, specs: Sequence[Spec], noise: Mapping[str, float], duration: float, budget: int
+        self,
+        nominal: Spec,
+        specs: Sequence[Spec],
+        noise: Mapping[str, float],
+        duration: float,
+        budget: int,
+        seen: dict[str, Predicted] | None = None,
     ) -> None:
         self.nominal, self.noise, self.left = nominal, noise, budget
         self.specs, self.whole, self.step = specs, duration, min(step_of(one) for one in specs)
         self.steps = min(int(np.ceil(duration / self.step)), PREDICTED_MOST_STEPS)
         self.duration = min(duration, self.steps * self.step)
         self.predictors = [Predictor(one, self.duration / self.steps, self.steps) for one in specs]
-        self.cores = Cores()
+        self.cores, self.seen = Cores(), seen
 
     def best(self, present: Trial) -> tuple[Told, float] | None:
         """The trial that tells most, and how far the present one tells; None where there is none."""
@@ -78,12 +86,21 @@ class Search:
     def _present(self, trial: Trial) -> list[Predicted]:
         """Predictions of the present test to its end, which may be much longer than a planned one."""
         steps = min(int(np.ceil(self.whole / self.step)), PRESENT_STEPS_RATIO * PREDICTED_MOST_STEPS)
-        self.left -= len(self.specs)
-        return self.cores.each(lambda one: Predictor(one, self.step, steps).predict(trial), self.specs)
+        return self._all_predicted([Predictor(one, self.step, steps) for one in self.specs], trial)
 
     def _run(self, trial: Trial) -> list[Predicted]:
-        self.left -= len(self.predictors)
-        return self.cores.each(lambda one: one.predict(trial), self.predictors)
+        return self._all_predicted(self.predictors, trial)
+
+    def _all_predicted(self, predictors: Sequence[Predictor], trial: Trial) -> list[Predicted]:
+        """What each hypothesis does; the first one as it was seen before."""
+        self.left -= len(predictors)
+        if self.seen is None:
+            return self.cores.each(lambda one: one.predict(trial), predictors)
+        key = f"{predictors[0].step!r} {predictors[0].grid.time_ns.size} {trial!r}"
+        asked = predictors[1:] if key in self.seen else predictors
+        found = self.cores.each(lambda one: one.predict(trial), asked)
+        first = self.seen.setdefault(key, found[0])
+        return [first, *found[-len(predictors) + 1 :]]
 
     def _all(self, trials: Iterator[Trial], bounds: Bounds) -> Iterator[Told]:
         return (one for trial in trials for one in self._told(trial, bounds))

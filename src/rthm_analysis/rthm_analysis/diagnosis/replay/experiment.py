@@ -16,8 +16,8 @@ from rthm_analysis.diagnosis.replay.grid import Grid, grid
 from rthm_analysis.diagnosis.replay.kernel import Replay, replay_mechanics, working
 from rthm_analysis.diagnosis.replay.loads import hidden_loads, load_on, on_columns, straight
 from rthm_analysis.diagnosis.replay.mechanics import mechanics
-from rthm_analysis.diagnosis.replay.motor import motor_delay, motor_motion
-from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, substeps, worth
+from rthm_analysis.diagnosis.replay.motor import held_motion, motor_delay, motor_motion
+from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, steps_in, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, levelled, sensed, time_constant
 from rthm_core.spec import apply
 from rthm_core.spec.effect import sizes
@@ -228,25 +228,35 @@ class Experiment:
 
     def _moved(self, spec: Spec, windows: Windows, *, between: bool) -> tuple[Motion, int]:
         """Motion, and the steps that it took."""
+        if self._motors_alone:
+            seen = self._motors_moved(spec)
+            nothing = np.empty((len(seen), 0))
+            return Motion(nothing, nothing, nothing, nothing, seen), len(seen)
         points, motor, known, fine, course, samples, further = self._inputs(spec)
         n, m = known.shape[2], motor.shape[2]
         time = fine.points_before_jumps if between else self.evidence.time
         seen = course if between else np.ascontiguousarray(course[samples, 0])
-        if self._motors_alone:
-            nothing = np.empty((*time.shape, 0))
-            return Motion(nothing, nothing, nothing, nothing, seen), time.size
         arrays = mechanics(spec, motor[0, 0])
         load = on_columns(arrays, known, hidden_loads(spec, points), further)
-        longest = float(np.diff(points.time).max(initial=0.0))
         out = np.zeros((time.size, 3 * n + m))
         starts = np.searchsorted(points.time_ns, self.evidence.stamps_ns[windows.start])
         over = windows.length or float(np.ptp(self.evidence.time))
-        steps = substeps(spec, arrays, longest, over, points.time.size, coarse=self.is_draft)
+        steps = steps_in(points.time, spec, arrays, over, coarse=self.is_draft)
         sample, seen_motor = time.ravel(), seen.reshape(time.size, m)
-        replay = Replay(points.time, motor, load, starts, windows.state, sample, seen_motor)
-        replay_mechanics(arrays, replay, steps, out, working(arrays))
+        replay = Replay(points.time, steps, motor, load, starts, windows.state, sample, seen_motor)
+        replay_mechanics(arrays, replay, out, working(arrays))
         x, v, a, force = np.split(out.reshape(*time.shape, 3 * n + m), [n, 2 * n, 3 * n], axis=-1)
-        return Motion(x, v, a, force, seen), worth(spec) * steps * points.time.size + time.size
+        return Motion(x, v, a, force, seen), worth(spec) * int(steps.sum()) + time.size
+
+    def _motors_moved(self, spec: Spec) -> Floats:
+        """Motor positions (s, m) at the samples."""
+        e, held = self.evidence, None
+        if e.driven_by == "command":
+            held = held_motion(spec, e.stamps_ns, e.due_ns + motor_delay(spec), e.commands, self.first)
+        if held is not None:
+            return held
+        inputs = self._inputs(spec)
+        return np.ascontiguousarray(inputs.course[inputs.samples, 0])
 
     def _inputs(self, spec: Spec) -> Inputs:
         """Inputs of a model, but for hidden loads; kept for a few motors."""

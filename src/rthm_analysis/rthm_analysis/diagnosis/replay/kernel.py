@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.replay.steps import Replay, Working, at, step_to_sw
 from rthm_analysis.diagnosis.replay.switching import follow, switch
 from rthm_core.compiled import Floats, copy_into
 from rthm_core.energy import cubic, cubic_slope
-from rthm_core.physical.flow import settle_wires, wire_force
+from rthm_core.physical.flow import product, settle_wires, wire_force
 from rthm_core.physical.integrate import POINT, SCRATCH, TRIAL, rate
 
 __all__ = ["Replay", "replay_mechanics", "working"]
@@ -39,21 +39,22 @@ def _see(model, replay, working, s, t, h, out):  # type: ignore[no-untyped-def]
     for i in range(n, 2 * n):
         out[s, n + i] = cubic_slope(y[i], stages[0, i], end[i], working.end_rate[i], h, share)
     for actuator in range(m):
-        out[s, 3 * n + actuator] = wire_force(
-            model.laws, model.wires, n, seen, u, actuator, work.rows[SCRATCH], stages[1], work.hold
-        )
+        if model.wires.laws.shape[0] == 0:  # the call below costs more than all that is seen of a spring
+            out[s, 3 * n + actuator] = product(model.wires.force[actuator], seen, u)
+        else:
+            out[s, 3 * n + actuator] = wire_force(
+                model.laws, model.wires, n, seen, u, actuator, work.rows[SCRATCH], stages[1], work.hold
+            )
 
 
 @compiled
-def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Floats, working: Working) -> None:
+def replay_mechanics(model: Mechanics, replay: Replay, out: Floats, working: Working) -> None:
     """Run over the grid and write the motion at the samples.
 
     Parameters
     ----------
     model : Mechanics
     replay : Replay
-    substeps : int
-        Steps per interval of the grid.
     out : (s, 3 n + m) array
         Gets positions, velocities, accelerations and wire forces.
     working : Working
@@ -70,8 +71,8 @@ def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Float
                 y[i] = replay.state[r, i]
             follow(model.laws, model.n, y, working.modes, True)
             r += 1
-        done, length, switches = 0.0, whole / substeps, 0
-        for _ in range(substeps + SWITCHES_OF_AN_INTERVAL + 1):
+        done, length, switches = 0.0, whole / replay.steps[g], 0
+        for _ in range(replay.steps[g] + SWITCHES_OF_AN_INTERVAL + 1):
             if not done < whole * (1.0 - 1e-9):
                 break
             t, h = time[g] + done, min(length, whole - done)
@@ -94,4 +95,5 @@ def replay_mechanics(model: Mechanics, replay: Replay, substeps: int, out: Float
             done += h
             if not last:
                 at(replay.motor, replay.load, g, min(done / whole, 1.0), u, w)
-                settle_wires(model.wires, y, u)
+                if model.wires.laws.shape[0]:
+                    settle_wires(model.wires, y, u)

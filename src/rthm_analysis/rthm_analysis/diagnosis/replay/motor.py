@@ -53,7 +53,7 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
     """
     motors = drive(spec)
     modes, vectors, entry = _modes(motors)
-    taken = accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
+    taken = _taken(motors, due_ns, commands, first)
     nq = modes.size
     result = np.zeros((time_ns.size, 3, first.size))
     _run(
@@ -69,6 +69,26 @@ def motor_motion(spec: Spec, time_ns: Integers, due_ns: Integers, commands: Floa
         _working(first.size, nq),
     )
     return result
+
+
+def held_motion(
+    spec: Spec, at_ns: Integers, due_ns: Integers, commands: Floats, first: Floats
+) -> Floats | None:
+    """Positions (s, m) at some instants (s,) of motors that follow their commands at once, in m; None where
+    they do not.
+
+    As `motor_motion` has them, but read off, with no way between.
+    """
+    motors = drive(spec)
+    if motors.system.a.size or np.isfinite(motors.conditioning[RATE]).any():
+        return None
+    row = np.searchsorted(due_ns, at_ns, side="right")
+    return np.asarray(_taken(motors, due_ns, commands, first)[row] @ motors.out.T)
+
+
+def _taken(motors: Drive, due_ns: Integers, commands: Floats, first: Floats) -> Floats:
+    """Commands (c + 1, m) as the motors take them, behind that in steady state before."""
+    return accepted(motors, np.vstack([first[None], commands]), np.append(0.0, due_ns * 1e-9))
 
 
 def _modes(motors: Drive) -> tuple[Complex, Complex, Complex]:
@@ -147,6 +167,10 @@ def _run(
         for k in range(m):
             if rate[k] == np.inf:
                 now[k] = target[k]
+        if not moves:
+            for part in range(3):
+                _read(row, through, q, now, out, g, part)
+            continue
         half = 0.5e-9 * (time_ns[g + 1] - time_ns[g]) if g + 1 < time_ns.size else 0.0
         for i in range(nq):
             travelled[i] = 0.0
@@ -183,7 +207,7 @@ def _run(
                 travelled[i] += (q[i] - before - entered) / modes[i]
             for k in range(m):
                 now[k] = later[k]
-        if moves and half > 0.0:
+        if half > 0.0:
             for i in range(nq):
                 travelled[i] /= 2.0 * half
             for k in range(m):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +26,7 @@ from rthm_analysis.diagnosis.replay.motor import drive_speed
 from rthm_core.clock import NS
 
 if TYPE_CHECKING:
+    from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
 
@@ -52,10 +52,8 @@ def worth(spec: Spec) -> int:
     return max((e.law.cost for e in spec.effects), default=1)
 
 
-def substeps(
-    spec: Spec, mechanics: Mechanics, longest: float, over: float, intervals: int, *, coarse: bool
-) -> int:
-    """Steps within each interval of a grid whose longest is `longest` s, for free runs of `over` s.
+def steps_in(time: Floats, spec: Spec, mechanics: Mechanics, over: float, *, coarse: bool) -> Integers:
+    """Steps (g,) within each interval of a grid `time` (g,), in s, for free runs of `over` s.
 
     A motion that lasts for many radians gathers the errors of its steps, and so needs shorter ones, as far as
     so many intervals can afford them.
@@ -68,12 +66,16 @@ def substeps(
         SHORTEST_STEP_RADIANS,
         LONGEST_STEP_RADIANS,
     )
+    intervals = np.diff(time, append=time[-1])
+    longest = float(intervals.max())
     kink_rate = 1.0 / _longest_step(spec, float(rates.max(initial=0.0)))
-    least, needed = (
-        max(1, math.ceil(longest * max(float(rate.max(initial=0.0)), kink_rate) - 1e-6))
+    most, needed = (
+        1.0 / max(float(rate.max(initial=0.0)), kink_rate, 1e-9)
         for rate in (rates / (DRAFT_STEP_RADIANS if coarse else LONGEST_STEP_RADIANS), rates / phases)
     )
-    return min(needed, max(least, AFFORDED_STEPS // intervals), MOST_SUBSTEPS)
+    afforded = longest / max(1, AFFORDED_STEPS // time.size)
+    step = max(needed, min(most, afforded), longest / MOST_SUBSTEPS)
+    return np.maximum(1, np.ceil(intervals / step - 1e-6)).astype(np.int64)
 
 
 def _longest_step(spec: Spec, fastest: float) -> float:

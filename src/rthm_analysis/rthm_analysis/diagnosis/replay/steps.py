@@ -29,6 +29,8 @@ class Replay(NamedTuple):
     ----------
     time : (g,) array
         Grid, s; its last instant is not before the last sample.
+    steps : (g,) array
+        How many, of one length, each interval takes.
     motor : (g, 3, m) array
         Motor positions at the start, middle and end of each interval; jumps are between them. In the last
         row only the start counts.
@@ -45,6 +47,7 @@ class Replay(NamedTuple):
     """
 
     time: Floats
+    steps: Integers
     motor: Floats
     load: Floats
     start: Integers
@@ -116,7 +119,8 @@ def step_to_switch(model, replay, working, g, begin, whole, t, h, following):  #
     """
     y, end, modes, u = working.y, working.work.rows[TRIAL], working.modes, working.work.u
     at(replay.motor, replay.load, g, begin / whole, u, working.work.w)
-    settle_wires(model.wires, y, u)
+    if model.wires.laws.shape[0]:
+        settle_wires(model.wires, y, u)
     follow(model.laws, model.n, y, modes, False)
     h = min(h, begin_step(model, working, working.work, t))
     held, hold = working.held, working.work.hold

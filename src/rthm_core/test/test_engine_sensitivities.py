@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from benchmarks.engine.ours import chain
 
 from rthm_core.engine import sensitivities, simulate
 from rthm_core.errors import InputError
@@ -72,6 +73,17 @@ def test_counting_works_changes_no_tangent(which):
         for signal in SIGNALS:
             one, other = (getattr(found.by_parameter[name], signal) for found in (counting, without))
             assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), (name, signal)
+
+
+def test_signals_of_several_dofs_are_where_they_belong():
+    spec, name = chain(3, 2), "interface.stiffness[1]"
+    found, plain = sensitivities(spec, 2.0, [name], 0.0017), simulate(spec, 2.0, 0.0017)
+    assert found.tangents
+    expected = difference(spec, name, 6.0, 2.0, 0.0017)
+    for signal in SIGNALS:
+        derivative, of_plain = getattr(found.by_parameter[name], signal), getattr(plain, signal)
+        assert np.abs(derivative - expected[signal]).max() < 1e-6 * np.abs(expected[signal]).max(), signal
+        assert np.abs(getattr(found.trajectory, signal) - of_plain).max() < 1e-10, signal
 
 
 def test_every_number_of_the_physics_is_taken_where_none_is_named():

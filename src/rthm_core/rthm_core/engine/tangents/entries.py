@@ -85,7 +85,7 @@ def entries(pattern: Flags, touched: Flags, count: int, rows: Integers) -> Entri
     )
 
 
-def _blocks(pattern: Flags, widest: int) -> tuple[Integers, Integers]:
+def in_blocks(pattern: Flags, widest: int) -> tuple[Integers, Integers]:
     """Rows in blocks of three (., 3), if these are the `widest`, and of two (., 2), the last again where a
     row is left: those of a block have the same elements.
     """
@@ -97,15 +97,15 @@ def _blocks(pattern: Flags, widest: int) -> tuple[Integers, Integers]:
             triples.append([alike.pop(0) for _ in range(TRIPLES)])
         pairs += [[*alike[i : i + PAIRS], alike[-1]][:PAIRS] for i in range(0, len(alike), PAIRS)]
     return (
-        np.array(triples, dtype=np.int64).reshape(-1, TRIPLES),
-        np.array(pairs, dtype=np.int64).reshape(-1, PAIRS),
+        np.array(sorted(triples), dtype=np.int64).reshape(-1, TRIPLES),
+        np.array(sorted(pairs), dtype=np.int64).reshape(-1, PAIRS),
     )
 
 
 def step_entries(loop: NonlinearLoop, changes: Tangents, slots: int) -> Entries:
     """Room for the matrices (N, d) of so many steps, which are made when they are needed."""
     pattern, touched = _of_steps(loop, changes)
-    return entries(pattern, touched, slots, _blocks(pattern, PAIRS)[1])
+    return entries(pattern, touched, slots, in_blocks(pattern, PAIRS)[1])
 
 
 def _of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
@@ -124,7 +124,7 @@ def look(
     for which there is room, and without one; in blocks that have up to two or three rows.
     """
     pattern, groups = _of_look(loop, changes, rows, moved)
-    triples, pairs = (entries(pattern, groups, slots + 1, blocks) for blocks in _blocks(pattern, widest))
+    triples, pairs = (entries(pattern, groups, slots + 1, blocks) for blocks in in_blocks(pattern, widest))
     for room in (triples, pairs):
         _put_last(room, rows, moved)
     moved = simd_copy(moved)
@@ -133,7 +133,7 @@ def look(
 
 def by_blocks(loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats) -> Integers:
     """Order in which the blocks of such a look have its rows."""
-    blocks = _blocks(_of_look(loop, changes, rows, moved)[0], TRIPLES)
+    blocks = in_blocks(_of_look(loop, changes, rows, moved)[0], TRIPLES)
     return np.array(list(dict.fromkeys(np.concatenate([one.ravel() for one in blocks]).tolist())))
 
 
@@ -150,7 +150,7 @@ def look_entries(rows: Floats, changes: Floats) -> Entries:
     """What is seen of [y, held, g] through `rows` (R, d), with transposed `changes` (d, R, Q, 8)."""
     changed = np.any(changes != 0.0, axis=3)
     pattern = (rows != 0.0) | changed.any(axis=2).T
-    one = entries(pattern, changed.any(axis=0), 1, _blocks(pattern, PAIRS)[1])
+    one = entries(pattern, changed.any(axis=0), 1, in_blocks(pattern, PAIRS)[1])
     _put_last(one, rows, changes)
     return one
 

@@ -140,6 +140,26 @@ def put_numbers_from(typing: Any, row: Any, begin: Any, value: Any) -> Any:
 
 
 @intrinsic  # type: ignore[untyped-decorator]
+def will_write(typing: Any, row: Any, begin: Any) -> Any:
+    """Say that ``row[begin]`` of a flat array, which may be beyond its end, is written soon: its part of the
+    memory is fetched meanwhile.
+    """
+    _check_flat(row)
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        place = builder.bitcast(builder.gep(array.data, [arguments[1]]), ir.IntType(8).as_pointer())
+        kinds = [place.type, *[ir.IntType(32)] * 3]
+        fetch = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(ir.VoidType(), kinds), "llvm.prefetch.p0"
+        )
+        builder.call(fetch, [place, *(ir.Constant(ir.IntType(32), i) for i in (1, 3, 1))])
+        return context.get_dummy_value()
+
+    return types.none(row, types.intp), code
+
+
+@intrinsic  # type: ignore[untyped-decorator]
 def put_first(typing: Any, array: Any, index: Any, value: Any, count: Any) -> Any:
     """Let so many numbers from ``array[index]`` on be the first of `value`, all where there are more."""
     _check(array, index, 0)

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from benchmarks.engine.ours import chain
 
 from rthm_core.engine import sensitivities, simulate
+from rthm_core.engine.tangents.entries import in_blocks
 from rthm_core.errors import InputError
 from rthm_core.spec import apply, shipped_spec
 
@@ -72,6 +74,29 @@ def test_counting_works_changes_no_tangent(which):
         for signal in SIGNALS:
             one, other = (getattr(found.by_parameter[name], signal) for found in (counting, without))
             assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), (name, signal)
+
+
+def test_signals_of_several_dofs_are_where_they_belong():
+    spec, name = chain(3, 2), "interface.stiffness[1]"
+    found, plain = sensitivities(spec, 2.0, [name], 0.0017), simulate(spec, 2.0, 0.0017)
+    assert found.tangents
+    expected = difference(spec, name, 6.0, 2.0, 0.0017)
+    for signal in SIGNALS:
+        derivative, of_plain = getattr(found.by_parameter[name], signal), getattr(plain, signal)
+        assert np.abs(derivative - expected[signal]).max() < 1e-6 * np.abs(expected[signal]).max(), signal
+        assert np.abs(getattr(found.trajectory, signal) - of_plain).max() < 1e-10, signal
+
+
+@pytest.mark.parametrize("kinds", [(0, 0, 1, 1, 1, 1, 1, 2, 2, 2), (0, 1, 0, 1, 0, 2, 2, 2, 2), (0, 1, 2)])
+def test_rows_in_the_order_of_their_blocks_are_written_one_after_the_other(kinds):
+    pattern = np.array(kinds)[:, None] == np.arange(3)
+
+    def written(rows):
+        return [row for blocks in in_blocks(rows, 3) for row in blocks.ravel().tolist()]
+
+    assert set(written(pattern)) == set(range(len(kinds)))
+    again = written(pattern[list(dict.fromkeys(written(pattern)))])
+    assert again == sorted(again)
 
 
 def test_every_number_of_the_physics_is_taken_where_none_is_named():

@@ -19,6 +19,7 @@ from rthm_core.simd import (
     several,
     simd_copy,
     simd_empty,
+    will_write,
 )
 
 
@@ -57,6 +58,18 @@ def turned(block, out):
 def moved(numbered, values, out):
     for i in range(numbered.shape[0]):
         put_element(out, (0, element(numbered, (i,))), element(values, (i, 1)))
+
+
+@compiled_in_place
+def announced(out, place):
+    will_write(out, place)
+
+
+def test_what_is_said_to_be_written_is_as_it_was_and_may_be_beyond_the_end():
+    out = np.arange(float(WIDTH))
+    for place in (0, WIDTH - 1, 1 << 40):
+        announced(out, place)
+    assert np.array_equal(out, np.arange(float(WIDTH)))
 
 
 def test_arithmetic_is_done_on_each_number_by_itself():

@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rthm_core.clock import to_ns
-from rthm_core.compiled import Floats
+from rthm_core.compiled import Floats, Integers
 from rthm_core.engine.linear.blocks import Rows, joined
 from rthm_core.engine.linear.kernel import ROW_COUNT
 from rthm_core.engine.linear.preparation import filled
 from rthm_core.engine.nonlinear.kernel import Looks
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
-from rthm_core.engine.nonlinear.run import Portion, State, looks_of, outputs, plan, start_state
+from rthm_core.engine.nonlinear.run import Portion, State, looks_of, plan, start_state
 from rthm_core.engine.simulate import checked_step, simulate
-from rthm_core.engine.tangents.advance import TangentWork, Term
+from rthm_core.engine.tangents.advance import Scratch, TangentWork, scratch
 from rthm_core.engine.tangents.changes import Placement, Tangents, stencil, tangents
-from rthm_core.engine.tangents.entries import PAIRS, TRIPLES, Look, look, look_entries, step_entries
+from rthm_core.engine.tangents.entries import PAIRS, TRIPLES, by_blocks, look, look_entries, step_entries
 from rthm_core.engine.tangents.kernel import Layout, TangentSteps, run_tangents
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.kept import kept
-from rthm_core.simd import WIDTH, simd_copy, simd_empty
+from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.spec import parameters
 
 if TYPE_CHECKING:
@@ -145,13 +145,24 @@ def _checked(spec: Spec, names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class _Prepared(NamedTuple):
-    """A loop, what is seen of it, its derivatives and where they are, and memory for those of its steps."""
+    """A loop, its start and what is seen of it, its derivatives and where they are; memory for those of its
+    steps, and scratch.
+    """
 
     loop: NonlinearLoop
+    start: State
     looks: Looks
     changes: Tangents
     placement: Placement
-    steps: dict[int, TangentSteps]
+    steps: dict[int, _Memory]
+    scratch: Scratch
+
+
+class _Memory(NamedTuple):
+    """Memory for the changes of steps; where the signals of a row are written, None: in their order."""
+
+    steps: TangentSteps
+    places: Integers | None
 
 
 @kept
@@ -161,52 +172,58 @@ def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> 
     if loop is None or not loop.nonlinear.steady or loop.linear.sensors is not None:
         return None
     found = tangents(spec, loop, names)
-    return None if found is None else _Prepared(loop, looks_of(loop), *found, {})
+    if found is None:
+        return None
+    start, memory = start_state(loop, 0, 0), scratch(found[0].systems.shape)
+    return _Prepared(loop, start, looks_of(loop), *found, {}, memory)
 
 
-def _steps(one: _Prepared, slots: int) -> TangentSteps:
+def _steps(one: _Prepared, slots: int) -> _Memory:
     """Memory for the changes of so many steps."""
     if slots not in one.steps:
         loop, changes = one.loop, one.changes
-        one.steps[slots] = TangentSteps(
+        rows, moved = _of_rows(loop, changes)
+        order = by_blocks(loop, changes, rows, moved)
+        steps = TangentSteps(
             step_entries(loop, changes, slots),
             np.zeros(slots, dtype=np.int64),
-            _row_look(loop, changes, slots),
+            look(loop, changes, rows[order], moved[:, order], slots, TRIPLES),
             look(loop, changes, loop.sample, changes.sample, slots, PAIRS),
             look_entries(loop.reference, changes.reference),
         )
+        beyond = np.arange(rows.shape[0], rows.shape[0] + loop.linear.k_tot.size)
+        places = np.concatenate([np.argsort(order), beyond])
+        one.steps[slots] = _Memory(steps, None if np.all(np.diff(places) == 1) else places)
     return one.steps[slots]
 
 
-def _row_look(loop: NonlinearLoop, changes: Tangents, slots: int) -> Look:
-    """What is seen for a row [x1, v1, F, x2, v2] after so many steps."""
+def _of_rows(loop: NonlinearLoop, changes: Tangents) -> tuple[Floats, Floats]:
+    """What is seen for a row [x1, v1, F, x2, v2], and its transposed changes."""
     d, plant = loop.sample.shape[1], loop.motion.size - loop.linear.numerical.y.size
     before, behind = np.split(np.eye(d)[loop.motion], [plant])
     moved = np.zeros((d, loop.motion.size + loop.force.shape[0], *changes.force.shape[2:]))
     moved[:, plant : plant + loop.force.shape[0]] = changes.force
-    return look(loop, changes, np.vstack([before, loop.force, behind]), moved, slots, TRIPLES)
+    return np.vstack([before, loop.force, behind]), moved
+
+
+def _begun(start: State) -> State:
+    """A start that a run may change; scratch is that of every run."""
+    work = start.work._replace(modes=start.work.modes.copy(), sums=simd_copy(start.work.sums))
+    memory = start.memory._replace(count=start.memory.count.copy())
+    return State(start.z.copy(), work, memory)
 
 
 def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
     """Tangents at the start of a test that looks back on so many samples and references."""
-    changes = one.changes
-    _, n, d, *groups = changes.systems.shape
-    nothing = np.zeros((d, *groups))
-    halves = simd_copy(np.zeros((2, *nothing.shape)))
+    changes, (_, _, d, *groups) = one.changes, one.changes.systems.shape
+    halves = simd_copy(np.zeros((2, d, *groups)))
     halves[:, : changes.start.shape[0]] = changes.start
     return TangentWork(
         halves,
         halves.reshape(-1),
         simd_copy(filled(changes.first_sample, samples)).reshape(-1),
         simd_copy(filled(changes.first_reference, references)).reshape(-1),
-        simd_empty((one.loop.motion.size + one.loop.force.shape[0]) * WIDTH),
-        np.zeros(n),
-        simd_copy(nothing[0]),
-        Term(np.zeros(n), simd_copy(nothing[:n])),
-        Term(np.zeros(n), simd_copy(nothing[:n])),
-        np.zeros(d),
-        simd_copy(nothing),
-        simd_empty(d, n, *groups),
+        *one.scratch,
     )
 
 
@@ -218,32 +235,37 @@ def _beside(
     found = None if one is None else plan(spec, one.loop, end, step, energies=energies, span=end + 1)
     if one is None or found is None:
         return None
-    state, own = start_state(one.loop, 0, 0), _tangent_work(one, found.samples, found.references)
-    blocks = [_block(one, portion, state, own, len(names)) for portion in found.portions]
-    rows, (beside,) = (joined(parts) for parts in zip(*blocks, strict=True))
-    ends = np.cumsum([part.shape[1] for part in rows[:2]])
-    plant, numerical, reference = np.split(beside, ends, axis=1)
-    every = of_rows(spec, Rows(plant, numerical, reference, np.empty((0, 0))), step)
-    places = {names[p]: place for place, p in enumerate(one.placement.order)}
-    by_parameter = {name: _of_one(every, places[name]) for name in names}
-    return Sensitivities(of_rows(spec, Rows(*rows), step), by_parameter, tangents=True)
+    state, own = _begun(one.start), _tangent_work(one, found.samples, found.references)
+    beside, work = joined([_block(one, portion, state, own, len(names)) for portion in found.portions])
+    m, n = one.loop.linear.k_tot.size, one.loop.linear.numerical.y.size
+    plant = beside.shape[1] - n - m
+    parts = beside[:, :plant], beside[:, plant : plant + n], beside[:, plant + n :]
+    every = of_rows(spec, Rows(*parts, work), step)
+    by_parameter = {
+        name: _of_one(every, place) for name, place in zip(names, one.placement.places.tolist(), strict=True)
+    }
+    motion = _of_one(every, -1)
+    motion.energies = every.energies
+    return Sensitivities(motion, by_parameter, tangents=True)
 
 
-def _of_one(every: Trajectory, parameter: int) -> Trajectory:
-    """Tangents for one parameter; those for all have the parameters along their last axis."""
-    return Trajectory(every.t, **{name: getattr(every, name)[..., parameter] for name in SIGNALS})
+def _of_one(every: Trajectory, place: int) -> Trajectory:
+    """Tangents for one parameter, or last the motion; all have the parameters along their last axis."""
+    return Trajectory(every.t, **{name: getattr(every, name)[..., place] for name in SIGNALS})
 
 
 def _block(
     one: _Prepared, portion: Portion, state: State, own: TangentWork, parameters: int
-) -> tuple[list[Floats], list[Floats]]:
-    """Rows of a portion and their tangents, without the last, which is beyond it: a full block would end the
-    run.
+) -> tuple[Floats, Floats]:
+    """Rows of a portion (rows, signals, parameters), the last of which are the signals themselves, and work;
+    without the last row, which is beyond it: a full block would end the run.
     """
-    loop, out = one.loop, outputs(one.loop, portion.rows + 1)
-    shape = (portion.rows + 1, sum(array.shape[1] for array in out[:3]), parameters)
-    beside, groups = np.empty(math.prod(shape)), one.changes.start.shape[1]
-    like = tuple((0,) * (rows * groups) for rows in (1, PAIRS, TRIPLES))
+    loop, memory, rows = one.loop, _steps(one, portion.steps.filled.size), portion.rows + 1
+    work = np.empty((rows if loop.forms.size else 0, loop.forms.shape[0]))
+    shape = (rows, memory.steps.row.rows.shape[0] + loop.linear.k_tot.size, parameters + 1)
+    size, groups = math.prod(shape), one.changes.start.shape[1]
+    beside = np.empty(size + WIDTH)
+    like = tuple((0,) * (abreast * groups) for abreast in (1, PAIRS, TRIPLES))
     state.memory.count[ROW_COUNT] = 0
     run_tangents(
         loop.nonlinear,
@@ -254,15 +276,17 @@ def _block(
         state.memory.count,
         state.z,
         portion.passes,
-        out,
+        rows,
+        work,
         one.changes,
-        _steps(one, portion.steps.filled.size),
+        memory.steps,
         own,
-        Layout(parameters, one.placement.before, one.placement.counts, one.placement.motion),
+        Layout(parameters + 1, one.placement.before, one.placement.motion),
         like,
         beside,
     )
-    return [rows[:-1] for rows in out], [beside.reshape(shape)[:-1]]
+    written = beside[:size].reshape(shape)[:-1]
+    return written if memory.places is None else written[:, memory.places], work[:-1]
 
 
 def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajectory:

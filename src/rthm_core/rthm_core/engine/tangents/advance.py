@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from rthm_core.compiled import Floats, inlined
 from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_step
 from rthm_core.engine.nonlinear.steps import fill, terms_of, through
@@ -15,7 +17,7 @@ from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
 from rthm_core.physical.laws import PLACE
 from rthm_core.physical.switching import next_mode
-from rthm_core.simd import everywhere, numbers, put_numbers
+from rthm_core.simd import everywhere, numbers, put_numbers, simd_copy, simd_empty
 
 
 class Term(NamedTuple):
@@ -26,7 +28,7 @@ class Term(NamedTuple):
 
 
 class TangentWork(NamedTuple):
-    """What lasts from step to step, and scratch.
+    """What lasts from step to step, and scratch (`Scratch`).
 
     Attributes
     ----------
@@ -36,21 +38,12 @@ class TangentWork(NamedTuple):
         The same memory.
     samples, references : (length 2 m Q 8,), (length m Q 8,) arrays
         Those of the memory.
-    seen : (R 8,) array
-        What is seen for a row, among the tangents of the last group.
-    rate : (N,) array
-        Of y just before a law switches.
-    shift : (Q, 8) array
-        How much later it switches, s per unit of each parameter.
-    one, other : Term
-    unit, zero, change : (d,), (d, Q, 8), (d, N, Q, 8) arrays
     """
 
     halves: Floats
     lanes: Floats
     samples: Floats
     references: Floats
-    seen: Floats
     rate: Floats
     shift: Floats
     one: Term
@@ -58,6 +51,44 @@ class TangentWork(NamedTuple):
     unit: Floats
     zero: Floats
     change: Floats
+
+
+class Scratch(NamedTuple):
+    """Scratch of steps.
+
+    Attributes
+    ----------
+    rate : (N,) array
+        Of y just before a law switches.
+    shift : (Q, 8) array
+        How much later it switches, s per unit of each parameter.
+    one, other : Term
+    unit, zero, change : (d,), (d, Q, 8), (d, N, Q, 8) arrays
+        `zero` is never written.
+    """
+
+    rate: Floats
+    shift: Floats
+    one: Term
+    other: Term
+    unit: Floats
+    zero: Floats
+    change: Floats
+
+
+def scratch(shape: tuple[int, ...]) -> Scratch:
+    """Scratch for changes of systems (S, N, d, Q, 8)."""
+    _, n, d, *groups = shape
+    zero = simd_copy(np.zeros((d, *groups)))
+    return Scratch(
+        np.zeros(n),
+        simd_empty(*groups),
+        Term(np.zeros(n), simd_empty(n, *groups)),
+        Term(np.zeros(n), simd_empty(n, *groups)),
+        np.zeros(d),
+        zero,
+        simd_empty(d, n, *groups),
+    )
 
 
 @inlined

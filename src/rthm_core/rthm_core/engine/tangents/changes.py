@@ -15,6 +15,7 @@ import numpy as np
 from rthm_core.compiled import Flags, Floats, Integers
 from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
+from rthm_core.kept import kept
 from rthm_core.physical.laws import CODE, FRICTION, PARTITION, law_of
 from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.spec import apply, number_at
@@ -69,21 +70,25 @@ class Placement(NamedTuple):
     ----------
     order, lanes : (P,) arrays
         Parameters as they follow each other, and the lane of each of these.
-    before, counts : tuple of int
-        How many parameters come before each group, and how many are in it.
+    places : (P,) array
+        Place of each parameter among them.
+    before : tuple of int
+        How many parameters come before each group.
     motion : int
-        Lane of the motion.
+        Lane of the motion, behind the last parameter's.
     """
 
     order: Integers
     lanes: Integers
+    places: Integers
     before: tuple[int, ...]
-    counts: tuple[int, ...]
     motion: int
 
 
+@kept
 def stencil(spec: Spec, name: str) -> Stencil:
-    """Second-order difference with respect to a parameter: central, or forward from a lower bound.
+    """Second-order difference with respect to a parameter: central, or forward from a lower bound. Its specs
+    are kept, and with them what simulations of them need.
 
     Raises
     ------
@@ -144,9 +149,8 @@ def _placement(loop: NonlinearLoop, systems: Sequence[Floats]) -> Placement:
             lane = following
         lanes.append(lane)
         lane += 1
-    before = np.searchsorted(lanes, np.arange(0, room + 1, WIDTH))
-    counts = np.diff(before).tolist()
-    return Placement(np.array(order), np.array(lanes), tuple(before[:-1].tolist()), tuple(counts), lane)
+    before = np.searchsorted(lanes, np.arange(0, room, WIDTH))
+    return Placement(np.array(order), np.array(lanes), np.argsort(order), tuple(before.tolist()), lane)
 
 
 def _motion(loop: NonlinearLoop) -> list[Floats]:

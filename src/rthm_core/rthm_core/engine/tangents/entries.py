@@ -16,7 +16,7 @@ PAIRS, TRIPLES = 2, 3
 
 
 class Entries(NamedTuple):
-    """Matrices of the same form, in blocks of A rows (the last again where there are too few like it).
+    """Matrices of the same form, in blocks of A rows (the last again where there is no other like it).
 
     Attributes
     ----------
@@ -51,25 +51,25 @@ class Look(NamedTuple):
     ----------
     rows, changes : (R, d), (d, R, Q, 8) arrays
         What is seen of [y, held, g], and its transposed changes.
-    entries : Entries
-        Of K steps, and last as it is without a step.
+    triples, pairs : Entries
+        All rows once, in blocks of three and of two: of K steps, and last as it is without a step.
     matrix, change : (d, R), (d, R, Q, 8) arrays
         Scratch.
     """
 
     rows: Floats
     changes: Floats
-    entries: Entries
+    triples: Entries
+    pairs: Entries
     matrix: Floats
     change: Floats
 
 
-def entries(pattern: Flags, touched: Flags, count: int, abreast: int) -> Entries:
+def entries(pattern: Flags, touched: Flags, count: int, rows: Integers) -> Entries:
     """Room for `count` matrices whose elements are zero but for a `pattern` (rows, d), and whose rows change
-    with the groups of parameters that are `touched` (rows, Q), in blocks of rows `abreast`.
+    with the groups of parameters that are `touched` (rows, Q), in blocks of `rows` (B, A).
     """
-    rows = _blocks(pattern, abreast)
-    every, groups = pattern[rows].any(axis=1), touched[rows].any(axis=1)
+    abreast, every, groups = rows.shape[1], pattern[rows].any(axis=1), touched[rows].any(axis=1)
     sizes = abreast * WIDTH * every.sum(axis=1)[:, None] * groups
     begins = np.cumsum(sizes).reshape(sizes.shape) - sizes
     ends = np.concatenate([[0], np.cumsum(every.sum(axis=1))])
@@ -85,19 +85,27 @@ def entries(pattern: Flags, touched: Flags, count: int, abreast: int) -> Entries
     )
 
 
-def _blocks(pattern: Flags, abreast: int) -> Integers:
-    """Rows whose elements are the same ones, so many in each block; the last again where there are fewer."""
-    left, found = list(range(pattern.shape[0])), []
+def in_blocks(pattern: Flags, widest: int) -> tuple[Integers, Integers]:
+    """Rows in blocks of three (., 3), if these are the `widest`, and of two (., 2), the last again where a
+    row is left: those of a block have the same elements.
+    """
+    left, triples, pairs = list(range(pattern.shape[0])), [], []
     while left:
-        alike = [row for row in left if np.array_equal(pattern[row], pattern[left[0]])][:abreast]
+        alike = [row for row in left if np.array_equal(pattern[row], pattern[left[0]])]
         left = [row for row in left if row not in alike]
-        found.append(alike + alike[-1:] * (abreast - len(alike)))
-    return np.array(found, dtype=np.int64)
+        while widest == TRIPLES and len(alike) not in (0, 1, 2, 4):
+            triples.append([alike.pop(0) for _ in range(TRIPLES)])
+        pairs += [[*alike[i : i + PAIRS], alike[-1]][:PAIRS] for i in range(0, len(alike), PAIRS)]
+    return (
+        np.array(sorted(triples), dtype=np.int64).reshape(-1, TRIPLES),
+        np.array(sorted(pairs), dtype=np.int64).reshape(-1, PAIRS),
+    )
 
 
 def step_entries(loop: NonlinearLoop, changes: Tangents, slots: int) -> Entries:
     """Room for the matrices (N, d) of so many steps, which are made when they are needed."""
-    return entries(*_of_steps(loop, changes), slots, PAIRS)
+    pattern, touched = _of_steps(loop, changes)
+    return entries(pattern, touched, slots, in_blocks(pattern, PAIRS)[1])
 
 
 def _of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
@@ -110,26 +118,39 @@ def _of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
 
 
 def look(
-    loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats, slots: int, abreast: int
+    loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats, slots: int, widest: int
 ) -> Look:
     """What is seen through `rows` (R, d), with transposed changes `moved` (d, R, Q, 8), after so many steps,
-    for which there is room, and without one.
+    for which there is room, and without one; in blocks that have up to two or three rows.
     """
-    (step, touched), (n, d) = _of_steps(loop, changes), loop.nonlinear.systems.shape[1:]
+    pattern, groups = _of_look(loop, changes, rows, moved)
+    triples, pairs = (entries(pattern, groups, slots + 1, blocks) for blocks in in_blocks(pattern, widest))
+    for room in (triples, pairs):
+        _put_last(room, rows, moved)
+    moved = simd_copy(moved)
+    return Look(rows, moved, triples, pairs, np.empty((moved.shape[0], rows.shape[0])), simd_copy(moved))
+
+
+def by_blocks(loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats) -> Integers:
+    """Order in which the blocks of such a look have its rows."""
+    blocks = in_blocks(_of_look(loop, changes, rows, moved)[0], TRIPLES)
+    return np.array(list(dict.fromkeys(np.concatenate([one.ravel() for one in blocks]).tolist())))
+
+
+def _of_look(loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats) -> tuple[Flags, Flags]:
+    """Pattern (R, d) of what is seen after a step, and which groups (R, Q) change its rows."""
+    (step, touched), n = _of_steps(loop, changes), loop.nonlinear.systems.shape[1]
     changed = np.any(moved != 0.0, axis=3)
     through = (rows != 0.0) | changed.any(axis=2).T
-    pattern = through | (through[:, :n].astype(int) @ step > 0)
-    groups = changed.any(axis=0) | (through[:, :n].astype(int) @ touched > 0)
-    room = entries(pattern, groups, slots + 1, abreast)
-    _put_last(room, rows, moved)
-    moved = simd_copy(moved)
-    return Look(rows, moved, room, np.empty((d, rows.shape[0])), simd_copy(moved))
+    beneath = through[:, :n].astype(int)
+    return through | (beneath @ step > 0), changed.any(axis=0) | (beneath @ touched > 0)
 
 
 def look_entries(rows: Floats, changes: Floats) -> Entries:
     """What is seen of [y, held, g] through `rows` (R, d), with transposed `changes` (d, R, Q, 8)."""
     changed = np.any(changes != 0.0, axis=3)
-    one = entries((rows != 0.0) | changed.any(axis=2).T, changed.any(axis=0), 1, PAIRS)
+    pattern = (rows != 0.0) | changed.any(axis=2).T
+    one = entries(pattern, changed.any(axis=0), 1, in_blocks(pattern, PAIRS)[1])
     _put_last(one, rows, changes)
     return one
 

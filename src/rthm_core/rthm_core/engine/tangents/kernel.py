@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, written_out
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, inlined, written_out
 from rthm_core.engine.nonlinear.advance import Work, count_work, set_of
 from rthm_core.engine.nonlinear.arc import before_arc, sticks_on
 from rthm_core.engine.nonlinear.event_free import nothing_switches
-from rthm_core.engine.nonlinear.kernel import Looks, Outputs, add_moments, write_work, write_work_within
+from rthm_core.engine.nonlinear.kernel import Looks, add_moments, write_work, write_work_within
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.nonlinear.operations import Operations
 from rthm_core.engine.nonlinear.steps import Steps, fill
@@ -23,8 +23,12 @@ from rthm_core.engine.tangents.advance import TangentWork, advance_tangents, beg
 from rthm_core.engine.tangents.changes import Tangents
 from rthm_core.engine.tangents.entries import Entries, Look
 from rthm_core.engine.tangents.steps import look_through, of_block, put_entries
+from rthm_core.lent import given, lent
 from rthm_core.schedule import MOTOR, OUTPUT, REFERENCE, SAMPLE
-from rthm_core.simd import WIDTH, element, numbers, numbers_from, put_first, put_numbers_from
+from rthm_core.simd import WIDTH, element, numbers, numbers_from, put_numbers_from, will_write
+
+ROWS_AHEAD = 8
+"""How many rows ahead memory is fetched that is written: all of it does not fit into the nearest."""
 
 
 class TangentSteps(NamedTuple):
@@ -38,11 +42,12 @@ class TangentSteps(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Number of parameters, those before and in each group, and the lane of the motion."""
+    """What is written of each signal: its tangents and, last, itself. How many numbers these are, how many of
+    them come before each group, and the lane of the motion.
+    """
 
-    parameters: int
+    columns: int
     before: tuple[int, ...]
-    counts: tuple[int, ...]
     motion: int
 
 
@@ -62,6 +67,7 @@ def _move(source, begin, target, to, count):  # type: ignore[no-untyped-def]
 @called
 def _seen(entries, slot, z, lanes, at, out, to, groups, pairs):  # type: ignore[no-untyped-def]
     """Tangents of what one of several matrices makes of z, into the flat `out` from place `to` on."""
+    entries = given(entries)
     for block in range(entries.rows.shape[0]):
         sums = of_block(entries, slot, block, z, lanes, at, groups, pairs)
         for i in range(len(pairs) // len(groups)):
@@ -97,49 +103,54 @@ def _command(k_tot, change, counting, motion, own, used, asked, to, width):  # t
                 put_numbers_from(own.lanes, to + i * width + lane, sample + beside)
 
 
-@written_out
-def _put(layout, beside, signal, group, tangents):  # type: ignore[no-untyped-def]
-    """Write the tangents of a signal with respect to the parameters of a group."""
-    begin = signal * layout.parameters + layout.before[group]
-    put_first(beside, (begin,), tangents, layout.counts[group])
-
-
-@written_out
-def _write_seen(entries, slot, z, own, at, layout, beside, signal, groups, triples):  # type: ignore[no-untyped-def]
-    """Write the tangents of what is seen, from a `signal` on; the motion goes into ``own.seen``."""
+@inlined
+def _write_blocks(  # type: ignore[no-untyped-def]
+    entries, slot, z, lanes, at, layout, beside, signal, groups, like
+):
+    """Write what all blocks of one of several matrices make of z, the first row as a `signal`. What a value
+    has beyond its group is written over by what follows it.
+    """
     for block in range(entries.rows.shape[0]):
-        sums = of_block(entries, slot, block, z, own.lanes, at, groups, triples)
-        for i in range(len(triples) // len(groups)):
-            seen = element(entries.rows, (block, i))
-            put_numbers_from(own.seen, seen * WIDTH, sums[i * len(groups) + len(groups) - 1])
+        sums = of_block(entries, slot, block, z, lanes, at, groups, like)
+        for i in range(len(like) // len(groups)):
+            begin = (signal + element(entries.rows, (block, i))) * layout.columns
             for group in range(len(groups)):
-                _put(layout, beside, signal + seen, group, sums[i * len(groups) + group])
+                put_numbers_from(beside, begin + layout.before[group], sums[i * len(groups) + group])
+
+
+@called
+def _write_seen(  # type: ignore[no-untyped-def]
+    look, slot, z, lanes, at, layout, beside, signal, groups, pairs, triples
+):
+    """Write what is seen through one of several matrices of a look, and its tangents."""
+    _write_blocks(given(look.triples), slot, z, lanes, at, layout, beside, signal, groups, triples)
+    _write_blocks(given(look.pairs), slot, z, lanes, at, layout, beside, signal, groups, pairs)
 
 
 @written_out
 def _write(  # type: ignore[no-untyped-def]
-    entries, slot, z, own, at, asked, layout, out, row, beside, groups, triples
+    look, slot, z, own, at, asked, layout, m, row, beside, groups, pairs, triples
 ):
-    """Write a row [x1, v1, F, x2, v2, F_d], seen through the matrix in a slot, and its tangents."""
-    plant, n, m = out.plant.shape[1], out.numerical.shape[1], out.reference.shape[1]
-    signal, lane, width = row * (plant + n + m), layout.motion % WIDTH, len(groups) * WIDTH
-    _write_seen(entries, slot, z, own, at, layout, beside, signal, groups, triples)
-    for i in range(plant):
-        out.plant[row, i] = _lane(own.seen, i, WIDTH, lane)
-    for i in range(n):
-        out.numerical[row, i] = _lane(own.seen, plant + i, WIDTH, lane)
+    """Write a row, seen through the matrix in a slot and last F_d in use, and its tangents."""
+    seen, width = look.rows.shape[0], len(groups) * WIDTH
+    signal, size = row * (seen + m), (seen + m) * layout.columns
+    ahead = (row + ROWS_AHEAD) * size
+    for place in range(ahead, ahead + size, WIDTH):
+        will_write(beside, place)
+    _write_seen(look, slot, z, own.lanes, at, layout, beside, signal, groups, pairs, triples)
     for i in range(m):
-        out.reference[row, i] = _lane(own.references, asked * m + i, width, layout.motion)
+        begin = (signal + seen + i) * layout.columns
         for group in range(len(groups)):
             tangents = numbers_from(own.references, (asked * m + i) * width + group * WIDTH)
-            _put(layout, beside, signal + plant + n + i, group, tangents)
+            put_numbers_from(beside, begin + layout.before[group], tangents)
 
 
 @written_out
 def _put_look(step, change, look, slot):  # type: ignore[no-untyped-def]
     """Keep what is seen after a step."""
     look_through(step, change, look)
-    put_entries(look.matrix, look.change, look.entries, slot)
+    put_entries(look.matrix, look.change, look.triples, slot)
+    put_entries(look.matrix, look.change, look.pairs, slot)
 
 
 @called
@@ -183,7 +194,8 @@ def run_tangents(
     count: Integers,
     z: Floats,
     passes: int,
-    out: Outputs,
+    rows: int,
+    counted: Floats,
     tangents: Tangents,
     changes: TangentSteps,
     own: TangentWork,
@@ -191,11 +203,13 @@ def run_tangents(
     like: Any,
     beside: Floats,
 ) -> None:
-    """Execute a program `passes` times or until the rows `out` are full, from z on.
+    """Execute a program `passes` times or until so many `rows` are written, from z on.
 
-    The tangents of each row [x1, v1, F, x2, v2, F_d] with respect to the parameters follow each other in
-    `beside`. Tuples `like` are as long as there are groups of lanes, and these for two and for three rows.
+    The rows [x1, v1, F, x2, v2, F_d], in the order of ``changes.row``, follow each other in `beside`, which
+    has room for `WIDTH` numbers more; work and energy go into `counted`. Tuples `like` are as long as there
+    are groups of lanes, and these for two and for three rows.
     """
+    changes, own = lent(changes), lent(own)
     groups, pairs, triples = like
     width, m, motion, d = len(groups) * WIDTH, looks.k_tot.size, layout.motion, z.size
     s_mask, r_mask = own.samples.size // (2 * m * width) - 1, own.references.size // (m * width) - 1
@@ -208,8 +222,9 @@ def run_tangents(
     for p in range(passes):
         later, until = min(p, 1), -1
         for e in range(operations.what.size):
-            what, k, span = operations.what[e], operations.length[later, e], operations.span[later, e]
-            last, trying = operations.last[later, e], -1
+            what, k = element(operations.what, (e,)), element(operations.length, (later, e))
+            span, last = element(operations.span, (later, e)), element(operations.last, (later, e))
+            trying = -1
             if e > until:
                 single = last < e
                 trying = k if single else operations.span[later, last]
@@ -245,7 +260,8 @@ def run_tangents(
             slot = as_it_is
             if within:
                 slot = _slot(nonlinear, steps, tangents, changes, own, number, span)
-            used, asked = (s - operations.sample[e]) & s_mask, (r - operations.reference[e]) & r_mask
+            used = (s - element(operations.sample, (e,))) & s_mask
+            asked = (r - element(operations.reference, (e,))) & r_mask
             if what == REFERENCE:
                 begin = held * width
                 _move(own.samples, used * 2 * m * width, own.lanes, at + begin, 2 * m * width)
@@ -263,20 +279,18 @@ def run_tangents(
                     z[i] = _lane(own.lanes, i, width, at + motion)
             elif what == SAMPLE:
                 ring = (s & s_mask) * 2 * m * width
-                _seen(changes.sample.entries, slot, z, own.lanes, at, own.samples, ring, groups, pairs)
+                _seen(changes.sample.pairs, slot, z, own.lanes, at, own.samples, ring, groups, pairs)
                 _add(tangents.bias, own.samples, ring)
                 s += 1
             elif what == OUTPUT:
-                _write(
-                    changes.row.entries, slot, z, own, at, asked, layout, out, row, beside, groups, triples
-                )
+                _write(changes.row, slot, z, own, at, asked, layout, m, row, beside, groups, pairs, triples)
                 if counting and within:
                     count_work(nonlinear, tables, number, span, work.products, work.before, work.sums)
-                    write_work_within(work.sums, out.work, row)
+                    write_work_within(work.sums, counted, row)
                 elif counting:
-                    write_work(looks.forms, work.sums, z, out.work[row])
+                    write_work(looks.forms, work.sums, z, counted[row])
                 row += 1
-                if row == out.plant.shape[0]:
+                if row == rows:
                     break
     if at:
         _move(own.lanes, at, own.lanes, 0, d * width)

@@ -75,21 +75,20 @@ def of_block(entries, slot, block, z, lanes, at, groups, like):  # type: ignore[
     sums, each = several(like), len(like) // len(groups)
     first, end = element(entries.ends, (block,)), element(entries.ends, (block + 1,))
     for e in range(first, end):
-        begin = at + element(entries.columns, (e,)) * (len(groups) * WIDTH)
+        column = element(entries.columns, (e,))
+        begin, here = at + column * (len(groups) * WIDTH), element(z, (column,))
         for group in range(len(groups)):
             moving = numbers_from(lanes, begin + group * WIDTH)
             for i in range(each):
                 part = moving * element(entries.values, (slot, e * each + i))
                 sums = tuple_setitem(sums, i * len(groups) + group, sums[i * len(groups) + group] + part)
-    for group in range(len(groups)):
-        place = element(entries.places, (block, group))
-        c = slot * entries.width + place
-        for e in range(first, end if place >= 0 else first):
-            here = element(z, (element(entries.columns, (e,)),))
-            for i in range(each):
-                part = numbers_from(entries.changes, c + i * WIDTH) * here
-                sums = tuple_setitem(sums, i * len(groups) + group, sums[i * len(groups) + group] + part)
-            c += each * WIDTH
+        for group in range(len(groups)):
+            place = element(entries.places, (block, group))
+            if place >= 0:
+                c = slot * entries.width + place + (e - first) * (each * WIDTH)
+                for i in range(each):
+                    part = numbers_from(entries.changes, c + i * WIDTH) * here
+                    sums = tuple_setitem(sums, i * len(groups) + group, sums[i * len(groups) + group] + part)
     return sums
 
 

@@ -16,6 +16,9 @@ BENT_DEGREE_BESIDE = 3
 """Degree of the curve: the inverse of a bend of a tenth of the range has to be told to the noise; beside what
 repeats, of which a higher one would take some for its own."""
 
+BENT_ROUNDS = 30
+"""Times that a true value is put into the error of its reading, which grows slower than the value."""
+
 BENT_FEWEST_SAMPLES = 400
 """Samples that a curve takes."""
 

@@ -18,10 +18,11 @@ from rthm_analysis.diagnosis.criteria.readings import (
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.bend import Bend, bend_of, curve_share, share_of
 from rthm_analysis.diagnosis.faults.naming import in_words
-from rthm_analysis.diagnosis.physical.judged import simulate_all
+from rthm_analysis.diagnosis.physical.judged import begun_runs
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Channel
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 
 
@@ -47,15 +48,14 @@ def bent_sensors(physical: Physical) -> list[BentSensor]:
 
     Only where all other signals are at their noise: a force shows in them, too.
     """
-    base = physical.selection.base
-    predicted = simulate_all(physical, base).predicted
+    runs, predicted = begun_runs(physical, physical.selection.base)
     if not np.isfinite(predicted).all():
         return []
     left = physical.evidence.measured - predicted
     loud = np.sqrt(np.nanmean(np.square(left), axis=0)) > NOISE_FLOOR_RATIO * physical.noise.level
     found = []
     for k, channel in enumerate(physical.evidence.channels):
-        bend = None if np.delete(loud, k).any() else _confirmed(physical, k, left[:, k])
+        bend = None if np.delete(loud, k).any() else _confirmed(physical, runs, predicted, k)
         if bend is not None:
             found.append(BentSensor(channel, bend, not _is_explained(physical)))
     return found if len(found) == 1 else []
@@ -68,17 +68,29 @@ def _is_explained(physical: Physical) -> bool:
     return kinds and at_noise(physical.fitting, selection.best)
 
 
-def _confirmed(physical: Physical, column: int, left: Floats) -> Bend | None:
+def _confirmed(physical: Physical, runs: Windows, predicted: Floats, column: int) -> Bend | None:
     """The bend of a channel that training and unseen part show alike."""
-    readings = physical.evidence.measured[:, column]
+    true = predicted[:, column]
+    left = physical.evidence.measured[:, column] - true
     known, first = np.isfinite(left), np.arange(left.size) < physical.train
-    if min(np.count_nonzero(known & first), np.count_nonzero(known & ~first)) < BENT_FEWEST_SAMPLES:
+    seen, unseen = known & first, known & ~first
+    if min(np.count_nonzero(seen), np.count_nonzero(unseen)) < BENT_FEWEST_SAMPLES:
         return None
-    if curve_share(readings[known & first], left[known & first]) < BENT_SHARE - BENT_SHARE_LOST:
+    if curve_share(true[seen], left[seen]) < BENT_SHARE - BENT_SHARE_LOST:
         return None
-    bend = bend_of(readings[known & first], left[known & first])
-    shares = [share_of(bend, readings[part], left[part]) for part in (known & first, known & ~first)]
+    bend = bend_of(true[seen], left[seen], _of_starts(physical, runs, predicted, column)[seen])
+    shares = [share_of(bend, true[part], left[part]) for part in (seen, unseen)]
     return bend if min(shares) > BENT_SHARE else None
+
+
+def _of_starts(physical: Physical, runs: Windows, predicted: Floats, column: int) -> Floats:
+    """What a channel reads more (s, q) where a run begins in another state: the state was told by readings
+    that are off.
+    """
+    spec, size = physical.selection.base.model.spec, 1e-3 * (float(np.nanstd(predicted[:, column])) or 1.0)
+    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    found = np.stack([(one - predicted)[:, column] for one in moved], axis=1) / size
+    return found if np.isfinite(found).all() else found[:, :0]
 
 
 def straight_or_curved(found: list[BentSensor]) -> tuple[str, ...]:

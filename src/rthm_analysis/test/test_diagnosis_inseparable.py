@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.physical.inseparable import inseparable
+from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
 from rthm_analysis.diagnosis.physical.parts_of_force import with_parts
 from rthm_analysis.diagnosis.result import Described, Physics, Value
 
@@ -84,3 +84,19 @@ def test_a_constant_of_its_own_keeps_its_name(left: Described, others: list[Phys
 
     assert "constant_load" in {one.kind for one in kept}
     assert whole == (left,)
+
+
+@pytest.mark.parametrize(
+    ("on", "words"), [(("load",), "another gain of"), (("load", "t"), "that changes with")]
+)
+def test_a_force_that_goes_with_the_load_may_be_a_gain(on: tuple[str, ...], words: str) -> None:
+    (said,) = gains([], [_left(*on, size=3.0)])
+    assert words in said and "load cell" in said
+
+
+@pytest.mark.parametrize(
+    ("named", "on"),
+    [([], ("x", "load")), ([], ("x",)), ([_found("coulomb_friction", force=20.0)], ("load",))],
+)
+def test_what_depends_on_the_motion_is_no_gain(named: list[Physics], on: tuple[str, ...]) -> None:
+    assert not list(gains(named, [_left(*on, size=3.0)]))

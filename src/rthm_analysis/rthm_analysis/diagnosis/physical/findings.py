@@ -21,7 +21,7 @@ from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_w
 from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
-from rthm_analysis.diagnosis.physical.inseparable import inseparable
+from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.kinds_beside import with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
@@ -124,6 +124,7 @@ def physical_part(physical: Physical) -> Part:
             *physical.evidence.notes,
             *_on_the_load(physical),
             *inseparable(physics),
+            *(gains(physics, force) if physical.evidence.driven_by == "force" else ()),
             *offsets(physical, runs["explained"].predicted),
             *loud(physical),
             *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),

@@ -1,11 +1,11 @@
-"""What no recording of a motion tells apart, in words: effects that only at rest are not the same."""
+"""What no recording of a motion tells apart, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
 from rthm_analysis.diagnosis.numbers import bare
-from rthm_analysis.diagnosis.result import Physics, Value
+from rthm_analysis.diagnosis.result import Described, Physics, Value
 from rthm_core.effects import effect
 
 
@@ -29,6 +29,34 @@ def inseparable(physics: Iterable[Physics]) -> Iterator[str]:
         for rubbing in of_plant:
             if rubbing.place == offset.place and effect(rubbing.kind, "plant").jump:
                 yield _words(str(offset.place), _size(offset), _size(rubbing))
+
+
+def gains(physics: Iterable[Physics], forces: Iterable[Described]) -> Iterator[str]:
+    """A force that goes with the known load, in a rig in which nothing else was found: the same as a gain.
+
+    Parameters
+    ----------
+    physics : iterable of Physics
+        What was named.
+    forces : iterable of Described
+        What was described, in a plant under known forces.
+
+    Yields
+    ------
+    str
+        What is the same, and how to find out.
+    """
+    every = list(forces)
+    if list(physics) or len(every) != 1:
+        return
+    (force,) = every
+    if force.block == "plant" and "load" in force.depends_on and set(force.depends_on) <= {"load", "t"}:
+        when = " that changes with time" if "t" in force.depends_on else ""
+        yield (
+            f"In a linear rig a force that goes with the known load is the same as another gain{when} of the "
+            "load cell, or of all sensors of the motion: this recording does not tell which. Put a known "
+            "force on the load cell, and move the rig by a known distance."
+        )
 
 
 def _size(one: Physics) -> float:

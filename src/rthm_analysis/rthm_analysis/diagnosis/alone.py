@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
 from rthm_analysis.diagnosis.faults.bend import Bend
+from rthm_analysis.diagnosis.faults.drift import Drift
 from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
 from rthm_analysis.diagnosis.joining import as_run
 from rthm_analysis.diagnosis.links import diagnose_links
@@ -56,6 +57,10 @@ class Alone:
     def moved_back(self, late: Mapping[Channel, float]) -> Alone:
         """The same with channels that come late by so many seconds."""
         return replace(self, mended=self.mended.moved_back(late)).judged_by_motion()
+
+    def in_step(self, drift: Drift) -> Alone:
+        """The same with a motion whose clock is that of the known force."""
+        return replace(self, mended=self.mended.in_step(drift))
 
     def straightened(self, bends: Mapping[Channel, Bend]) -> Alone:
         """The same without the errors of sensors that are not linear."""

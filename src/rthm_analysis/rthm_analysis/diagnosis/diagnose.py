@@ -15,6 +15,7 @@ from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.names import check_names, check_one_rig
 from rthm_analysis.diagnosis.physical.bent_sensors import bent_sensors, straight_or_curved
+from rthm_analysis.diagnosis.physical.drifting_clocks import drifting_clocks
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
@@ -95,6 +96,9 @@ def diagnose_together(
     lateness = late_sensors(physical)
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:
         several = [one.moved_back(late) for one in several]
+        physical = _physical(several, say)
+    if (drift := drifting_clocks(physical)) is not None:
+        several = [one.in_step(drift) for one in several]
         physical = _physical(several, say)
     bent = bent_sensors(physical)
     if bends := {one.channel: one.bend for one in bent if one.is_clear}:

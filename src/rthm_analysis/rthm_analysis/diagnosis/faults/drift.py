@@ -1,9 +1,11 @@
-"""Clocks that drift apart: the motor's position comes later and later after its commands, or earlier."""
+"""Clocks that drift apart: the motor's position comes later and later after its commands, or earlier, or the
+motion after a known force.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,6 +23,33 @@ from rthm_core.topics import PLANT_STATE
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
+
+
+class Drift(NamedTuple):
+    """Delay of the motion behind a known force at the start, s, and its growth, s/s."""
+
+    delay: float
+    growth: float
+
+    def in_step(self, evidence: Evidence) -> Floats:
+        """Loads (s, n) as late as the motion."""
+        from scipy.interpolate import CubicSpline
+
+        time = evidence.time
+        then = np.clip(time - self.delay - self.growth * time, time[0], time[-1])
+        return np.asarray(CubicSpline(time, evidence.load)(then))
+
+
+def in_step(evidence: Evidence, drift: Drift) -> tuple[Evidence, tuple[Fault, ...]]:
+    """Let known forces come as late as the motion, and tell it."""
+    way = "later" if drift.growth > 0.0 else "earlier"
+    words = (
+        f"The motion comes {way} and {way} after the known force, by {1e6 * abs(drift.growth):.0f} ppm "
+        f"({1e3 * abs(drift.growth) * float(evidence.time[-1]):.3g} ms over the recording): their clocks "
+        "drift apart. The force was moved for this diagnosis; record both with one clock."
+    )
+    fault = Fault("plant", "clock_drift", PLANT_STATE, words, None, drift.growth)
+    return replace(evidence, load=drift.in_step(evidence)), (fault,)
 
 
 def find_drift(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:

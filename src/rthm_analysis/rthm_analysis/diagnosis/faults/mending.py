@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.faults.bend import NONLINEAR, Bend, straightened
 from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
 from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
-from rthm_analysis.diagnosis.faults.drift import find_drift
+from rthm_analysis.diagnosis.faults.drift import Drift, find_drift, in_step
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
@@ -61,6 +61,11 @@ class Mended:
     def moved_back(self, late: Mapping[Channel, float]) -> Mended:
         """The same with channels that come late by so many seconds."""
         evidence, faults = moved_back(self.evidence, late)
+        return replace(self, evidence=evidence, faults=(*self.faults, *faults))
+
+    def in_step(self, drift: Drift) -> Mended:
+        """The same with a motion whose clock is that of the known force."""
+        evidence, faults = in_step(self.evidence, drift)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
     def straightened(self, bends: Mapping[Channel, Bend]) -> Mended:

@@ -11,6 +11,7 @@
 ``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
+``drifting_clocks`` a motion that comes later and later after the known force
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured

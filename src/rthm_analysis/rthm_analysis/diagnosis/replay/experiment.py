@@ -122,6 +122,11 @@ class Experiment:
         """The same test in free runs of its own, which begin at some instants."""
         return replace(self, starts_ns=starts_ns, _motors={}, _motions={}, _grids={}, _lock=Lock())
 
+    def loaded_by(self, load: Floats) -> Experiment:
+        """The same test under other known loads (s, n)."""
+        evidence = replace(self.evidence, load=load)
+        return replace(self, evidence=evidence, _motors={}, _motions={}, _grids={}, _lock=Lock())
+
     def sharpen(self, spec: Spec) -> bool:
         """Refine the grid from now on if a wire of this model needs it, but for a draft; whether anything
         changed.

@@ -1,0 +1,67 @@
+"""A motion that comes later and later after the known force, or earlier: two clocks that drift apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rthm_analysis.diagnosis.criteria.readings import DRIFTING_ROUNDS, DRIFTING_SHARE
+from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
+from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
+from rthm_analysis.diagnosis.faults.drift import Drift
+from rthm_analysis.diagnosis.physical.judged import begun_runs
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_core.compiled import Floats
+
+
+def drifting_clocks(physical: Physical) -> Drift | None:
+    """The delay between known force and motion, where it grows and is all that the model leaves, in the
+    fitted data and in unseen ones; None where it is not.
+    """
+    evidence, train = physical.evidence, physical.train
+    if evidence.driven_by != "force" or len(evidence.recordings) > 1 or not np.any(evidence.load):
+        return None
+    runs, predicted = begun_runs(physical, physical.selection.base)
+    left = _left(physical, predicted)
+    if not np.isfinite(left).all() or left[:train].std() < NOISE_FLOOR_RATIO:
+        return None
+    spec, size = physical.selection.base.model.spec, 1e-3 * (float(np.std(predicted[:, 0])) or 1.0)
+    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    starts = np.stack([left - _left(physical, one) for one in moved], axis=-1) / size
+    sizes, now, rest = np.zeros(2 + starts.shape[-1]), predicted, left
+    for _ in range(DRIFTING_ROUNDS):
+        shapes = np.concatenate([_of_delay(physical, now), starts], axis=-1)
+        sizes = sizes + _least(shapes[:train], rest[:train])
+        drift = Drift(float(sizes[0]), float(sizes[1]))
+        now = physical.experiment.loaded_by(drift.in_step(evidence)).predicted(spec, runs)
+        rest = _left(physical, now) - starts @ sizes[2:]
+        if min(_shares(left - starts @ sizes[2:], rest, train)) < DRIFTING_SHARE / 2.0:
+            return None
+    grows = abs(drift.growth) * float(evidence.time[-1])
+    step = float(np.median(np.diff(evidence.time)))
+    is_all = min(_shares(left - starts @ sizes[2:], rest, train)) > DRIFTING_SHARE
+    return drift if is_all and grows > CLOCK_DRIFT_LEAST_SAMPLES * step else None
+
+
+def _left(physical: Physical, predicted: Floats) -> Floats:
+    """Errors (s, k) over the noise; 0 where nothing was measured."""
+    error = (physical.evidence.measured - predicted) / physical.noise.level
+    return np.where(np.isfinite(physical.evidence.measured), error, 0.0)
+
+
+def _of_delay(physical: Physical, predicted: Floats) -> Floats:
+    """What a delay of a second, and one that grows by a second per second, make of errors: (s, k, 2)."""
+    time = physical.evidence.time
+    late = -np.gradient(predicted, time, axis=0) / physical.noise.level
+    late = np.where(np.isfinite(physical.evidence.measured), late, 0.0)
+    return np.stack([late, late * time[:, None]], axis=-1)
+
+
+def _least(shapes: Floats, left: Floats) -> Floats:
+    """Sizes of shapes (s, k, q) that leave least of errors (s, k)."""
+    return np.asarray(np.linalg.lstsq(shapes.reshape(left.size, -1), left.ravel(), rcond=None)[0])
+
+
+def _shares(whole: Floats, rest: Floats, train: int) -> list[float]:
+    """Part of errors that is gone, of those that fits have seen and of the others."""
+    parts = (slice(train), slice(train, None))
+    return [1.0 - float(np.sum(rest[part] ** 2) / np.sum(whole[part] ** 2)) for part in parts]

@@ -19,7 +19,7 @@ from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.bend import Bend, bend_of, curve_share, share_of
 from rthm_analysis.diagnosis.faults.naming import in_words
 from rthm_analysis.diagnosis.physical.judged import begun_runs
-from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
+from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Channel
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -53,19 +53,13 @@ def bent_sensors(physical: Physical) -> list[BentSensor]:
         return []
     left = physical.evidence.measured - predicted
     loud = np.sqrt(np.nanmean(np.square(left), axis=0)) > NOISE_FLOOR_RATIO * physical.noise.level
+    is_clear = not explained_by_kinds(physical.fitting, physical.selection)
     found = []
     for k, channel in enumerate(physical.evidence.channels):
         bend = None if np.delete(loud, k).any() else _confirmed(physical, runs, predicted, k)
         if bend is not None:
-            found.append(BentSensor(channel, bend, not _is_explained(physical)))
+            found.append(BentSensor(channel, bend, is_clear))
     return found if len(found) == 1 else []
-
-
-def _is_explained(physical: Physical) -> bool:
-    """Whether known kinds of physics leave nothing but noise."""
-    selection = physical.selection
-    kinds = len(selection.rounds) > selection.formulas == 0
-    return kinds and at_noise(physical.fitting, selection.best)
 
 
 def _confirmed(physical: Physical, runs: Windows, predicted: Floats, column: int) -> Bend | None:

@@ -9,37 +9,49 @@ from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.drift import Drift
 from rthm_analysis.diagnosis.physical.judged import begun_runs
+from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 
 
 def drifting_clocks(physical: Physical) -> Drift | None:
     """The delay between known force and motion, where it grows and is all that the model leaves, in the
-    fitted data and in unseen ones; None where it is not.
+    fitted data and in unseen ones; None where it is not, or where known kinds explain the recording.
     """
-    evidence, train = physical.evidence, physical.train
+    evidence = physical.evidence
     if evidence.driven_by != "force" or len(evidence.recordings) > 1 or not np.any(evidence.load):
+        return None
+    if explained_by_kinds(physical.fitting, physical.selection):
         return None
     runs, predicted = begun_runs(physical, physical.selection.base)
     left = _left(physical, predicted)
-    if not np.isfinite(left).all() or left[:train].std() < NOISE_FLOOR_RATIO:
+    if not np.isfinite(left).all() or left[: physical.train].std() < NOISE_FLOOR_RATIO:
         return None
-    spec, size = physical.selection.base.model.spec, 1e-3 * (float(np.std(predicted[:, 0])) or 1.0)
+    return _drift(physical, runs, predicted)
+
+
+def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None:
+    """The delay that leaves least, with the state that the recording then begins in, if it is enough."""
+    spec, evidence, train = physical.selection.base.model.spec, physical.evidence, physical.train
+    size = 1e-3 * (float(np.std(predicted[:, 0])) or 1.0)
     moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    left = rest = _left(physical, predicted)
     starts = np.stack([left - _left(physical, one) for one in moved], axis=-1) / size
-    sizes, now, rest = np.zeros(2 + starts.shape[-1]), predicted, left
+    sizes = np.zeros(2 + starts.shape[-1])
     for _ in range(DRIFTING_ROUNDS):
-        shapes = np.concatenate([_of_delay(physical, now), starts], axis=-1)
+        shapes = np.concatenate([_of_delay(physical, predicted), starts], axis=-1)
         sizes = sizes + _least(shapes[:train], rest[:train])
         drift = Drift(float(sizes[0]), float(sizes[1]))
-        now = physical.experiment.loaded_by(drift.in_step(evidence)).predicted(spec, runs)
-        rest = _left(physical, now) - starts @ sizes[2:]
-        if min(_shares(left - starts @ sizes[2:], rest, train)) < DRIFTING_SHARE / 2.0:
+        predicted = physical.experiment.loaded_by(drift.in_step(evidence)).predicted(spec, runs)
+        beside = starts @ sizes[2:]
+        rest = _left(physical, predicted) - beside
+        share = min(_shares(left - beside, rest, train))
+        if share < DRIFTING_SHARE / 2.0:
             return None
-    grows = abs(drift.growth) * float(evidence.time[-1])
-    step = float(np.median(np.diff(evidence.time)))
-    is_all = min(_shares(left - starts @ sizes[2:], rest, train)) > DRIFTING_SHARE
-    return drift if is_all and grows > CLOCK_DRIFT_LEAST_SAMPLES * step else None
+    least = CLOCK_DRIFT_LEAST_SAMPLES * float(np.median(np.diff(evidence.time)))
+    grows = abs(drift.growth) * float(evidence.time[-1]) > least
+    return drift if grows and share > DRIFTING_SHARE else None
 
 
 def _left(physical: Physical, predicted: Floats) -> Floats:

@@ -92,6 +92,9 @@ PLAIN_LAWS_ALIKE, SAME_LAW_CORRELATION, SAME_LEFT_RATIO = 0.9999, 1.0 - 1e-9, 1.
 a recording does not tell two laws apart, and from which they are one but for rounding, and what a set may
 leave, over what the best one leaves, to do as well."""
 
+SAME_LAW_SAMPLES = 2000
+"""Samples of a motion along which two laws are compared: they are one but for rounding, or not."""
+
 LONGER_RUNS_RATIOS = (4.0, 16.0, 64.0)
 """Lengths of the runs, in periods of the motion, in which a formula of short runs is fitted one after the
 other."""

@@ -33,6 +33,7 @@
 ``inseparable``  what no recording of a motion tells apart
 ``parts_of_force``  a constant force or spring that may belong to a force that is left
 ``named_laws``   plain laws as kinds of the library
+``named_formula``  the kinds that all terms of a formula are
 ``kinds_beside``  kinds of the library beside a formula
 ``unconfirmed``  what shows in the unseen part alone
 ``unforeseen``   a force that nothing foretells

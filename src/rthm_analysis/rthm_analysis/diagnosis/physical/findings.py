@@ -29,6 +29,7 @@ from rthm_analysis.diagnosis.physical.loud import loud
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
 from rthm_analysis.diagnosis.physical.motor_curves import motors_described
 from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
+from rthm_analysis.diagnosis.physical.named_formula import with_names
 from rthm_analysis.diagnosis.physical.offsets import offsets
 from rthm_analysis.diagnosis.physical.parts_of_force import over_position, with_parts
 from rthm_analysis.diagnosis.physical.remainder import Remainder
@@ -180,6 +181,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not judged.composed:
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
+    judged = with_names(judged)
     formula = judged.earned and judged.physical.selection.formulas
     return judged, tuple(formulated(judged)) if formula else ()
 

@@ -14,6 +14,7 @@ from rthm_analysis.diagnosis.physical.formula_model import guess_of
 from rthm_analysis.diagnosis.physical.work import law_forces
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.starts import InitialGuess
+from rthm_core.compiled import Floats
 from rthm_core.effects.declaration import Effect
 from rthm_core.effects.registry import shipped
 
@@ -23,7 +24,8 @@ def guesses_of(regression: Regression, model: Model, terms: Iterable[Term]) -> l
     found = []
     for term in terms:
         at = regression.along(regression.dof(term.dof))
-        kinds = (_kind_of(term, at, model, law) for law in _plain_kinds())
+        force = term.dof, term.size * term.column(at)[:, 0]
+        kinds = (_kind_of(force, at, model, law) for law in _plain_kinds())
         found.append(next(filter(None, kinds), None) or guess_of(term))
     return sorted(found, key=lambda one: one.added.law.written)
 
@@ -33,11 +35,21 @@ def without_repeated(regression: Regression, model: Model, terms: Iterable[Term]
     return tuple(one for one in terms if not _repeats(regression, model, one))
 
 
+def kind_as(model: Model, index: int, at: Along) -> InitialGuess | None:
+    """The kind of the library whose force is that of a formula which a model adds to a dof, along its motion;
+    None where there is none.
+    """
+    dof = model.added[index].place
+    force = law_forces(model, [index], at.t, at.x, at.v, at.load)
+    kinds = (_kind_of((dof, force), at, model, law) for law in _plain_kinds())
+    return next(filter(None, kinds), None)
+
+
 def _repeats(regression: Regression, model: Model, term: Term) -> bool:
     at = regression.along(regression.dof(term.dof))
     there = {one.kind for one in model.added if one.block == "plant" and one.place == term.dof}
     laws = (law for law in _plain_kinds() if law.kind in there)
-    return any(_ratio(term, at, model, law) is not None for law in laws)
+    return any(_number((term.dof, term.column(at)[:, 0]), at, model, law) is not None for law in laws)
 
 
 def _plain_kinds() -> list[type[Effect]]:
@@ -45,24 +57,22 @@ def _plain_kinds() -> list[type[Effect]]:
     return [one for one in shipped("plant") if len(one.parameters) == 1 and not one.written]
 
 
-def _kind_of(term: Term, at: Along, model: Model, law: type[Effect]) -> InitialGuess | None:
-    """A kind with the size at which its force is that of a law; None where it has another shape, or sign."""
-    (key,), ratio = law.parameters, _ratio(term, at, model, law)
-    if ratio is None:
+def _kind_of(force: tuple[str, Floats], at: Along, model: Model, law: type[Effect]) -> InitialGuess | None:
+    """A kind with the number at which it is a force (s,) on a dof; None if its shape, or sign, is another."""
+    (key,), number = law.parameters, _number(force, at, model, law)
+    if number is None:
         return None
-    size = ratio * term.size
-    one = EffectInstance("plant", law.kind, term.dof, {key: size})
-    low, high = one.bounds(key, {key: size})
-    return InitialGuess(one, (key,), (key,), {key: abs(size)}) if low < size < high else None
+    one = EffectInstance("plant", law.kind, force[0], {key: number})
+    low, high = one.bounds(key, {key: number})
+    return InitialGuess(one, (key,), (key,), {key: abs(number)}) if low < number < high else None
 
 
-def _ratio(term: Term, at: Along, model: Model, law: type[Effect]) -> float | None:
-    """Number of a kind for a term of size 1; None where their forces are not one law along the recording."""
-    (key,) = law.parameters
-    unit = InitialGuess(EffectInstance("plant", law.kind, term.dof, {key: 1.0}), (key,), (key,))
-    asked = unit.added_to(model)
-    force = law_forces(asked, [len(asked.added) - 1], at.t, at.x, at.v, at.load)
-    column = term.column(at)[:, 0]
-    along = float(force @ column)
-    alike = abs(along) >= SAME_LAW_CORRELATION * np.linalg.norm(force) * np.linalg.norm(column)
-    return float(column @ column) / along if along and alike else None
+def _number(force: tuple[str, Floats], at: Along, model: Model, law: type[Effect]) -> float | None:
+    """Number of a kind for a force (s,) on a dof; None where they are not one law along the recording."""
+    (key,), (dof, asked) = law.parameters, force
+    unit = InitialGuess(EffectInstance("plant", law.kind, dof, {key: 1.0}), (key,), (key,))
+    with_unit = unit.added_to(model)
+    of_unit = law_forces(with_unit, [len(with_unit.added) - 1], at.t, at.x, at.v, at.load)
+    along = float(of_unit @ asked)
+    alike = abs(along) >= SAME_LAW_CORRELATION * np.linalg.norm(of_unit) * np.linalg.norm(asked)
+    return float(asked @ asked) / along if along and alike else None

@@ -242,7 +242,7 @@ SHOWN_KIND_BUDGET = 1e7
 best of each way is fitted to its end, instants that are tried around its own, and work that may be done for
 it: steps of replays."""
 
-FORMULA_STEPS = 2e7
-FORMULA_FIT_BUDGET, COMPOSING_BUDGET = 5e6, 1.2e7
+FORMULA_STEPS = 4e7
+FORMULA_FIT_BUDGET, COMPOSING_BUDGET = 1e7, 1e8
 """Work that may be done to find a formula, beside that of the search for kinds, to fit one in any case, and
 after which no other is fitted: steps of replays."""

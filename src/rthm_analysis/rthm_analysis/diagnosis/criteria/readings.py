@@ -35,8 +35,9 @@ BENT_REPEATING_SHARE = 1e-3
 LOUD_RATIO = 3.0
 """Noise over that of the spec from which it is told: several times more than any estimate is off."""
 
-DRIFTING_ROUNDS = 6
-"""Steps of Gauss and Newton to the delay: a drift over a sixth of a period takes four."""
+DRIFTING_ROUNDS, DRIFTING_DONE_SAMPLES = 20, 1e-3
+"""Steps of Gauss and Newton to the delay, at most, and the change of the delay in samples after which they
+end: a force that is moved drives the rig otherwise, so that each step leaves some two fifths."""
 
 DRIFTING_SHARE = 0.9
 """Share of what a model leaves that a delay which grows steadily explains, in fitted and in unseen data."""

@@ -45,7 +45,7 @@ BUDGET_STEPS = 1.5e8
 """Steps of replays with wires after which the search in a recording of `BUDGET_RECORDING_SAMPLES` winds down;
 on a slow host about 40 s of one core."""
 
-LOST_STEPS = 2.5e7
+LOST_STEPS = 4e7
 """The same from where neither a single kind nor a formula comes near the noise: what is found after that
 takes less, and mostly nothing is."""
 
@@ -60,7 +60,7 @@ WIRELESS_STEP_COST = 0.75
 LINEAR_STEP_COST = 0.03
 """What a step of one of many forces on a linear plant takes, over a step of a replay."""
 
-SECOND_QUESTION_STEPS = 1.5e7
+SECOND_QUESTION_STEPS = 3e7
 """Steps that a second question, which is asked of a few kinds only, may take in any case."""
 
 FITS_AT_ONCE = 4

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.readings import DRIFTING_ROUNDS, DRIFTING_SHARE
+from rthm_analysis.diagnosis.criteria.readings import (
+    DRIFTING_DONE_SAMPLES,
+    DRIFTING_ROUNDS,
+    DRIFTING_SHARE,
+)
 from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.drift import Drift
@@ -38,10 +42,12 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
     moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
     left = rest = _left(physical, predicted)
     starts = np.stack([left - _left(physical, one) for one in moved], axis=-1) / size
+    step, end = float(np.median(np.diff(evidence.time))), float(evidence.time[-1])
     sizes = np.zeros(2 + starts.shape[-1])
     for _ in range(DRIFTING_ROUNDS):
         shapes = np.concatenate([_of_delay(physical, predicted), starts], axis=-1)
-        sizes = sizes + _least(shapes[:train], rest[:train])
+        change = _least(shapes[:train], rest[:train])
+        sizes = sizes + change
         drift = Drift(float(sizes[0]), float(sizes[1]))
         predicted = physical.experiment.loaded_by(drift.in_step(evidence)).predicted(spec, runs)
         beside = starts @ sizes[2:]
@@ -49,8 +55,9 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
         share = min(_shares(left - beside, rest, train))
         if share < DRIFTING_SHARE / 2.0:
             return None
-    least = CLOCK_DRIFT_LEAST_SAMPLES * float(np.median(np.diff(evidence.time)))
-    grows = abs(drift.growth) * float(evidence.time[-1]) > least
+        if abs(change[0]) + abs(change[1]) * end < DRIFTING_DONE_SAMPLES * step:
+            break
+    grows = abs(drift.growth) * end > CLOCK_DRIFT_LEAST_SAMPLES * step
     return drift if grows and share > DRIFTING_SHARE else None
 
 

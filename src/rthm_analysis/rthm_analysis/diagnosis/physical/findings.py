@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
     RETUNED_LEFT_SHARE,
@@ -23,7 +21,7 @@ from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs
 from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
-from rthm_analysis.diagnosis.physical.kinds_beside import with_kinds
+from rthm_analysis.diagnosis.physical.kinds_beside import each_by_itself, with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
 from rthm_analysis.diagnosis.physical.loud import loud
 from rthm_analysis.diagnosis.physical.mismatches import mismatches
@@ -58,12 +56,9 @@ from rthm_analysis.diagnosis.result import (
 )
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, distinguishable
 from rthm_analysis.diagnosis.words import bare, physics_words
-from rthm_core.effects import Effect
 from rthm_core.spec import apply
 
 ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
-
-UNSURE_ABOVE_NOISE = "beside what is left above the noise its size may be nothing"
 
 DRIVEN = (
     "The motors do not follow their commands as the spec says, and no known kind of physics explains it.",
@@ -175,7 +170,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         of_mass = free is not None and free.feature.of_mass and is_foretold(free)
         rests = judged.physical.evidence.comes_to_rest
         composed = None if rests or of_mass else compose_best(judged, free)
-        judged = judged if composed is None else with_kinds(composed)
+        judged = judged if composed is None else each_by_itself(with_kinds(composed))
         if not judged.composed and (some := unconfirmed(judged, from_time_to_time=is_foretold(free))):
             return judged, some
         if not judged.composed:
@@ -236,23 +231,13 @@ def _named(physical: Physical, judged: Judgement) -> tuple[list[Physics], list[T
         values = less_sure(values_of(selection.best, i), judged.misfit)
         energy = _energy(physical, selection.best.model, i)
         words = physics_words(one.block, one.kind, one.place, values, share, energy)
-        if selection.formulas and not judged.at_noise and not _is_sure(one.law, values):
-            vague.append(because((one.block, one.kind, one.place), UNSURE_ABOVE_NOISE))
-        elif len(selection.rounds) == 1 or not 0.0 <= share < negligible(judged):
+        if len(selection.rounds) == 1 or not 0.0 <= share < negligible(judged):
             found.append(Physics(one.block, one.kind, one.place, values, words, energy, share))
         elif judged.at_noise:
             traces.append(Trace(one.block, one.kind, share, words))
         else:
             vague.append(because((one.block, one.kind, one.place), ABOVE_NOISE))
     return found, traces, vague
-
-
-def _is_sure(law: type[Effect], values: Mapping[str, Value | str]) -> bool:
-    """Whether values leave an effect its size, as unsure as they are."""
-    known = {key: one for key, one in values.items() if isinstance(one, Value)}
-    return law.identified(
-        {key: one.value for key, one in known.items()}, {key: one.std for key, one in known.items()}
-    )
 
 
 def _energy(physical: Physical, model: Model, index: int) -> float:

@@ -8,7 +8,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from rthm_analysis.diagnosis.criteria.missing import BESIDE_FIT_BUDGET, FORMULA_SIZE_UNCERTAINTY
+from rthm_analysis.diagnosis.criteria.missing import (
+    BESIDE_FIT_BUDGET,
+    FORMULA_SIZE_UNCERTAINTY,
+)
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
 from rthm_analysis.diagnosis.physical.composing import with_formulas
 from rthm_analysis.diagnosis.physical.confirming import confirmed
@@ -18,6 +21,7 @@ from rthm_analysis.diagnosis.physical.side import Physical, diagnose_physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.judging import reduced_chi2
+from rthm_analysis.diagnosis.search.replacing import rounds_refitted
 from rthm_core.effects.formula import NUMBERS
 from rthm_core.spec import Spec, apply
 
@@ -44,6 +48,15 @@ def with_kinds(judged: Judgement) -> Judgement:
     )
     better = both is not None and both.squares["explained"] < judged.squares["explained"]
     return both if both is not None and better else judged
+
+
+def each_by_itself(judged: Judgement) -> Judgement:
+    """The same with what each kind beside a formula explains before the others: all were fitted together."""
+    physical, selection = judged.physical, judged.physical.selection
+    if judged.at_noise or not len(selection.rounds) > selection.formulas > 0:
+        return judged
+    refitted = rounds_refitted(physical.fitting, selection)
+    return Judgement(replace(physical, selection=refitted), judged.runs, judged.composed)
 
 
 def _found_beside(physical: Physical) -> Physical:

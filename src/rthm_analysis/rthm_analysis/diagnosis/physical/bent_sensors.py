@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.criteria.readings import (
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.bend import Bend, bend_of, curve_share, share_of
 from rthm_analysis.diagnosis.faults.naming import in_words
-from rthm_analysis.diagnosis.physical.judged import begun_runs
+from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts
 from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Channel
@@ -72,19 +72,12 @@ def _confirmed(physical: Physical, runs: Windows, predicted: Floats, column: int
         return None
     if curve_share(true[seen], left[seen]) < BENT_SHARE - BENT_SHARE_LOST:
         return None
-    bend = bend_of(true[seen], left[seen], _of_starts(physical, runs, predicted, column)[seen])
+    # Readings that are off have told where the runs begin.
+    starts = by_starts(physical, physical.selection.base.model.spec, runs, predicted)[:, column]
+    beside = starts if np.isfinite(starts).all() else starts[:, :0]
+    bend = bend_of(true[seen], left[seen], beside[seen])
     shares = [share_of(bend, true[part], left[part]) for part in (seen, unseen)]
     return bend if min(shares) > BENT_SHARE else None
-
-
-def _of_starts(physical: Physical, runs: Windows, predicted: Floats, column: int) -> Floats:
-    """What a channel reads more (s, q) where a run begins in another state: the state was told by readings
-    that are off.
-    """
-    spec, size = physical.selection.base.model.spec, 1e-3 * (float(np.nanstd(predicted[:, column])) or 1.0)
-    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
-    found = np.stack([(one - predicted)[:, column] for one in moved], axis=1) / size
-    return found if np.isfinite(found).all() else found[:, :0]
 
 
 def straight_or_curved(found: list[BentSensor]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from rthm_analysis.diagnosis.criteria.readings import (
 from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.drift import Drift
-from rthm_analysis.diagnosis.physical.judged import begun_runs
+from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts
 from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -38,10 +38,9 @@ def drifting_clocks(physical: Physical) -> Drift | None:
 def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None:
     """The delay that leaves least, with the state that the recording then begins in, if it is enough."""
     spec, evidence, train = physical.selection.base.model.spec, physical.evidence, physical.train
-    size = 1e-3 * (float(np.std(predicted[:, 0])) or 1.0)
-    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
     left = rest = _left(physical, predicted)
-    starts = np.stack([left - _left(physical, one) for one in moved], axis=-1) / size
+    starts = by_starts(physical, spec, runs, predicted) / physical.noise.level[:, None]
+    starts = np.where(np.isfinite(evidence.measured)[:, :, None], starts, 0.0)
     step, end = float(np.median(np.diff(evidence.time))), float(evidence.time[-1])
     sizes = np.zeros(2 + starts.shape[-1])
     for _ in range(DRIFTING_ROUNDS):

@@ -53,9 +53,7 @@ def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows
     runs, measured = physical.windows, physical.evidence.measured
     weight = np.where(np.isfinite(measured), 1.0 / physical.noise.sigma, 0.0)
     left = np.nan_to_num(measured - predicted) * weight
-    size = 1e-3 * (float(np.nanstd(measured[:, 0])) or 1.0)
-    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
-    changes = np.stack([(one - predicted) * weight / size for one in moved], axis=2)
+    changes = by_starts(physical, spec, runs, predicted) * weight[:, :, None]
     if not np.isfinite(changes).all():
         return runs
     ends = np.append(runs.start[1:], measured.shape[0])
@@ -64,6 +62,15 @@ def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows
         for a, b in zip(runs.start, ends, strict=True)
     ]
     return Windows(runs.start, runs.state + np.stack(steps), runs.length)
+
+
+def by_starts(physical: Physical, spec: Spec, runs: Windows, predicted: Floats) -> Floats:
+    """What all channels read more, (s, k, q), per unit by which each entry of the states is larger in which
+    runs begin.
+    """
+    size = 1e-3 * (float(np.nanstd(physical.evidence.measured[:, 0])) or 1.0)
+    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    return np.stack([(one - predicted) / size for one in moved], axis=2)
 
 
 def spread(physical: Physical, channel: int, samples: slice | None = None) -> float:

@@ -213,10 +213,6 @@ LIKELY_APART_SAMPLES = 2 * RESIDUAL_PARABOLA_SAMPLES
 """Free curves that are asked before the long search, of all that the residual force was compared with,
 samples that are compared, and how far they are from where free runs begin: half the longest parabola."""
 
-AHEAD_LEFT_SHARE = 0.01
-"""Share of what the best single kind leaves that a formula may leave beside the noise to end the search for
-kinds."""
-
 LOAD_LAW_SHARE = 0.98
 """Share of the mismatch that a curve over the known load must explain for the search for kinds to end."""
 

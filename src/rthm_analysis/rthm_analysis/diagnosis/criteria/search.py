@@ -47,6 +47,10 @@ VALUES_LEFT_SHARE = 0.8
 """Share of a mismatch that is left by all other values of mass, damping, stiffness and wire from which no
 effects are looked for beside them."""
 
+AHEAD_LEFT_SHARE = 0.01
+"""Share of what the best single kind leaves that a formula may leave beside the noise to end the search for
+kinds; and that a kind which may imitate others may leave of what the best plain one leaves to come first."""
+
 IMITATOR_GIVEN_UP_CHI2 = 30.0
 """Reduced chi-squared from which kinds that can imitate others, and do not, are given up."""
 

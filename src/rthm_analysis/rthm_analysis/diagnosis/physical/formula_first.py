@@ -9,12 +9,11 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.missing import (
-    AHEAD_LEFT_SHARE,
     FORMULA_FITS,
     LOAD_LAW_SHARE,
     SAMPLED_TRAINED,
 )
-from rthm_analysis.diagnosis.criteria.search import NEAR_NOISE_CHI2
+from rthm_analysis.diagnosis.criteria.search import AHEAD_LEFT_SHARE, NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.missing.curves import CurveFit, Regression, free_curves

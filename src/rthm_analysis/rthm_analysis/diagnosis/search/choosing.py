@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.search import (
+    AHEAD_LEFT_SHARE,
     FINISHED_CHI2,
     GIVEN_UP_LEFT_SHARE,
     IMITATOR_GIVEN_UP_CHI2,
@@ -133,15 +134,21 @@ def _tried(
 def _plain_first(
     fitting: Fitting, selection: Selection, tried: list[FittedCandidate]
 ) -> list[FittedCandidate]:
-    """The same, the best plain kind first where no kind comes near the noise.
+    """The same, the best plain kind first where no kind comes near the noise, or leaves next to nothing of
+    what plain kinds leave.
 
     A kind with the freedom to imitate others says something only where it explains everything.
     """
-    if not tried or not tried[0].law.flexible or reduced_chi2(fitting, tried[0].fitted) < NEAR_NOISE_CHI2:
+    if not tried or not tried[0].law.flexible:
         return tried
+    left = reduced_chi2(fitting, tried[0].fitted)
     plain = [one for one in tried if not one.law.flexible and better(one, selection.best)]
     plain = [one for one in plain if relevant(fitting, one, selection)]
-    return [*plain[:1], *(one for one in tried if not plain or one is not plain[0])]
+    if left < NEAR_NOISE_CHI2 or not plain:
+        return tried
+    if left - 1.0 < AHEAD_LEFT_SHARE * reduced_chi2(fitting, plain[0].fitted):
+        return tried
+    return [plain[0], *(one for one in tried if one is not plain[0])]
 
 
 def _settled(fitting: Fitting, selection: Selection, best: FittedCandidate, known: Floats) -> FittedCandidate:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rthm_analysis.diagnosis.criteria.words import (
     AT_BOUND_SHARE,
     BOUND_STD_RATIO,
+    DRIVING_STDS,
     EXACT_STD_DIGITS,
     FAR_STDS,
     SLIGHT_CHANGE,
@@ -142,7 +143,7 @@ def _retuned(name: str, one: Retuned, stated: Mapping[str, float] | None) -> str
     if not one.nominal or one.std > BOUND_STD_RATIO * abs(one.value):
         return text
     change = one.value / one.nominal - 1.0
-    remarks = [_change(change), _remark(change, stated, key)]
+    remarks = [_change(change), _remark(change, stated, key), _drives(one, key)]
     return f"{text} ({', '.join(one for one in remarks if one)})"
 
 
@@ -170,6 +171,17 @@ def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
         return "though the spec calls it exact"
     if abs(change) > FAR_STDS * spread > 0.0:
         return f"{bare(abs(change) / spread, 2)} times the uncertainty that the spec states"
+    return ""
+
+
+def _drives(one: Retuned, key: str) -> str:
+    """What it means that a damping or a stiffness is below zero, where it surely is."""
+    if one.value > -DRIVING_STDS * one.std:
+        return ""
+    if key.startswith("plant.damping"):
+        return "below zero: something feeds energy in, as a flow, a control or a delay does"
+    if key.startswith("plant.stiffness"):
+        return "below zero: it pushes away from the middle, as what has buckled does"
     return ""
 
 

@@ -33,3 +33,6 @@ SLIGHT_CHANGE = 1e-3
 
 AT_BOUND_SHARE = 1e-3
 """Distance from a bound, as a share of it, at which a value has run into it."""
+
+DRIVING_STDS = 3.0
+"""Standard deviations below zero from which a damping or a stiffness is said to be so."""

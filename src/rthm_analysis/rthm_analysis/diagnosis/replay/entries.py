@@ -82,9 +82,7 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
                 known = name == "plant.mass" and (i != j or (i == 0 and not forced))
                 if known or (i != j and not value):
                     continue
-                low = (
-                    -np.inf if i != j or name == "plant.stiffness" else 0.0 if value == 0.0 else 1e-3 * value
-                )
+                low = 1e-3 * value if name == "plant.mass" and i == j else -np.inf
                 scale = max(abs(value), scales[name.partition(".")[2]])
                 yield Parameter(key, value, scale, low)
     if commanded and spec.actuator is not None and spec.actuator.transmission is None:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
 
+MAY_DRIVE = ("plant.damping", "plant.stiffness")
+"""Properties that may be below zero: a flow excites a rig, a column buckles."""
+
 PROPERTIES = OF_PLANT | {WIRE: MATRICES["stiffness"]}
 """Properties that a spec can call uncertain, and their units."""
 
@@ -278,7 +281,8 @@ def uncertain(spec: Spec) -> tuple[Parameter, ...]:
         relative = getattr(getattr(spec.uncertainty, section, None), name, 0.0) if spec.uncertainty else 0.0
         present = getattr(spec, section) is not None and any(nominal_values(spec, key))
         if relative and present:
-            found.append(Parameter(key, 1.0, float(relative), low=1e-3, prior=(1.0, float(relative))))
+            low = -np.inf if key in MAY_DRIVE else 1e-3
+            found.append(Parameter(key, 1.0, float(relative), low, prior=(1.0, float(relative))))
     return (*found, *_uncertain_effects(spec))
 
 

@@ -161,6 +161,10 @@ PATCHED_ERROR_RATIO = 1.05
 RUNAWAY_ERROR_RATIO = 1000.0
 """Error of a free run, over the standard deviation of the signal, beyond which it has run away."""
 
+ASTRAY_ERROR_RATIO = 5.0
+"""Error of a model on unseen data, over the standard deviation of the signal, from which what it leaves is of
+a motion that was never there, and describes nothing."""
+
 # Work: steps of the fits that answer the questions above.
 
 STEPS_WITHOUT_EFFECT = 6

@@ -174,6 +174,8 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not judged.composed and (some := unconfirmed(judged, from_time_to_time=is_foretold(free))):
             return judged, some
         if not judged.composed:
+            if judged.is_astray:
+                return judged, ()
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
     judged = with_names(judged)

@@ -11,6 +11,7 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.search import SEARCH_MOST_EFFECTS
 from rthm_analysis.diagnosis.criteria.verdict import (
     ARITHMETIC_SHARE_OF_SLOW_POWER,
+    ASTRAY_ERROR_RATIO,
     CURVE_SHARE_OF_REST,
     IMITATOR_EXPLAINED_SHARE,
     LEFT_SHARE_OF_SLOW_POWER,
@@ -221,6 +222,13 @@ class Judgement:
             ):
                 return True
         return False
+
+    @property
+    def is_astray(self) -> bool:
+        """Whether the model that is told moves much more than was recorded."""
+        predicted = self.runs[self.told].predicted
+        channels = range(predicted.shape[1])
+        return max(nrmse(self.physical, predicted, k) for k in channels) > ASTRAY_ERROR_RATIO
 
     def _mostly_gone(self, channel: int) -> bool:
         """Whether what is left of a channel in the training part is little of what was."""

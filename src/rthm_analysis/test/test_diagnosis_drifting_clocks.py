@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.drifting_clocks import drifting_clocks
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_core.spec import apply
 
 from .faulty import PLAIN, having, plain
 
@@ -46,6 +47,15 @@ def test_clocks_that_drift_apart_are_told_and_brought_together() -> None:
 )
 def test_physics_is_no_drift(kind: str, size: dict[str, float]) -> None:
     assert drifting_clocks(found(plain(having(PLAIN, "plant", kind, **size)))) is None
+
+
+def test_clocks_that_drift_are_found_where_values_are_uncertain_too() -> None:
+    """A retuned model makes up for some of the drift: values and drift are found together."""
+    stated = {"uncertainty.plant": {"damping": 0.3, "stiffness": 0.1}}
+    unsure = apply(PLAIN, {"plant.stiffness": [12.5]} | stated)
+    late = drifting(plain())
+    drift = drifting_clocks(diagnose_physical(late, unsure, np.empty(0), lambda said: None))
+    assert drift is not None and drift.growth == pytest.approx(DRIFT, rel=0.05)
 
 
 def test_one_clock_has_no_drift() -> None:

@@ -19,6 +19,7 @@ from rthm_analysis.diagnosis.physical.drifting_clocks import drifting_clocks
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
+from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.joint import one_after_the_other
 from rthm_analysis.diagnosis.result import Diagnosis, Fault, Part
@@ -93,6 +94,9 @@ def diagnose_together(
     except WrongSpecError as wrong:
         return _stopped(spec, wrong.faults, wrong.notes)
     physical = _physical(several, say)
+    if pushes := pushed(physical):
+        several = [one.without_pushes(pushes) for one in several]
+        physical = _physical(several, say)
     lateness = late_sensors(physical)
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:
         several = [one.moved_back(late) for one in several]

@@ -39,5 +39,34 @@ DRIFTING_ROUNDS, DRIFTING_DONE_SAMPLES = 20, 1e-3
 """Steps of Gauss and Newton to the delay, at most, and the change of the delay in samples after which they
 end: a force that is moved drives the rig otherwise, so that each step leaves some two fifths."""
 
+DRIFTING_TRIALS = 3
+"""Steps behind which half the share is asked for: values that made up for a drift move with it at first."""
+
+VALUE_STEP = 1e-4
+"""Step, over its scale, in which what a value makes of a prediction is asked."""
+
 DRIFTING_SHARE = 0.9
 """Share of what a model leaves that a delay which grows steadily explains, in fitted and in unseen data."""
+
+PUSH_RUN_LENGTHS = (2.0, 3.0)
+"""Lengths of runs, over the shortest, in which a push is looked for: one at the end of a run hardly shows."""
+
+PUSH_FEWEST_RUNS = 8
+"""Runs that it takes to say that only one is off."""
+
+PUSH_MOST_SHARE = 0.15
+"""Share of the runs that may be off: what is off longer is physics, or a load that should be recorded."""
+
+PUSH_RATIO = 2.5
+"""Reduced chi-squared of a run over that of most runs from which it is off whatever the values of the model:
+they take up some of a push."""
+
+PUSH_REST_CHI2, PUSH_LEFT_RATIO = 5.0, 5.0
+"""Reduced chi-squared up to which the other runs may be off, as under loads that are not quite known between
+samples, and the ratio to the worst of them from which something pushed the plant."""
+
+PUSH_GOES_ON_RATIO = 2.0
+"""The same ratio up to which the motion behind a moment is that before it."""
+
+PUSH_ROUNDS = 3
+"""Steps of Gauss and Newton to the values of the model behind a push."""

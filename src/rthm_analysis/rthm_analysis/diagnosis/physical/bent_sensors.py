@@ -73,7 +73,7 @@ def _confirmed(physical: Physical, runs: Windows, predicted: Floats, column: int
     if curve_share(true[seen], left[seen]) < BENT_SHARE - BENT_SHARE_LOST:
         return None
     # Readings that are off have told where the runs begin.
-    starts = by_starts(physical, physical.selection.base.model.spec, runs, predicted)[:, column]
+    starts = by_starts(physical.experiment, physical.selection.base.model.spec, runs, predicted)[:, column]
     beside = starts if np.isfinite(starts).all() else starts[:, :0]
     bend = bend_of(true[seen], left[seen], beside[seen])
     shares = [share_of(bend, true[part], left[part]) for part in (seen, unseen)]

@@ -8,11 +8,12 @@ from rthm_analysis.diagnosis.criteria.readings import (
     DRIFTING_DONE_SAMPLES,
     DRIFTING_ROUNDS,
     DRIFTING_SHARE,
+    DRIFTING_TRIALS,
 )
 from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.drift import Drift
-from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts
+from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts, by_values
 from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -36,23 +37,27 @@ def drifting_clocks(physical: Physical) -> Drift | None:
 
 
 def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None:
-    """The delay that leaves least, with the state that the recording then begins in, if it is enough."""
-    spec, evidence, train = physical.selection.base.model.spec, physical.evidence, physical.train
+    """The delay that leaves least, with the state that the recording then begins in, and the values that the
+    delay had moved, if it is enough.
+    """
+    model, evidence, train = physical.selection.base.model, physical.evidence, physical.train
     left = rest = _left(physical, predicted)
-    starts = by_starts(physical, spec, runs, predicted) / physical.noise.level[:, None]
-    starts = np.where(np.isfinite(evidence.measured)[:, :, None], starts, 0.0)
+    starts = _of_noise(physical, by_starts(physical.experiment, model.spec, runs, predicted))
     step, end = float(np.median(np.diff(evidence.time))), float(evidence.time[-1])
-    sizes = np.zeros(2 + starts.shape[-1])
-    for _ in range(DRIFTING_ROUNDS):
-        shapes = np.concatenate([_of_delay(physical, predicted), starts], axis=-1)
-        change = _least(shapes[:train], rest[:train])
-        sizes = sizes + change
+    sizes, moved = np.zeros(2 + starts.shape[-1]), model.values
+    loaded = physical.experiment
+    for taken in range(DRIFTING_ROUNDS):
+        values = _of_noise(physical, by_values(loaded, model.at(moved), runs, predicted))
+        shapes = np.concatenate([_of_delay(physical, predicted), starts, values], axis=-1)
+        change, values_change = np.split(_least(shapes[:train], rest[:train]), [sizes.size])
+        sizes, moved = sizes + change, model.at(moved + values_change).values
         drift = Drift(float(sizes[0]), float(sizes[1]))
-        predicted = physical.experiment.loaded_by(drift.in_step(evidence)).predicted(spec, runs)
+        loaded = physical.experiment.loaded_by(drift.in_step(evidence))
+        predicted = loaded.predicted(model.at(moved).spec, runs)
         beside = starts @ sizes[2:]
         rest = _left(physical, predicted) - beside
         share = min(_shares(left - beside, rest, train))
-        if share < DRIFTING_SHARE / 2.0:
+        if not np.isfinite(share) or (share < DRIFTING_SHARE / 2.0 and taken >= DRIFTING_TRIALS):
             return None
         if abs(change[0]) + abs(change[1]) * end < DRIFTING_DONE_SAMPLES * step:
             break
@@ -66,12 +71,17 @@ def _left(physical: Physical, predicted: Floats) -> Floats:
     return np.where(np.isfinite(physical.evidence.measured), error, 0.0)
 
 
+def _of_noise(physical: Physical, columns: Floats) -> Floats:
+    """Columns (s, k, q) over the noise; 0 where nothing was measured."""
+    known = np.isfinite(physical.evidence.measured)[:, :, None]
+    return np.where(known, columns / physical.noise.level[:, None], 0.0)
+
+
 def _of_delay(physical: Physical, predicted: Floats) -> Floats:
     """What a delay of a second, and one that grows by a second per second, make of errors: (s, k, 2)."""
     time = physical.evidence.time
-    late = -np.gradient(predicted, time, axis=0) / physical.noise.level
-    late = np.where(np.isfinite(physical.evidence.measured), late, 0.0)
-    return np.stack([late, late * time[:, None]], axis=-1)
+    late = -np.gradient(predicted, time, axis=0)
+    return _of_noise(physical, np.stack([late, late * time[:, None]], axis=-1))
 
 
 def _least(shapes: Floats, left: Floats) -> Floats:

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import DIVERGED_ERROR
+from rthm_analysis.diagnosis.criteria.readings import VALUE_STEP
 from rthm_analysis.diagnosis.criteria.verdict import STILL_SIGNAL_TO_NOISE
 from rthm_analysis.diagnosis.fitting.colour import whitened_from
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, bounded
 from rthm_analysis.diagnosis.physical.remainder import Remainder, remainder_of
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.experiment import Experiment
+from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
@@ -53,7 +56,7 @@ def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows
     runs, measured = physical.windows, physical.evidence.measured
     weight = np.where(np.isfinite(measured), 1.0 / physical.noise.sigma, 0.0)
     left = np.nan_to_num(measured - predicted) * weight
-    changes = by_starts(physical, spec, runs, predicted) * weight[:, :, None]
+    changes = by_starts(physical.experiment, spec, runs, predicted) * weight[:, :, None]
     if not np.isfinite(changes).all():
         return runs
     ends = np.append(runs.start[1:], measured.shape[0])
@@ -64,13 +67,23 @@ def _fitted_states(physical: Physical, spec: Spec, predicted: Floats) -> Windows
     return Windows(runs.start, runs.state + np.stack(steps), runs.length)
 
 
-def by_starts(physical: Physical, spec: Spec, runs: Windows, predicted: Floats) -> Floats:
+def by_starts(experiment: Experiment, spec: Spec, runs: Windows, predicted: Floats) -> Floats:
     """What all channels read more, (s, k, q), per unit by which each entry of the states is larger in which
     runs begin.
     """
-    size = 1e-3 * (float(np.nanstd(physical.evidence.measured[:, 0])) or 1.0)
-    moved = [physical.experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
+    size = 1e-3 * (float(np.nanstd(experiment.evidence.measured[:, 0])) or 1.0)
+    moved = [experiment.predicted(spec, runs.moved(i, size)) for i in range(runs.state.shape[1])]
     return np.stack([(one - predicted) / size for one in moved], axis=2)
+
+
+def by_values(experiment: Experiment, model: Model, runs: Windows, predicted: Floats) -> Floats:
+    """What all channels read more, (s, k, p), per unit by which each value of a model is larger."""
+    values, columns = model.values, []
+    for i, one in enumerate(model.parameters):
+        size = VALUE_STEP * one.scale
+        moved = model.at(values + size * (np.arange(values.size) == i))
+        columns.append((experiment.predicted(moved.spec, runs) - predicted) / size)
+    return np.stack(columns, axis=2) if columns else np.empty((*predicted.shape, 0))
 
 
 def spread(physical: Physical, channel: int, samples: slice | None = None) -> float:

@@ -26,13 +26,14 @@ def offsets(physical: Physical, predicted: Floats) -> Iterator[str]:
     """
     evidence, spec = physical.evidence, physical.selection.best.model.spec
     assert spec.plant is not None
+    names = evidence.names if evidence.has_several else [""] * len(evidence.recordings)
     for k, channel in enumerate(evidence.channels):
         if channel.family != "acceleration":
             continue
         moved = physical.experiment.motion(spec, physical.windows).acceleration
         true = moved[:, spec.plant.dofs.index(channel.place)]
         beyond = predicted[:, k] - sensed(evidence.time, true, effects_on(spec, channel))
-        for name, one in zip(evidence.names, evidence.recordings, strict=True):
+        for name, one in zip(names, evidence.recordings, strict=True):
             offset = float(np.mean(beyond[one]))
             std = float(physical.sigma[k]) / np.sqrt(np.count_nonzero(np.isfinite(evidence.measured[one, k])))
             if abs(offset) > OFFSET_TOLD_STDS * std:

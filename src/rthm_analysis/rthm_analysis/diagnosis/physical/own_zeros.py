@@ -46,7 +46,7 @@ def diagnose_several(
     of the one that was found: zeros of sensors then come before those of forces, and the latter are tried
     where the former are not enough.
     """
-    if len(evidence.begins) < 2:
+    if not evidence.has_several:
         return diagnose_physical(evidence, spec, before, progress)
     first = before if evidence.driven_by == "command" else before[:0]
 

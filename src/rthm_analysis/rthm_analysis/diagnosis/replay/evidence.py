@@ -89,9 +89,9 @@ class Evidence:
     under_way : float
         Shortest time from the stamp of a command to its arrival, s; no motor can answer earlier by more.
     begins : tuple of int
-        First sample of each recording.
+        First sample of each recording, and of each part of one that begins anew behind what was left out.
     names : tuple of str
-        Of the recordings, where there are several.
+        Of the recordings; that of a single one is empty.
     ends_at_rest : bool
         Whether most of a rest behind it was left out (`until_rest`).
     own_zero : tuple of Channel
@@ -143,7 +143,12 @@ class Evidence:
     @property
     def trained(self) -> int:
         """Samples, from the first, that fits and choices may see: of several recordings all but the last."""
-        return self.begins[-1] or int(TRAINED_SHARE * self.stamps_ns.size)
+        return self.begins[-1] if self.has_several else int(TRAINED_SHARE * self.stamps_ns.size)
+
+    @property
+    def has_several(self) -> bool:
+        """Whether it is of several recordings, and not of the parts of one."""
+        return len(self.names) > 1
 
     @cached_property
     def comes_to_rest(self) -> bool:
@@ -157,7 +162,7 @@ class Evidence:
         """The same without most of the rest that it ends in, where nothing moves in the unseen part: the end
         of the motion then confirms. All of it where there are several recordings, or too little moves.
         """
-        if len(self.begins) > 1 or not self.comes_to_rest:
+        if self.has_several or not self.comes_to_rest:
             return self
         motion = [i for i, one in enumerate(self.channels) if one.family in ("position", "velocity")]
         begin = max(rest_begin(self.measured[:, i], self.trained) for i in motion)
@@ -183,6 +188,11 @@ class Evidence:
                 int(one) for one in np.unique(np.searchsorted(rows, self.begins)) if one < rows.size
             ),
         )
+
+    def without_samples(self, first: int, end: int) -> Evidence:
+        """The same without some samples, behind which the motion begins anew."""
+        kept = np.delete(np.arange(self.stamps_ns.size), slice(first, end))
+        return replace(self, begins=tuple(sorted({*self.begins, end}))).kept(kept)
 
     def first(self, samples: int) -> Evidence:
         """The first part of it."""

@@ -92,6 +92,9 @@ class Effect:
         recording can show. In this order; bounds may depend on the parameters before.
     secondary
         Parameters without which it is still this kind, whether they are identified or not.
+    powers
+        Parameters that go with a power of a size, and the parameter that is its exponent: what must be
+        identified is the size.
     within
         Parameters that must be known better than to half their value, and to which part of it.
     along
@@ -134,6 +137,7 @@ class Effect:
     rank: ClassVar[int] = 1000
     possible: ClassVar[Mapping[str, Possible]] = {}
     secondary: ClassVar[tuple[str, ...]] = ()
+    powers: ClassVar[Mapping[str, str]] = {}
     within: ClassVar[Mapping[str, float]] = {}
     along: ClassVar[Mapping[str, str]] = {}
     plainer: ClassVar[tuple[Plainer, ...]] = ()
@@ -164,6 +168,8 @@ class Effect:
     def identified(cls, values: Values, stds: Values) -> bool:
         """Whether values with these standard deviations make it this kind and no plainer one."""
         main = {name: std for name, std in stds.items() if name not in cls.secondary}
+        for name in main.keys() & cls.powers.keys():
+            main[name] /= float(values.get(cls.powers[name], 1.0))
         return identified(values, main, cls.within)
 
     @classmethod

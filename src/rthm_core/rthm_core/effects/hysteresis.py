@@ -48,6 +48,9 @@ BOUC_WEN_POSSIBLE: dict[str, Possible] = {
 
 BOUC_WEN_SECONDARY = ("A", "gamma")
 
+BOUC_WEN_POWERS = {"beta": "n"}
+"""The width of a loop goes with the n-th root of beta."""
+
 BOUC_WEN_ALONG = {"gamma": "beta"}
 
 BOUC_WEN_NOUN = "Bouc-Wen hysteresis"
@@ -90,6 +93,7 @@ class BoucWen(PlantLaw):
     experiment = BOUC_WEN_EXPERIMENT
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY
+    powers = BOUC_WEN_POWERS
     along = BOUC_WEN_ALONG
     plainer = (Plainer(CoulombFriction.kind, lambda p: {"force": yield_force(p)}),)
     states = 1

@@ -14,6 +14,7 @@ from rthm_core.effects.hysteresis import (
     BOUC_WEN_NOUN,
     BOUC_WEN_PARAMETERS,
     BOUC_WEN_POSSIBLE,
+    BOUC_WEN_POWERS,
     BOUC_WEN_SECONDARY,
     loops,
     yield_force,
@@ -243,6 +244,7 @@ class WireBoucWen(WireLaw):
     experiment = BOUC_WEN_EXPERIMENT
     possible = BOUC_WEN_POSSIBLE
     secondary = BOUC_WEN_SECONDARY
+    powers = BOUC_WEN_POWERS
     along = BOUC_WEN_ALONG
     plainer = (Plainer("pulley_friction", lambda p: {"force": 2.0 * yield_force(p)}),)
     states = 2

@@ -38,6 +38,10 @@ MAJOR_EXPLAINED_SHARE = 0.5
 IMITATOR_EXPLAINED_SHARE = 0.999
 """Share of the mismatch that kinds must remove to be named if they can imitate others."""
 
+MEMORY_EXPLAINED_SHARE, MEMORY_LEFT_RATIO = 0.97, 0.1
+"""Share of the mismatch that one kind which may imitate others must remove to be named where it leaves so
+small a part of what any force of motion, load and time would: then it has a memory as the rig has."""
+
 WORSE_ERROR_RATIO = 1.2
 """Error of a signal on unseen data with names, over that without, from which they are no explanation."""
 

@@ -27,7 +27,7 @@ from rthm_analysis.diagnosis.physical.plainer import freed, needed_only, plain_f
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.search.choosing import choose, is_lost
-from rthm_analysis.diagnosis.search.judging import Selection, imitates, merit, reduced_chi2
+from rthm_analysis.diagnosis.search.judging import Selection, imitates, is_ahead, merit, reduced_chi2
 from rthm_analysis.diagnosis.search.wire_from_force import wires_from_force
 
 
@@ -99,7 +99,7 @@ def _simple(
 ) -> tuple[Baseline, Selection]:
     """Effects that can imitate no others, where those that can do not reach the noise: they say nothing then.
 
-    What was found before stays where there are none.
+    What was found before stays where there are none, or where it leaves next to nothing of what they leave.
     """
     begun.fitting.progress("looking for plain kinds alone")
     begun.fitting.budget.allow(SECOND_QUESTION_STEPS)
@@ -108,10 +108,13 @@ def _simple(
             if one is not None:
                 stack.enter_context(one.fitting.simple_only())
         explained, selection = _by_effects(begun, near)
-    if not selection.rounds:
+    there, before = found
+    left, of_plain = reduced_chi2(there.fitting, before.best), reduced_chi2(explained.fitting, selection.best)
+    if not selection.rounds or is_ahead(left, of_plain):
+        there.fitting.reduced_chi2 = left
         return found
-    left = tuple(tried[0].label for tried in found[1].rounds if imitates(*tried[0].label[:2]))
-    return explained, replace(selection, imitating=left)
+    gone = tuple(tried[0].label for tried in before.rounds if imitates(*tried[0].label[:2]))
+    return explained, replace(selection, imitating=gone)
 
 
 def going_on(begun: Baseline, selection: Selection) -> tuple[Baseline, Selection] | None:

@@ -16,6 +16,8 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     IMITATOR_EXPLAINED_SHARE,
     LEFT_SHARE_OF_SLOW_POWER,
     MAJOR_EXPLAINED_SHARE,
+    MEMORY_EXPLAINED_SHARE,
+    MEMORY_LEFT_RATIO,
     MISMATCH_SHARE_OF_ERROR,
     MOST_LEFT_SLOW_POWER,
     NO_BETTER_THAN_STILL,
@@ -338,11 +340,20 @@ class Judgement:
             return False
         if selection.imitates:
             helps = min(self.shares) > 0.0  # what makes unseen data worse was only made up for by the next
-            return self.gone > IMITATOR_EXPLAINED_SHARE and selection.of_the_rig and helps
+            enough = self.gone > IMITATOR_EXPLAINED_SHARE or self._remembers
+            return enough and selection.of_the_rig and helps
         if self.gone <= least_gone(selection.best.model):
             return False
         yardsticks = [one for one in self._yardsticks if not one.feature.straight]
         return Laws(selection.best.model, self.gone, yardsticks).are_told
+
+    @property
+    def _remembers(self) -> bool:
+        """Whether one effect leaves a small part of what any force without memory would."""
+        if len(self.physical.selection.rounds) > 1 or self.gone < MEMORY_EXPLAINED_SHARE:
+            return False
+        curves = [min(one.share, one.held_out_share) for one in self.missing_without.curves]
+        return 1.0 - self.gone < MEMORY_LEFT_RATIO * (1.0 - max(curves, default=0.0))
 
     @cached_property
     def is_driven_wrong(self) -> bool:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 from rthm_analysis.diagnosis.criteria.fitting import POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.search import (
-    AHEAD_LEFT_SHARE,
     FINISHED_CHI2,
     GIVEN_UP_LEFT_SHARE,
     IMITATOR_GIVEN_UP_CHI2,
@@ -17,7 +16,14 @@ from rthm_analysis.diagnosis.criteria.search import (
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.search.beside_wire import selected_from_wire
 from rthm_analysis.diagnosis.search.combining import combined
-from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, better, reduced_chi2, relevant
+from rthm_analysis.diagnosis.search.judging import (
+    FittedCandidate,
+    Selection,
+    better,
+    is_ahead,
+    reduced_chi2,
+    relevant,
+)
 from rthm_analysis.diagnosis.search.pairing import let_go, paired
 from rthm_analysis.diagnosis.search.promising import (
     promising,
@@ -144,9 +150,7 @@ def _plain_first(
     left = reduced_chi2(fitting, tried[0].fitted)
     plain = [one for one in tried if not one.law.flexible and better(one, selection.best)]
     plain = [one for one in plain if relevant(fitting, one, selection)]
-    if left < NEAR_NOISE_CHI2 or not plain:
-        return tried
-    if left - 1.0 < AHEAD_LEFT_SHARE * reduced_chi2(fitting, plain[0].fitted):
+    if left < NEAR_NOISE_CHI2 or not plain or is_ahead(left, reduced_chi2(fitting, plain[0].fitted)):
         return tried
     return [plain[0], *(one for one in tried if one is not plain[0])]
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import (
+    AHEAD_LEFT_SHARE,
     ARITHMETIC_CHI2,
     DISTINGUISHING_GAIN,
     FINISHED_CHI2,
@@ -136,6 +137,13 @@ def looked_for(fitting: Fitting, starts: Iterable[InitialGuess]) -> Iterator[Ini
 def reduced_chi2(fitting: Fitting, fitted: Fitted) -> float:
     """Squared error per sample of a model, in units of the noise; at least 1."""
     return max(1.0, float(fitted.sums.squares.sum()) / max(fitting.expected, 1.0))
+
+
+def is_ahead(left: float, of_plain: float) -> bool:
+    """Whether a kind that may imitate others says something: it leaves next to nothing of what plain kinds
+    leave (both reduced chi-squared).
+    """
+    return left - 1.0 < AHEAD_LEFT_SHARE * of_plain
 
 
 def noise_and_no_more(fitting: Fitting) -> float:

@@ -69,7 +69,6 @@ class Recorded:
         return ", ".join([*self.before, self.path])
 
 
-AT_REST = 1e-3  # part of a signal's standard deviation below which it stands still
 PENDULUM = ("--map", "position:x1=Theta", "--time", "Time")
 DRONE = ("--map", "position:x1=theta", "--map", "load:x1=u", "--time", "t")
 RECORDINGS = (
@@ -93,8 +92,9 @@ def diagnosed(one: Recorded, folder: Path, scratch: Path) -> dict[str, Any]:
     bags = [_bag(path, one.columns, folder, scratch) for path in (*one.before, one.path)]
     begin = _cpu()
     words = [RTHM, "diagnose", *bags, "--spec", folder / f"{one.path}.yaml", "--json", "-"]
-    said = subprocess.run(words, capture_output=True, text=True, check=False)
-    return json.loads(said.stdout) | {"cpu": _cpu() - begin, "by_hand": _by_hand(one, bags[-1])}
+    said = json.loads(subprocess.run(words, capture_output=True, text=True, check=False).stdout)
+    unseen = [fit["held_out"] for fit in said["fits"] if fit["signal"].startswith("x")][:1]
+    return said | {"cpu": _cpu() - begin, "by_hand": _by_hand(one, bags[-1], unseen)}
 
 
 def _bag(path: str, columns: tuple[str, ...], folder: Path, scratch: Path) -> Path:
@@ -106,15 +106,14 @@ def _bag(path: str, columns: tuple[str, ...], folder: Path, scratch: Path) -> Pa
     return bag
 
 
-def _by_hand(one: Recorded, bag: Path) -> str:
-    """Error of the model made by hand, over the standard deviation of the last third; of the whole recording
-    where the rig is at rest there.
-    """
-    if one.by_hand is None:
+def _by_hand(one: Recorded, bag: Path, unseen: list[list[float]]) -> str:
+    """Error of the model made by hand, over the standard deviation of the unseen part."""
+    if one.by_hand is None or not unseen:
         return ""
-    position = read_recording(bag).plant.position[:, 0]
-    whole, last = float(np.nanstd(position)), float(np.nanstd(position[2 * position.size // 3 :]))
-    size = 1.0 if one.relative else last if last > AT_REST * whole else whole
+    (begin, end), plant = unseen[0], read_recording(bag).plant
+    time = 1e-9 * (plant.stamp_ns - plant.stamp_ns[0])
+    there = plant.position[(time >= begin) & (time <= end), 0]
+    size = 1.0 if one.relative or one.before else float(np.nanstd(there))
     return f"{100.0 * one.by_hand / size:.3g} %"
 
 

@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
+from rthm_analysis.diagnosis.physical.fewer_terms import with_fewer_terms
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
 from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
@@ -178,7 +179,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
                 return judged, ()
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
-    judged = with_names(judged)
+    judged = with_names(with_fewer_terms(judged))
     formula = judged.earned and judged.physical.selection.formulas
     return judged, tuple(formulated(judged)) if formula else ()
 

@@ -91,7 +91,7 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     best = judged.physical.selection.best
     terms = [written_of(best, index, misfit=judged.misfit) for index in indices]
     end = float(physical.evidence.time[-1])
-    interval = (_until(judged, terms[0].interval(end)) if len(terms) == 1 else None) or when(judged)
+    interval = _until(judged, _all_within([one.interval(end) for one in terms])) or when(judged)
     symmetry = symmetry_of(where, mean) if variable in ("x", "v") else "neither"
     is_table = any(is_polygon(one.text) for one in terms)
     text = None if is_table else sum_of(terms, with_std=False)
@@ -100,6 +100,14 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
         _words(judged, dof, [] if is_table else terms, depends_on, at, force), spread_over(over, force),
     )  # fmt: skip
+
+
+def _all_within(intervals: list[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """The interval in which terms act that each have one; None where one has none."""
+    known = [one for one in intervals if one is not None]
+    if not known or len(known) < len(intervals):
+        return None
+    return min(begin for begin, _ in known), max(end for _, end in known)
 
 
 def _is_mostly_of_load(depends_on: tuple[str, ...], at: Along, force: Floats) -> bool:

@@ -13,10 +13,12 @@ from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_SIZE_UNCERTAINTY,
 )
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
+from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.composing import with_formulas
 from rthm_analysis.diagnosis.physical.confirming import confirmed
 from rthm_analysis.diagnosis.physical.fewer import judged_of, with_fewer
 from rthm_analysis.diagnosis.physical.formula_model import with_all
+from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical, diagnose_physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
@@ -46,8 +48,9 @@ def with_kinds(judged: Judgement) -> Judgement:
     both = with_formulas(
         judged, selection.base, with_all(base, [*kinds, *terms]), terms, found.selection.rounds
     )
-    better = both is not None and both.squares["explained"] < judged.squares["explained"]
-    return both if both is not None and better else judged
+    if both is None or both.squares["explained"] >= judged.squares["explained"]:
+        return judged
+    return _confirmed_beside(both)
 
 
 def each_by_itself(judged: Judgement) -> Judgement:
@@ -57,6 +60,22 @@ def each_by_itself(judged: Judgement) -> Judgement:
         return judged
     refitted = rounds_refitted(physical.fitting, selection)
     return Judgement(replace(physical, selection=refitted), judged.runs, judged.composed)
+
+
+def _confirmed_beside(judged: Judgement) -> Judgement:
+    """The same without kinds beside the formula without which unseen data are predicted as well: they made up
+    for a term that bends otherwise.
+    """
+    kinds = len(judged.physical.selection.rounds) - judged.physical.selection.formulas
+    for index in reversed(range(kinds)):
+        without = without_each(judged.physical, [index])
+        if len(without.selection.rounds) == len(judged.physical.selection.rounds):
+            continue
+        runs = judged.runs | {"explained": simulate_all(without, without.selection.best)}
+        fewer = Judgement(without, runs, composed=True)
+        if fewer.squares["explained"] <= judged.squares["explained"]:
+            judged = fewer
+    return judged
 
 
 def _found_beside(physical: Physical) -> Physical:

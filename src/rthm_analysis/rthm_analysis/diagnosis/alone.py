@@ -10,8 +10,8 @@ from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
 from rthm_analysis.diagnosis.faults.bend import Bend
 from rthm_analysis.diagnosis.faults.drift import Drift
+from rthm_analysis.diagnosis.faults.moments import Moment
 from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
-from rthm_analysis.diagnosis.faults.push import Push
 from rthm_analysis.diagnosis.joining import as_run
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence, gather
@@ -63,9 +63,9 @@ class Alone:
         """The same with a motion whose clock is that of the known force."""
         return replace(self, mended=self.mended.in_step(drift))
 
-    def without_pushes(self, pushes: Sequence[Push]) -> Alone:
+    def without_moments(self, moments: Sequence[Moment]) -> Alone:
         """The same without the moments in which something pushed the plant, or its sensors were off."""
-        return replace(self, mended=self.mended.without_pushes(pushes))
+        return replace(self, mended=self.mended.without_moments(moments))
 
     def straightened(self, bends: Mapping[Channel, Bend]) -> Alone:
         """The same without the errors of sensors that are not linear."""

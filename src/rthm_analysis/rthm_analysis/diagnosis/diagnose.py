@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.alone import Alone, WrongSpecError, look_alone, software_part
+from rthm_analysis.diagnosis.criteria.readings import PUSH_SEARCHES
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
@@ -94,8 +95,10 @@ def diagnose_together(
     except WrongSpecError as wrong:
         return _stopped(spec, wrong.faults, wrong.notes)
     physical = _physical(several, say)
-    if pushes := pushed(physical):
-        several = [one.without_pushes(pushes) for one in several]
+    for _ in range(PUSH_SEARCHES):
+        if not (moments := pushed(physical)):
+            break
+        several = [one.without_moments(moments) for one in several]
         physical = _physical(several, say)
     lateness = late_sensors(physical)
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:

@@ -51,10 +51,13 @@ DRIFTING_SHARE = 0.9
 PUSH_RUN_LENGTHS = (2.0, 3.0)
 """Lengths of runs, over the shortest, in which a push is looked for: one at the end of a run hardly shows."""
 
+PUSH_NARROW_LENGTH = 0.5
+"""The same of runs that tell when it happened, once the model is known."""
+
 PUSH_FEWEST_RUNS = 8
 """Runs that it takes to say that only one is off."""
 
-PUSH_MOST_SHARE = 0.15
+PUSH_MOST_SHARE = 0.3
 """Share of the runs that may be off: what is off longer is physics, or a load that should be recorded."""
 
 PUSH_RATIO = 2.5
@@ -63,10 +66,14 @@ they take up some of a push."""
 
 PUSH_REST_CHI2, PUSH_LEFT_RATIO = 5.0, 5.0
 """Reduced chi-squared up to which the other runs may be off, as under loads that are not quite known between
-samples, and the ratio to the worst of them from which something pushed the plant."""
+samples, unless all are alike; and the ratio of the most that is left to the worst of them from which
+something pushed the plant."""
 
 PUSH_GOES_ON_RATIO = 2.0
 """The same ratio up to which the motion behind a moment is that before it."""
 
 PUSH_ROUNDS = 3
 """Steps of Gauss and Newton to the values of the model behind a push."""
+
+PUSH_SEARCHES = 3
+"""Times that pushes are looked for: of two in neighbouring runs the smaller one shows behind the other."""

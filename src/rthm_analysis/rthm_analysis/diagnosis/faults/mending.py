@@ -20,7 +20,7 @@ from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
-from rthm_analysis.diagnosis.faults.push import Push, without_pushes
+from rthm_analysis.diagnosis.faults.moments import Moment, without_moments
 from rthm_analysis.diagnosis.faults.rectified import find_rectified
 from rthm_analysis.diagnosis.faults.scaling import FACTORS
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
@@ -69,9 +69,9 @@ class Mended:
         evidence, faults = in_step(self.evidence, drift)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
-    def without_pushes(self, pushes: Sequence[Push]) -> Mended:
+    def without_moments(self, moments: Sequence[Moment]) -> Mended:
         """The same without the moments in which something pushed the plant, or its sensors were off."""
-        evidence, faults = without_pushes(self.evidence, pushes)
+        evidence, faults = without_moments(self.evidence, moments)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
     def straightened(self, bends: Mapping[Channel, Bend]) -> Mended:

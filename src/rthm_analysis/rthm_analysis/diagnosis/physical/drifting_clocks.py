@@ -13,7 +13,7 @@ from rthm_analysis.diagnosis.criteria.readings import (
 from rthm_analysis.diagnosis.criteria.signals import CLOCK_DRIFT_LEAST_SAMPLES
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_FLOOR_RATIO
 from rthm_analysis.diagnosis.faults.drift import Drift
-from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts, by_values
+from rthm_analysis.diagnosis.physical.judged import begun_runs, by_starts, by_values, over_noise
 from rthm_analysis.diagnosis.physical.leaves_noise import explained_by_kinds
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows
@@ -42,12 +42,12 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
     """
     model, evidence, train = physical.selection.base.model, physical.evidence, physical.train
     left = rest = _left(physical, predicted)
-    starts = _of_noise(physical, by_starts(physical.experiment, model.spec, runs, predicted))
+    starts = over_noise(physical, by_starts(physical.experiment, model.spec, runs, predicted))
     step, end = float(np.median(np.diff(evidence.time))), float(evidence.time[-1])
     sizes, moved = np.zeros(2 + starts.shape[-1]), model.values
     loaded = physical.experiment
     for taken in range(DRIFTING_ROUNDS):
-        values = _of_noise(physical, by_values(loaded, model.at(moved), runs, predicted))
+        values = over_noise(physical, by_values(loaded, model.at(moved), runs, predicted))
         shapes = np.concatenate([_of_delay(physical, predicted), starts, values], axis=-1)
         change, values_change = np.split(_least(shapes[:train], rest[:train]), [sizes.size])
         sizes, moved = sizes + change, model.at(moved + values_change).values
@@ -71,17 +71,11 @@ def _left(physical: Physical, predicted: Floats) -> Floats:
     return np.where(np.isfinite(physical.evidence.measured), error, 0.0)
 
 
-def _of_noise(physical: Physical, columns: Floats) -> Floats:
-    """Columns (s, k, q) over the noise; 0 where nothing was measured."""
-    known = np.isfinite(physical.evidence.measured)[:, :, None]
-    return np.where(known, columns / physical.noise.level[:, None], 0.0)
-
-
 def _of_delay(physical: Physical, predicted: Floats) -> Floats:
     """What a delay of a second, and one that grows by a second per second, make of errors: (s, k, 2)."""
     time = physical.evidence.time
     late = -np.gradient(predicted, time, axis=0)
-    return _of_noise(physical, np.stack([late, late * time[:, None]], axis=-1))
+    return over_noise(physical, np.stack([late, late * time[:, None]], axis=-1))
 
 
 def _least(shapes: Floats, left: Floats) -> Floats:

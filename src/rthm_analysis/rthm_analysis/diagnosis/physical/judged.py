@@ -86,6 +86,12 @@ def by_values(experiment: Experiment, model: Model, runs: Windows, predicted: Fl
     return np.stack(columns, axis=2) if columns else np.empty((*predicted.shape, 0))
 
 
+def over_noise(physical: Physical, columns: Floats) -> Floats:
+    """What channels read more, (s, k, q), over the noise; 0 where nothing was measured."""
+    known = np.isfinite(physical.evidence.measured)[:, :, None]
+    return np.where(known, columns / physical.noise.level[:, None], 0.0)
+
+
 def spread(physical: Physical, channel: int, samples: slice | None = None) -> float:
     """Standard deviation of a signal in some samples, by default the unseen ones; of the whole of it where it
     hardly moves there.

@@ -11,13 +11,20 @@ from rthm_analysis.diagnosis.criteria.readings import (
     PUSH_GOES_ON_RATIO,
     PUSH_LEFT_RATIO,
     PUSH_MOST_SHARE,
+    PUSH_NARROW_LENGTH,
     PUSH_RATIO,
     PUSH_REST_CHI2,
     PUSH_ROUNDS,
     PUSH_RUN_LENGTHS,
 )
-from rthm_analysis.diagnosis.faults.push import Push
-from rthm_analysis.diagnosis.physical.judged import by_starts, by_values
+from rthm_analysis.diagnosis.faults.moments import Moment
+from rthm_analysis.diagnosis.physical.judged import (
+    by_starts,
+    by_values,
+    over_noise,
+    remainders,
+    simulate_all,
+)
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_core.compiled import Flags, Floats
@@ -34,20 +41,18 @@ class _Short(NamedTuple):
     values: list[Floats]
 
 
-def pushed(physical: Physical) -> tuple[Push, ...]:
-    """The moments in which something pushed a plant under known forces, or its sensors showed another
-    motion.
+def pushed(physical: Physical) -> tuple[Moment, ...]:
+    """The moments in which something pushed the plant, or its sensors showed another motion.
 
     In runs of a few periods, from the best start of each, one set of values of the retuned model leaves
     nothing but noise; only where the rig was pushed neither they nor others do. What only happens where the
     rig moves furthest is physics.
     """
-    evidence = physical.evidence
-    if evidence.driven_by != "force" or len(evidence.recordings) > 1:
+    evidence, spec = physical.evidence, physical.selection.base.model.spec
+    if evidence.has_several or _leaves_nothing(physical):
         return ()
-    spec = physical.selection.base.model.spec
     for longer in PUSH_RUN_LENGTHS:
-        runs = windows(evidence, spec, known_start=False, longer=longer, short=True)
+        runs = windows(evidence, spec, evidence.driven_by == "command", longer, short=True)
         if runs.start.size < PUSH_FEWEST_RUNS:
             return ()
         if found := _pushed_in(physical, runs):
@@ -55,7 +60,15 @@ def pushed(physical: Physical) -> tuple[Push, ...]:
     return ()
 
 
-def _pushed_in(physical: Physical, runs: Windows) -> tuple[Push, ...]:
+def _leaves_nothing(physical: Physical) -> bool:
+    """Whether the retuned model alone leaves nothing but noise anywhere."""
+    if physical.selection.rounds:
+        return False
+    left = remainders(physical, simulate_all(physical, physical.selection.base).predicted)
+    return not any(one.in_train or one.in_held_out or one.parts.size for one in left)
+
+
+def _pushed_in(physical: Physical, runs: Windows) -> tuple[Moment, ...]:
     model = physical.selection.base.model
     short = _short(physical, runs, model.values)
     if short is None:
@@ -72,17 +85,41 @@ def _pushed_in(physical: Physical, runs: Windows) -> tuple[Push, ...]:
             return ()
     rest = _of_starts(short)
     most = float(np.max(rest[~off]))
-    if most > PUSH_REST_CHI2 or float(np.min(rest[off])) < PUSH_LEFT_RATIO * most:
+    alike = most < max(PUSH_REST_CHI2, PUSH_RATIO * float(np.median(rest[~off])))
+    if not alike or float(np.max(rest[off])) < PUSH_LEFT_RATIO * most:
         return ()
-    moments = np.flatnonzero(np.diff(off, prepend=False, append=False)).reshape(-1, 2).tolist()
-    return tuple(
-        Push(
-            int(short.samples[first].start),
-            int(short.samples[behind - 1].stop),
-            _goes_on(physical, runs, values, (first, behind), PUSH_GOES_ON_RATIO * most),
-        )
-        for first, behind in moments
-    )
+    parts = np.flatnonzero(np.diff(off, prepend=False, append=False)).reshape(-1, 2).tolist()
+    allowed = PUSH_GOES_ON_RATIO * most
+    strayed = [_goes_on(physical, runs, values, (first, behind), allowed) for first, behind in parts]
+    spans = _narrowed(physical, values, [_span(physical, runs, first, behind) for first, behind in parts])
+    return tuple(Moment(*span, one) for span, one in zip(spans, strayed, strict=True))
+
+
+def _span(physical: Physical, runs: Windows, first: int, behind: int) -> tuple[float, float]:
+    """Begin and end of some runs, s."""
+    time = physical.evidence.time
+    end = time[runs.start[behind]] if behind < runs.start.size else time[-1]
+    return float(time[runs.start[first]]), float(end)
+
+
+def _narrowed(
+    physical: Physical, values: Floats, spans: list[tuple[float, float]]
+) -> list[tuple[float, float]]:
+    """The parts of some spans in which runs of a part of a period leave more than elsewhere, if any do."""
+    evidence, spec = physical.evidence, physical.selection.base.model.spec
+    runs = windows(evidence, spec, evidence.driven_by == "command", PUSH_NARROW_LENGTH, short=True)
+    short = _short(physical, runs, values)
+    if short is None:
+        return spans
+    left = _of_starts(short)
+    off = np.flatnonzero(left > PUSH_RATIO * float(np.median(left)))
+    fine = [_span(physical, runs, int(one), int(one) + 1) for one in off]
+    found = []
+    for begin, end in spans:
+        inside = [one for one in fine if one[0] < end and one[1] > begin]
+        narrow = (inside[0][0], inside[-1][1]) if inside else (begin, end)
+        found.append((max(begin, narrow[0]), min(end, narrow[1])))
+    return found
 
 
 def _of_starts(short: _Short) -> Floats:
@@ -111,12 +148,14 @@ def _short(physical: Physical, runs: Windows, values: Floats) -> _Short | None:
     evidence, model = physical.evidence, physical.selection.base.model.at(values)
     experiment = physical.experiment.beginning_at(evidence.stamps_ns[runs.start])
     predicted = experiment.predicted(model.spec, runs)
-    known = np.isfinite(evidence.measured)
-    level = physical.noise.level
-    left = np.where(known, (evidence.measured - predicted) / level, 0.0)
-    starts = by_starts(experiment, model.spec, runs, predicted)
-    moved = by_values(experiment, model, runs, predicted)
-    shapes = [np.where(known[:, :, None], one / level[:, None], 0.0) for one in (starts, moved)]
+    left = over_noise(physical, (evidence.measured - predicted)[:, :, None])[:, :, 0]
+    shapes = [
+        over_noise(physical, one)
+        for one in (
+            by_starts(experiment, model.spec, runs, predicted),
+            by_values(experiment, model, runs, predicted),
+        )
+    ]
     if not all(np.isfinite(one).all() for one in (left, *shapes)):
         return None
     samples = [

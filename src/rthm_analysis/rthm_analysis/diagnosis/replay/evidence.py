@@ -189,10 +189,10 @@ class Evidence:
             ),
         )
 
-    def without_samples(self, first: int, end: int) -> Evidence:
+    def without_part(self, samples: slice) -> Evidence:
         """The same without some samples, behind which the motion begins anew."""
-        kept = np.delete(np.arange(self.stamps_ns.size), slice(first, end))
-        return replace(self, begins=tuple(sorted({*self.begins, end}))).kept(kept)
+        anew = replace(self, begins=tuple(sorted({*self.begins, samples.stop})))
+        return anew.kept(np.delete(np.arange(self.stamps_ns.size), samples))
 
     def first(self, samples: int) -> Evidence:
         """The first part of it."""

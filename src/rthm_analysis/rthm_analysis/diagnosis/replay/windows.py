@@ -102,7 +102,7 @@ def windows(
     start = np.searchsorted(evidence.time, np.concatenate(instants))
     state = np.array([state_at(evidence, spec, int(s)) for s in start])
     if known_start:
-        state[np.isin(start, evidence.begins)] = [
+        state[np.isin(start, evidence.begins if evidence.has_several else evidence.begins[:1])] = [
             *spec.plant.initial_position,
             *spec.plant.initial_velocity,
         ]

@@ -23,7 +23,7 @@ from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
 from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.joint import one_after_the_other
-from rthm_analysis.diagnosis.result import Diagnosis, Fault, Part
+from rthm_analysis.diagnosis.result import Described, Diagnosis, Fault, Part
 from rthm_analysis.recording import Recording
 from rthm_core.errors import InputError
 from rthm_core.physical.side import first_command
@@ -95,9 +95,11 @@ def diagnose_together(
     except WrongSpecError as wrong:
         return _stopped(spec, wrong.faults, wrong.notes)
     physical = _physical(several, say)
+    pushes: list[Described] = []
     for _ in range(PUSH_SEARCHES):
         if not (moments := pushed(physical)):
             break
+        pushes += [one.push for one in moments if one.push is not None]
         several = [one.without_moments(moments) for one in several]
         physical = _physical(several, say)
     lateness = late_sensors(physical)
@@ -112,7 +114,7 @@ def diagnose_together(
         several = [one.straightened(bends) for one in several]
         physical = _physical(several, say)
     notes = (*undecided(lateness), *straight_or_curved(bent))
-    parts = [software_part(several), Part(notes=notes), physical_part(physical)]
+    parts = [software_part(several), Part(notes=notes), physical_part(physical, pushes)]
     say("putting it into words")
     found = joined(parts, spec)
     say("planning the next test")

@@ -69,6 +69,9 @@ PUSH_REST_CHI2, PUSH_LEFT_RATIO = 5.0, 5.0
 samples, unless all are alike; and the ratio of the most that is left to the worst of them from which
 something pushed the plant."""
 
+PUSH_APART_RATIO = 100.0
+"""The same ratio, of the least, from which something pushed it whatever else the others leave."""
+
 PUSH_GOES_ON_RATIO = 2.0
 """The same ratio up to which the motion behind a moment is that before it."""
 

@@ -1,4 +1,4 @@
-"""A moment in which something pushed a plant, or its sensors showed another motion than that of the rig."""
+"""Moments in which something pushed a plant, or its sensors showed another motion than that of the rig."""
 
 from __future__ import annotations
 
@@ -10,36 +10,28 @@ import numpy as np
 
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.replay.evidence import Evidence
-from rthm_analysis.diagnosis.result import Fault
+from rthm_analysis.diagnosis.result import Described, Fault
 from rthm_core.topics import PLANT_STATE
-
-STRAYED = "The rig goes on behind it as if nothing had been. It was left out; check cables and the recorder."
-
-PUSHED = (
-    "Before and after, one model follows the recording. It was left out, and the motion behind it begins "
-    "anew; find what it was, or record it as a load."
-)
 
 
 class Moment(NamedTuple):
-    """From when to when, s, something pushed a plant; or its sensors alone `strayed`."""
+    """From when to when, s, something pushed a plant, and with what; without a `push` its sensors strayed."""
 
     begin: float
     end: float
-    strayed: bool = False
+    push: Described | None = None
 
 
 def without_moments(evidence: Evidence, moments: Sequence[Moment]) -> tuple[Evidence, tuple[Fault, ...]]:
-    """Leave such moments out, and tell them: behind a push the motion begins anew."""
+    """Leave such moments out, and tell those of sensors: behind a push the motion begins anew."""
     measured = evidence.measured.copy()
     for one in moments:
         measured[_within(evidence, one)] = np.nan
     mended = replace(evidence, measured=measured)
     for one in moments:
-        if not one.strayed:
+        if one.push is not None:
             mended = mended.without_part(_within(mended, one))
-    last = {one.strayed: one for one in moments}
-    return mended, tuple(_told(one, last=one is last[one.strayed]) for one in moments)
+    return mended, tuple(_strayed(one) for one in moments if one.push is None)
 
 
 def _within(evidence: Evidence, one: Moment) -> slice:
@@ -48,13 +40,10 @@ def _within(evidence: Evidence, one: Moment) -> slice:
     return slice(int(first), int(end))
 
 
-def _told(one: Moment, *, last: bool) -> Fault:
-    """One of several; what follows from it is said behind the `last`."""
-    between, interval = f"Between {bare(one.begin, 4)} s and {bare(one.end, 4)} s", (one.begin, one.end)
-    if one.strayed:
-        words = f"{between} the sensors of the plant show another motion than that of the rig."
-        return Fault(
-            "sensor.position", "stray", PLANT_STATE, f"{words} {STRAYED}" if last else words, interval
-        )
-    words = f"{between} something pushed the plant that neither its load nor its motion tells."
-    return Fault("plant", "unrecorded_push", PLANT_STATE, f"{words} {PUSHED}" if last else words, interval)
+def _strayed(one: Moment) -> Fault:
+    between = f"Between {bare(one.begin, 4)} s and {bare(one.end, 4)} s"
+    words = (
+        f"{between} the sensors of the plant show another motion than that of the rig, which goes on behind "
+        "it as if nothing had been. It was left out; check cables and the recorder."
+    )
+    return Fault("sensor.position", "stray", PLANT_STATE, words, (one.begin, one.end))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rthm_analysis.diagnosis.criteria.verdict import (
     LATE_TRAINING_SHARE,
     RETUNED_LEFT_SHARE,
@@ -31,6 +33,7 @@ from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
 from rthm_analysis.diagnosis.physical.named_formula import with_names
 from rthm_analysis.diagnosis.physical.offsets import offsets
 from rthm_analysis.diagnosis.physical.parts_of_force import over_position, with_parts
+from rthm_analysis.diagnosis.physical.push import LEFT_OUT
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
 from rthm_analysis.diagnosis.physical.shown_kinds import with_shown_kind
@@ -77,8 +80,8 @@ LEFT_OF_FITTED = "Unseen data are predicted to the noise, but what is left of th
 ONLY_UNSEEN = "It shows only in the last third, which chose nothing: unconfirmed."
 
 
-def physical_part(physical: Physical) -> Part:
-    """Everything that the physical side contributes to the diagnosis."""
+def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
+    """Everything that the physical side contributes to the diagnosis, behind `pushes` that were left out."""
     physical, refused = confirmed(physical)
     physical, judged, fewer = with_fewer(physical, judged_of(physical))
     refused = (*refused, *fewer)
@@ -99,7 +102,7 @@ def physical_part(physical: Physical) -> Part:
     physics = [*_drive_physics(physical), *physics, *rounded]
     driven = DRIVEN if judged.is_driven_wrong else READ_WRONG if motors_read_wrong(physical) else ()
     located = {one.block for one in physics} | ({"motor"} if driven else set())
-    located |= {one.block for one in force if judged.earned}
+    located |= {one.block for one in force if judged.earned} | {one.block for one in pushes}
     if left and not judged.earned and not driven:
         located |= judged.wrong_sensors or ({"wire"} if wires_are_off(physical) else {"plant"})
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
@@ -124,11 +127,12 @@ def physical_part(physical: Physical) -> Part:
             *(gains(physics, force) if physical.evidence.driven_by == "force" else ()),
             *offsets(physical, runs["explained"].predicted),
             *loud(physical),
+            *([LEFT_OUT] if pushes else []),
             *_undetermined({name: one for name, one in fitted.items() if name not in retuned}),
             *filter(None, [physical.fitting.budget.note]),
         ),
         faults=tuple(zero_faults(physical.own_zeros, physical.evidence.names)),
-        described=force,
+        described=(*force, *pushes),
         traces=tuple(traces),
         refused=(*refused, *vague, *judged.refused),
         free_run=free_runs(physical, runs),

@@ -153,12 +153,13 @@ def _words(
 ) -> str:
     on = enumerated(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
+    which = f"that depends on {on}" if on else "whatever it does"
     formula = sum_of(terms, with_std=True)
     law = law_of(formula, depends_on) if terms else TABLE
     seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
     energy = " It takes energy out." if takes_energy(force, at) else ""
     share = percent(min(max(judged.gone, 0.0), 1.0))
     return (
-        f"A force of up to {size} N is missing at {dof} that depends on {on}: {law}{seen}.{energy} It is a "
+        f"A force of up to {size} N is missing at {dof} {which}: {law}{seen}.{energy} It is a "
         f"fitted law and explains {share} of the mismatch on unseen data."
     )

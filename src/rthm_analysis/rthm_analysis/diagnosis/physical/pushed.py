@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.readings import (
+    PUSH_APART_RATIO,
     PUSH_FEWEST_RUNS,
     PUSH_GOES_ON_RATIO,
     PUSH_LEFT_RATIO,
@@ -25,8 +26,10 @@ from rthm_analysis.diagnosis.physical.judged import (
     remainders,
     simulate_all,
 )
+from rthm_analysis.diagnosis.physical.push import push_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
+from rthm_analysis.diagnosis.result import Described
 from rthm_core.compiled import Flags, Floats
 
 
@@ -86,13 +89,16 @@ def _pushed_in(physical: Physical, runs: Windows) -> tuple[Moment, ...]:
     rest = _of_starts(short)
     most = float(np.max(rest[~off]))
     alike = most < max(PUSH_REST_CHI2, PUSH_RATIO * float(np.median(rest[~off])))
-    if not alike or float(np.max(rest[off])) < PUSH_LEFT_RATIO * most:
+    apart = float(np.min(rest[off])) > PUSH_APART_RATIO * most
+    if not (apart or (alike and float(np.max(rest[off])) > PUSH_LEFT_RATIO * most)):
         return ()
     parts = np.flatnonzero(np.diff(off, prepend=False, append=False)).reshape(-1, 2).tolist()
+    spans = _narrowed(physical, values, [_span(physical, runs, *part) for part in parts])
     allowed = PUSH_GOES_ON_RATIO * most
-    strayed = [_goes_on(physical, runs, values, (first, behind), allowed) for first, behind in parts]
-    spans = _narrowed(physical, values, [_span(physical, runs, first, behind) for first, behind in parts])
-    return tuple(Moment(*span, one) for span, one in zip(spans, strayed, strict=True))
+    return tuple(
+        Moment(*span, _push(physical, runs, values, (first, behind), span, allowed))
+        for (first, behind), span in zip(parts, spans, strict=True)
+    )
 
 
 def _span(physical: Physical, runs: Windows, first: int, behind: int) -> tuple[float, float]:
@@ -127,20 +133,31 @@ def _of_starts(short: _Short) -> Floats:
     return np.array([_chi2(*one) for one in zip(short.left, short.starts, strict=True)])
 
 
-def _goes_on(physical: Physical, runs: Windows, values: Floats, off: tuple[int, int], allowed: float) -> bool:
-    """Whether the motion behind some runs is that before them, so that only what was recorded was off."""
+def _push(
+    physical: Physical,
+    runs: Windows,
+    values: Floats,
+    off: tuple[int, int],
+    span: tuple[float, float],
+    allowed: float,
+) -> Described | None:
+    """What pushed the plant in some runs; None where the motion behind them is that before them, so that only
+    what was recorded was off.
+    """
     first, behind = off
-    if first == 0 or behind == runs.start.size:
-        return False
-    kept = np.delete(np.arange(runs.start.size), slice(first, behind + 1))
-    merged = _short(physical, Windows(runs.start[kept], runs.state[kept], runs.length), values)
-    if merged is None:
-        return False
-    left, starts = merged.left[first - 1], merged.starts[first - 1]
-    width = left.size // (merged.samples[first - 1].stop - merged.samples[first - 1].start)
-    before, until = (int(runs.start[one] - runs.start[first - 1]) * width for one in off)
-    rows = np.delete(np.arange(left.size), slice(before, until))
-    return _chi2(left[rows], starts[rows]) < allowed
+    kept = np.delete(np.arange(runs.start.size), slice(max(first, 1), behind + 1))
+    through = Windows(runs.start[kept], runs.state[kept], runs.length)
+    if first > 0 and behind < runs.start.size:
+        merged = _short(physical, through, values)
+        if merged is None:
+            return push_of(physical, through, values, span)
+        part = merged.samples[first - 1]
+        width = merged.left[first - 1].size // (part.stop - part.start)
+        before, until = (int(runs.start[one] - part.start) * width for one in off)
+        rows = np.delete(np.arange(merged.left[first - 1].size), slice(before, until))
+        if _chi2(merged.left[first - 1][rows], merged.starts[first - 1][rows]) < allowed:
+            return None
+    return push_of(physical, through, values, span)
 
 
 def _short(physical: Physical, runs: Windows, values: Floats) -> _Short | None:

@@ -11,7 +11,7 @@ from rthm_analysis.diagnosis.faults.moments import without_moments
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 
 from .known_load import SPEC, STIFFNESS, Force, nothing, recorded
 
@@ -69,10 +69,10 @@ def test_a_push_is_found_and_left_out() -> None:
 def test_what_a_sensor_shows_for_a_moment_is_no_push() -> None:
     evidence = strayed(recorded())
     (push,) = pushed(found(evidence))
-    assert push.push is None
+    assert push.push is None and push.strayed == (Channel("position", "x1"),)
 
     rest, (fault,) = without_moments(evidence, [push])
-    assert (fault.block, fault.kind) == ("sensor.position", "stray")
+    assert (fault.block, fault.kind, fault.channel) == ("sensor.position", "stray", "x1.position")
     assert rest.begins == (0,), "the motion goes on"
     inside = (evidence.time >= push.begin) & (evidence.time < push.end)
     np.testing.assert_array_equal(np.isnan(rest.measured[:, 0]), inside)

@@ -8,30 +8,32 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.numbers import bare
-from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Described, Fault
-from rthm_core.topics import PLANT_STATE
 
 
 class Moment(NamedTuple):
-    """From when to when, s, something pushed a plant, and with what; without a `push` its sensors strayed."""
+    """From when to when, s, something pushed a plant, and with what; or which channels `strayed`."""
 
     begin: float
     end: float
     push: Described | None = None
+    strayed: tuple[Channel, ...] = ()
 
 
 def without_moments(evidence: Evidence, moments: Sequence[Moment]) -> tuple[Evidence, tuple[Fault, ...]]:
     """Leave such moments out, and tell those of sensors: behind a push the motion begins anew."""
     measured = evidence.measured.copy()
     for one in moments:
-        measured[_within(evidence, one)] = np.nan
+        for channel in one.strayed:
+            measured[_within(evidence, one), evidence.channels.index(channel)] = np.nan
     mended = replace(evidence, measured=measured)
     for one in moments:
         if one.push is not None:
             mended = mended.without_part(_within(mended, one))
-    return mended, tuple(_strayed(one) for one in moments if one.push is None)
+    return mended, tuple(_strayed(one, channel) for one in moments for channel in one.strayed)
 
 
 def _within(evidence: Evidence, one: Moment) -> slice:
@@ -40,10 +42,10 @@ def _within(evidence: Evidence, one: Moment) -> slice:
     return slice(int(first), int(end))
 
 
-def _strayed(one: Moment) -> Fault:
+def _strayed(one: Moment, channel: Channel) -> Fault:
     between = f"Between {bare(one.begin, 4)} s and {bare(one.end, 4)} s"
     words = (
-        f"{between} the sensors of the plant show another motion than that of the rig, which goes on behind "
-        "it as if nothing had been. It was left out; check cables and the recorder."
+        f"{between} {in_words(channel)} is not that of the rig, which goes on behind it as if nothing had "
+        "been. It was left out; check cable and recorder."
     )
-    return Fault("sensor.position", "stray", PLANT_STATE, words, (one.begin, one.end))
+    return fault_of(channel, "stray", words, (one.begin, one.end))

@@ -174,14 +174,23 @@ def _header(title: str, diagnosis: Diagnosis, spec: Spec) -> str:
     return f"<header><h1>{escape(title)}</h1>{answer}{fact_boxes(_facts(diagnosis))}{listed}</header>"
 
 
+def _explanation(diagnosis: Diagnosis) -> str:
+    """Return what explains the difference, in half a sentence."""
+    if diagnosis.physics:
+        return "the physics that was left out is named below."
+    if any(one.formula or one.held_out_gain > 0.0 for one in diagnosis.described):
+        return "the force that was left out has no name, and its formula is below."
+    if diagnosis.described:
+        return "something that nobody recorded pushed it: when, and with what, is below."
+    return "what is wrong with the recording is named below."
+
+
 def _answer(diagnosis: Diagnosis) -> str:
     """Return the verdict in a sentence."""
     where = enumerated(block_words(block) for block in diagnosis.located)
     differ = f"Simulation and recording differ in {where}"
-    if diagnosis.verdict == "explained" and diagnosis.described and not diagnosis.physics:
-        return f"{differ}; the force that was left out has no name, and its formula is below."
     if diagnosis.verdict == "explained":
-        return f"{differ}; the physics that was left out is named below."
+        return f"{differ}; {_explanation(diagnosis)}"
     if diagnosis.verdict == "improved" and not diagnosis.physics and diagnosis.described:
         return f"{differ}; the force that is missing has no name and is described below."
     if diagnosis.verdict == "improved":

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.faults.moments import without_moments
+from rthm_analysis.diagnosis.faults.moments import Moment, without_moments
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -79,6 +79,20 @@ def test_what_a_sensor_shows_for_a_moment_is_no_push() -> None:
     assert not found(rest).selection.rounds
 
 
-@pytest.mark.parametrize("force", [nothing, stop, softened])
+def test_what_comes_behind_a_push_at_the_end_is_left_out_with_it() -> None:
+    evidence = recorded()
+    end = float(evidence.time[-1])
+    push = pushed(found(recorded(blow)))[0].push
+    rest, _ = without_moments(evidence, [Moment(end - 1.0, end - 0.1, push)])
+    assert rest.begins == (0,)
+    assert rest.time[-1] < end - 1.0
+
+
+def rubbing(t: float, x: float, v: float) -> float:
+    """A seal that rubs for some periods of the motion."""
+    return -2.0 * v if 12.0 < t < 17.0 else 0.0
+
+
+@pytest.mark.parametrize("force", [nothing, stop, softened, rubbing])
 def test_nothing_and_physics_are_no_push(force: Force) -> None:
     assert not pushed(found(recorded(force)))

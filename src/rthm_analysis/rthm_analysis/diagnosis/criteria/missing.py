@@ -242,3 +242,6 @@ FORMULA_STEPS = 4e7
 FORMULA_FIT_BUDGET, COMPOSING_BUDGET = 1e7, 1e8
 """Work that may be done to find a formula, beside that of the search for kinds, to fit one in any case, and
 after which no other is fitted: steps of replays."""
+
+TERM_FEWEST_PERIODS = 0.5
+"""Periods of the motion that a term of a formula must act."""

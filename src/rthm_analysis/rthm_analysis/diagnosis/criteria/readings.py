@@ -58,7 +58,10 @@ PUSH_FEWEST_RUNS = 8
 """Runs that it takes to say that only one is off."""
 
 PUSH_MOST_SHARE = 0.3
-"""Share of the runs that may be off: what is off longer is physics, or a load that should be recorded."""
+"""Share of the runs that may be off."""
+
+PUSH_LONGEST_PERIODS = 2.5
+"""Periods of the motion that a push may last: what acts longer may be physics of an interval."""
 
 PUSH_RATIO = 2.5
 """Reduced chi-squared of a run over that of most runs from which it is off whatever the values of the model:
@@ -80,3 +83,6 @@ PUSH_ROUNDS = 3
 
 PUSH_SEARCHES = 3
 """Times that pushes are looked for: of two in neighbouring runs the smaller one shows behind the other."""
+
+PUSH_FEWEST_SAMPLES_BEHIND = 100
+"""Samples that a motion which begins anew behind a push must have to say anything."""

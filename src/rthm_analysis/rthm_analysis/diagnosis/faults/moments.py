@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.readings import PUSH_FEWEST_SAMPLES_BEHIND
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.numbers import bare
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -37,9 +38,10 @@ def without_moments(evidence: Evidence, moments: Sequence[Moment]) -> tuple[Evid
 
 
 def _within(evidence: Evidence, one: Moment) -> slice:
-    """Samples in it."""
+    """Samples in it, and those behind it where they are too few for a run of their own."""
     first, end = np.searchsorted(evidence.time, [one.begin, one.end])
-    return slice(int(first), int(end))
+    size = evidence.stamps_ns.size
+    return slice(int(first), size if size - end < PUSH_FEWEST_SAMPLES_BEHIND else int(end))
 
 
 def _strayed(one: Moment, channel: Channel) -> Fault:

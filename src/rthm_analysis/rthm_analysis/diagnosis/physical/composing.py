@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from rthm_analysis.diagnosis.criteria.missing import (
     BEGINNINGS,
     COMPOSING_BUDGET,
@@ -15,6 +17,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     FORMULA_LEFT_RATIO,
     PLAIN_LEFT_RATIO,
     SAME_LEFT_RATIO,
+    TERM_FEWEST_PERIODS,
     TERM_SHARE_ABOVE_NOISE,
 )
 from rthm_analysis.diagnosis.criteria.verdict import LOST_CHI2
@@ -25,6 +28,7 @@ from rthm_analysis.diagnosis.missing.terms import Term
 from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
+from rthm_analysis.diagnosis.physical.formulated import written_of
 from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.named_laws import without_repeated
 from rthm_analysis.diagnosis.physical.polygon import polygon
@@ -32,6 +36,7 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_term
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
+from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import is_identified
 from rthm_analysis.diagnosis.search.starts import InitialGuess
@@ -196,11 +201,20 @@ def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, F
     return physical, fitted
 
 
+def _is_momentary(judged: Judgement) -> bool:
+    """Whether a term acts for a part of a period alone: of which motion it is a law nobody can tell."""
+    evidence, selection = judged.physical.evidence, judged.physical.selection
+    count, end = len(selection.rounds), float(evidence.time[-1])
+    terms = (written_of(selection.best, i) for i in range(count - selection.formulas, count))
+    lasting = (one[1] - one[0] for term in terms if (one := term.interval(end)) is not None)
+    return min(lasting, default=np.inf) < TERM_FEWEST_PERIODS * period(evidence)
+
+
 def is_earned(before: Judgement, after: Judgement, share: float) -> bool:
     """Whether a formula does as well on unseen data as a curve that explains a share of it, or reaches the
     noise.
     """
-    if after.is_worse:
+    if after.is_worse or _is_momentary(after):
         return False
     mismatch = before.squares["explained" if before.earned else "retuned"] - before.expected
     left = after.squares["explained"] - before.expected

@@ -29,7 +29,6 @@ from rthm_analysis.diagnosis.physical.above_noise import without_each
 from rthm_analysis.diagnosis.physical.acting import acting, acting_terms
 from rthm_analysis.diagnosis.physical.formula_model import fit_terms, guess_of, rounds_of, with_all
 from rthm_analysis.diagnosis.physical.formulated import written_of
-from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.named_laws import without_repeated
 from rthm_analysis.diagnosis.physical.polygon import polygon
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -174,8 +173,7 @@ def with_formulas(
     kinds_alone = len(rounds) - with_formula.selection.formulas
     vague = [i for i in range(kinds_alone) if not is_identified(fitted, i)]
     with_formula = without_each(with_formula, vague) if vague else with_formula
-    runs = judged.runs | {"explained": simulate_all(with_formula, with_formula.selection.best)}
-    return Judgement(with_formula, runs, composed=True)
+    return judged.of(with_formula, composed=True)
 
 
 def _fitted(physical: Physical, base: Fitted, model: Model) -> tuple[Physical, Fitted | None]:

@@ -30,7 +30,7 @@ def drifting_clocks(physical: Physical) -> Drift | None:
     if explained_by_kinds(physical.fitting, physical.selection):
         return None
     runs, predicted = begun_runs(physical, physical.selection.base)
-    left = _left(physical, predicted)
+    left = over_noise(physical, evidence.measured - predicted)
     if not np.isfinite(left).all() or left[: physical.train].std() < NOISE_FLOOR_RATIO:
         return None
     return _drift(physical, runs, predicted)
@@ -41,7 +41,7 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
     delay had moved, if it is enough.
     """
     model, evidence, train = physical.selection.base.model, physical.evidence, physical.train
-    left = rest = _left(physical, predicted)
+    left = rest = over_noise(physical, evidence.measured - predicted)
     starts = over_noise(physical, by_starts(physical.experiment, model.spec, runs, predicted))
     step, end = float(np.median(np.diff(evidence.time))), float(evidence.time[-1])
     sizes, moved = np.zeros(2 + starts.shape[-1]), model.values
@@ -55,7 +55,7 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
         loaded = physical.experiment.loaded_by(drift.in_step(evidence))
         predicted = loaded.predicted(model.at(moved).spec, runs)
         beside = starts @ sizes[2:]
-        rest = _left(physical, predicted) - beside
+        rest = over_noise(physical, evidence.measured - predicted) - beside
         share = min(_shares(left - beside, rest, train))
         if not np.isfinite(share) or (share < DRIFTING_SHARE / 2.0 and taken >= DRIFTING_TRIALS):
             return None
@@ -63,12 +63,6 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
             break
     grows = abs(drift.growth) * end > CLOCK_DRIFT_LEAST_SAMPLES * step
     return drift if grows and share > DRIFTING_SHARE else None
-
-
-def _left(physical: Physical, predicted: Floats) -> Floats:
-    """Errors (s, k) over the noise; 0 where nothing was measured."""
-    error = (physical.evidence.measured - predicted) / physical.noise.level
-    return np.where(np.isfinite(physical.evidence.measured), error, 0.0)
 
 
 def _of_delay(physical: Physical, predicted: Floats) -> Floats:

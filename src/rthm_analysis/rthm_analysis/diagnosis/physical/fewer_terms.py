@@ -6,7 +6,6 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PARAMETER
 from rthm_analysis.diagnosis.physical.above_noise import without_each
-from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 
@@ -37,8 +36,7 @@ def _without_least(judged: Judgement) -> Judgement | None:
     numbers = len(selection.best.model.parameters) - len(least.selection.best.model.parameters)
     if not _left_out(least) - _left_out(physical) < GAIN_OF_CHANCE + GAIN_PER_PARAMETER * numbers:
         return None
-    runs = judged.runs | {"explained": simulate_all(least, least.selection.best)}
-    fewer = Judgement(least, runs, judged.composed)
+    fewer = judged.of(least, composed=judged.composed)
     return fewer if fewer.earned and fewer.at_noise else None
 
 

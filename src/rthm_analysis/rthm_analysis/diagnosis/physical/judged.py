@@ -87,9 +87,11 @@ def by_values(experiment: Experiment, model: Model, runs: Windows, predicted: Fl
 
 
 def over_noise(physical: Physical, columns: Floats) -> Floats:
-    """What channels read more, (s, k, q), over the noise; 0 where nothing was measured."""
-    known = np.isfinite(physical.evidence.measured)[:, :, None]
-    return np.where(known, columns / physical.noise.level[:, None], 0.0)
+    """Errors (s, k), or what channels read more, (s, k, q), over the noise; 0 where nothing was measured."""
+    beyond = (1,) * (columns.ndim - 2)
+    known = np.isfinite(physical.evidence.measured)
+    level = physical.noise.level.reshape(-1, *beyond)
+    return np.where(known.reshape(*known.shape, *beyond), columns / level, 0.0)
 
 
 def spread(physical: Physical, channel: int, samples: slice | None = None) -> float:

@@ -18,7 +18,6 @@ from rthm_analysis.diagnosis.physical.composing import with_formulas
 from rthm_analysis.diagnosis.physical.confirming import confirmed
 from rthm_analysis.diagnosis.physical.fewer import judged_of, with_fewer
 from rthm_analysis.diagnosis.physical.formula_model import with_all
-from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.side import Physical, diagnose_physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
@@ -71,8 +70,7 @@ def _confirmed_beside(judged: Judgement) -> Judgement:
         without = without_each(judged.physical, [index])
         if len(without.selection.rounds) == len(judged.physical.selection.rounds):
             continue
-        runs = judged.runs | {"explained": simulate_all(without, without.selection.best)}
-        fewer = Judgement(without, runs, composed=True)
+        fewer = judged.of(without, composed=True)
         if fewer.squares["explained"] <= judged.squares["explained"]:
             judged = fewer
     return judged

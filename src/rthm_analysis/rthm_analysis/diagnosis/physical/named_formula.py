@@ -9,7 +9,6 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, SAME_LAW_SAMPLES
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.physical.formula_model import rounds_of, with_all
-from rthm_analysis.diagnosis.physical.judged import simulate_all
 from rthm_analysis.diagnosis.physical.named_laws import kind_as
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
@@ -37,8 +36,7 @@ def with_names(judged: Judgement) -> Judgement:
         return judged
     rounds = [*selection.rounds[:first], *rounds_of(kinds, fitted)]
     with_kinds = rounds_refitted(physical.fitting, replace(selection, best=fitted, rounds=rounds))
-    named = replace(physical, selection=with_kinds)
-    after = Judgement(named, judged.runs | {"explained": simulate_all(named, fitted)})
+    after = judged.of(replace(physical, selection=with_kinds))
     return after if after.at_noise and after.earned else judged
 
 

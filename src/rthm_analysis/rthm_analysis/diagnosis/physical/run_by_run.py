@@ -61,7 +61,7 @@ def run_by_run(physical: Physical, runs: Windows, values: Floats) -> RunByRun | 
     evidence, model = physical.evidence, physical.selection.base.model.at(values)
     experiment = physical.experiment.beginning_at(evidence.stamps_ns[runs.start])
     predicted = experiment.predicted(model.spec, runs)
-    left = over_noise(physical, (evidence.measured - predicted)[:, :, None])[:, :, 0]
+    left = over_noise(physical, evidence.measured - predicted)
     starts = over_noise(physical, by_starts(experiment, model.spec, runs, predicted))
     moved = over_noise(physical, by_values(experiment, model, runs, predicted))
     if not all(np.isfinite(one).all() for one in (left, starts, moved)):

@@ -76,6 +76,11 @@ class Judgement:
     runs: dict[str, Simulated]
     composed: bool = False
 
+    def of(self, physical: Physical, *, composed: bool = False) -> Judgement:
+        """The same recording with another model that explains it, judged."""
+        best = simulate_all(physical, physical.selection.best)
+        return Judgement(physical, self.runs | {"explained": best}, composed)
+
     @cached_property
     def left(self) -> dict[str, tuple[Remainder, ...]]:
         """By model and channel: what is left."""

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 OF_PLANT = {f"plant.{name}": unit for name, unit in MATRICES.items()}
 """Matrices of the plant as a spec names them, and the units of their entries."""
 
+MAY_DRIVE = ("plant.damping", "plant.stiffness")
+"""Properties that may be below zero: a flow excites a rig, a column buckles."""
+
 WIRE = "actuator.stiffness"
 
 ENTRY = re.compile(r"(.+)\[(\d+)\]")
@@ -82,7 +85,7 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
                 known = name == "plant.mass" and (i != j or (i == 0 and not forced))
                 if known or (i != j and not value):
                     continue
-                low = 1e-3 * value if name == "plant.mass" and i == j else -np.inf
+                low = -np.inf if i != j or name in MAY_DRIVE else 1e-3 * value
                 scale = max(abs(value), scales[name.partition(".")[2]])
                 yield Parameter(key, value, scale, low)
     if commanded and spec.actuator is not None and spec.actuator.transmission is None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.entries import OF_PLANT, WIRE, entry_of, with_entry
+from rthm_analysis.diagnosis.replay.entries import MAY_DRIVE, OF_PLANT, WIRE, entry_of, with_entry
 from rthm_core.effects import Effect, effect
 from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.errors import RefusedError
@@ -21,9 +21,6 @@ from rthm_core.spec.sections import MATRICES
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
     from rthm_core.spec import Spec
-
-MAY_DRIVE = ("plant.damping", "plant.stiffness")
-"""Properties that may be below zero: a flow excites a rig, a column buckles."""
 
 PROPERTIES = OF_PLANT | {WIRE: MATRICES["stiffness"]}
 """Properties that a spec can call uncertain, and their units."""

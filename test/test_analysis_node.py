@@ -20,7 +20,7 @@ from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import Network, has_wheels, without_parents_ros
 from rthm_core.energy import TERMS
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+pytestmark = [pytest.mark.usefixtures("nothing_left")]
 
 RTHM = [sys.executable, "-m", "rthm_bringup"]
 

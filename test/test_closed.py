@@ -18,7 +18,7 @@ from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import PROFILES, RANGE, Network
 from rthm_core.ros.reach import PEERS, VARIABLE
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+pytestmark = [pytest.mark.usefixtures("nothing_left")]
 RUN = [sys.executable, "-m", "rthm_bringup", "run", "paper", "--json", "-"]
 RIVAL = Path(__file__).parent / "programs" / "rival.py"
 OURS = (PROFILES, RANGE, VARIABLE, PEERS, "SKIP_DEFAULT_XML_FILE")

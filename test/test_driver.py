@@ -14,7 +14,7 @@ from rthm_analysis.recording import read_recording
 from rthm_bringup.run.environment import Network
 from rthm_core.spec import LimitsSpec, shipped_spec, write_spec
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
+pytestmark = [pytest.mark.usefixtures("nothing_left")]
 DRIVER = Path(__file__).parent / "programs" / "driver.py"
 RUN = [sys.executable, "-m", "rthm_bringup", "run"]
 

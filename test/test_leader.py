@@ -14,7 +14,7 @@ from rthm_bringup.run.conductor_node import Conductor
 from rthm_bringup.run.environment import Network
 from rthm_core.ros import alive
 
-pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("environment")]
+pytestmark = [pytest.mark.usefixtures("environment")]
 NAMES = ("actuator", "numerical", "recorder", "analysis", "plant")
 
 

@@ -39,6 +39,8 @@ def test_a_cable_that_catches_for_a_while_is_told_with_its_interval(begin: float
     (one,) = part.described
     assert not part.physics and set(one.depends_on) == {"x", "t"}
     assert one.interval == pytest.approx((begin, end), abs=1.0)
+    unconfirmed = "acts before the unseen data begin" in one.words
+    assert unconfirmed == (end < seen.time[physical.train])
 
 
 def test_nothing_acts_in_an_interval_where_nothing_is_missing_or_something_always_is() -> None:
@@ -57,6 +59,7 @@ def swinging(start: float, seed: int = 0) -> Evidence:
     return replace(seen, channels=seen.channels[:1], measured=seen.measured[:, :1])
 
 
+@pytest.mark.long
 def test_a_pendulum_that_swings_far_is_told_as_one() -> None:
     part = physical_part(physical_of(swinging(1.5), plant(start=1.5, stiffness=0.03, damping=0.5)))
     formulas = [str(one["force"]) for one in part.effects if one["kind"] == "formula"]

@@ -18,6 +18,7 @@ def galloping(t: float, x: float, v: float) -> float:
     return 2.0 * DAMPING * v - 8.0 * v**3
 
 
+@pytest.mark.long
 def test_what_a_flow_feeds_has_a_damping_below_zero() -> None:
     physical = diagnose_physical(recorded(galloping), SPEC, np.empty(0), lambda said: None)
     found = physical_part(physical)

@@ -35,6 +35,7 @@ class Slipping:
         return float(-0.05 * STIFFNESS * np.sum(x - self.at))
 
 
+@pytest.mark.long
 def test_a_formula_has_the_terms_that_it_needs() -> None:
     (force,) = told(loosened).described
     assert force.formula is not None and force.formula.count(" < t)") == 2, force.formula
@@ -42,6 +43,7 @@ def test_a_formula_has_the_terms_that_it_needs() -> None:
     assert force.interval is not None and abs(force.interval[0] - LATE) < 0.5
 
 
+@pytest.mark.long
 def test_what_slips_link_by_link_is_a_hysteretic_spring() -> None:
     """No force of motion alone comes near it, and a law with a memory does."""
     found = told(Slipping())

@@ -142,6 +142,7 @@ def test_a_force_of_no_kind_is_described_and_not_named(law, depends_on: tuple[st
     assert [one["kind"] for one in part.effects] == ["formula"] * len(part.effects)
 
 
+@pytest.mark.long
 def test_a_sensor_that_knows_no_sign_makes_no_laws_of_the_plant() -> None:
     seen = recorded()
     part = part_of(replace(seen, channels=seen.channels[:1], measured=np.abs(seen.measured[:, :1])))

@@ -99,6 +99,7 @@ def test_rows_in_the_order_of_their_blocks_are_written_one_after_the_other(kinds
     assert again == sorted(again)
 
 
+@pytest.mark.long
 def test_every_number_of_the_physics_is_taken_where_none_is_named():
     found = sensitivities(LOOPS["stick and slip"], 0.1)
     assert {"plant.mass", "interface.damping", "load.plant.amplitude", "guide.force"} <= set(

@@ -62,11 +62,9 @@ def _of_wire(judged: Judgement, actuator: str, indices: list[int]) -> Described:
     size = bare(float(np.quantile(np.abs(wire.named), 0.995)), 2)
     formula = f"F = k {OVER} + {sum_of(terms, with_std=True)} in N, with {OVER} = u - x in m"
     law_words = formula.replace("+ -", "- ") if told else TABLE
-    share = percent(min(max(judged.gone, 0.0), 1.0))
     words = (
         f"The wire of {actuator} is no linear spring: its force has up to {size} N beside it that depend on "
-        f"its elongation: {law_words}, seen from {bare(low)} to {bare(high)} m. It is a fitted law and "
-        f"explains {share} of the mismatch on unseen data."
+        f"its elongation: {law_words}, seen from {bare(low)} to {bare(high)} m. {_explains(judged)}"
     )
     return Described(
         law.blocks[0], actuator, None, law.depends_on, symmetry_of(at, mean), False, False, None, told,
@@ -98,7 +96,8 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     return Described(
         "plant", dof, None, depends_on, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
-        _words(judged, dof, [] if is_table else terms, depends_on, at, force), spread_over(over, force),
+        f"{_words(dof, [] if is_table else terms, depends_on, at, force)} {_explains(judged, interval)}",
+        spread_over(over, force),
     )  # fmt: skip
 
 
@@ -148,9 +147,7 @@ def sum_of(terms: Iterable[Written], *, with_std: bool) -> str:
     return " + ".join(one.told(with_std=with_std) for one in terms).replace("+ -", "- ")
 
 
-def _words(
-    judged: Judgement, dof: str, terms: list[Written], depends_on: tuple[str, ...], at: Along, force: Floats
-) -> str:
+def _words(dof: str, terms: list[Written], depends_on: tuple[str, ...], at: Along, force: Floats) -> str:
     on = enumerated(NAMES[name].format(dof=dof) for name in depends_on)
     size = bare(float(np.quantile(np.abs(force), 0.995)), 2)
     which = f"that depends on {on}" if on else "whatever it does"
@@ -158,8 +155,16 @@ def _words(
     law = law_of(formula, depends_on) if terms else TABLE
     seen = f", seen from {ranges}" if (ranges := ranges_of(domain_of(at, depends_on))) else ""
     energy = " It takes energy out." if takes_energy(force, at) else ""
+    return f"A force of up to {size} N is missing at {dof} {which}: {law}{seen}.{energy}"
+
+
+def _explains(judged: Judgement, interval: tuple[float, float] | None = None) -> str:
+    """What unseen data say of a formula: little of one that acts in an `interval`, s, before they begin."""
+    physical = judged.physical
+    if interval is not None and interval[1] < physical.evidence.time[physical.train]:
+        return (
+            "It is a fitted law that acts before the unseen data begin: they confirm that nothing is missing "
+            "behind it, but not what it says."
+        )
     share = percent(min(max(judged.gone, 0.0), 1.0))
-    return (
-        f"A force of up to {size} N is missing at {dof} {which}: {law}{seen}.{energy} It is a "
-        f"fitted law and explains {share} of the mismatch on unseen data."
-    )
+    return f"It is a fitted law and explains {share} of the mismatch on unseen data."

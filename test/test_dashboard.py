@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = [pytest.mark.usefixtures("nothing_left")]
+pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
 RTHM = [sys.executable, "-m", "rthm_bringup"]
 PLACE = ["--namespace", f"/shown_{os.getpid()}"]
 

@@ -20,7 +20,7 @@ HOSTS = ROOT / "docs" / "tutorials" / "three_hosts.md"
 PAGES = [
     ROOT / "README.md",
     *(page for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")) if page != HOSTS),
-    ROOT / "docs" / "how-to" / "answers.md",
+    pytest.param(ROOT / "docs" / "how-to" / "answers.md", marks=pytest.mark.long),
     ROOT / "docs" / "how-to" / "compare-tests.md",
     ROOT / "docs" / "how-to" / "test-a-component.md",
 ]

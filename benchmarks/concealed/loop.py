@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from benchmarks.concealed import foresight
 from benchmarks.concealed.foresight import Foresight
+from benchmarks.concealed.kept import kept
 from benchmarks.concealed.links import NEVER, Link, deliver, next_due, send
 from benchmarks.concealed.loads import load
 from benchmarks.concealed.motion import Held, World, acceleration, advance, pull, remember, settle, wire_force
@@ -96,7 +97,7 @@ def note(which: int, t: int, stamp: int, log: Recording) -> None:
     log.count[2 + which] = i + 1
 
 
-@njit(nogil=True)
+@kept
 def closed_loop(
     y: np.ndarray,
     memory: np.ndarray,
@@ -192,7 +193,7 @@ def arrive(t: int, command: float, stamp: int, timing: Timing, n4: int, log: Rec
     return n4 + 1
 
 
-@njit(nogil=True)
+@kept
 def plant_alone(
     y: np.ndarray,
     memory: np.ndarray,

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rthm_core.effects import effect
-from rthm_core.effects.formula import FUNCTIONS, evaluated, parsed
+from rthm_core.effects.formula import FUNCTIONS, evaluated, parsed, without
 from rthm_core.effects.written import Formula
 from rthm_core.engine import Trajectory, simulate
 from rthm_core.errors import InputError
@@ -220,3 +220,26 @@ def test_a_law_and_its_formula_along_arrays_are_one(
     once = law.force(x, v, [], t, p, mode)
     many = evaluated(text, numbers, x=np.full(2, x), v=np.full(2, v), t=np.full(2, t))
     assert math.isclose(once, many[0], rel_tol=1e-9, abs_tol=1e-9) or "sign(" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "shorter"),
+    [
+        ("a * sin(2 * pi * x / b + c)", "a * sin(2 * pi * x / b)"),
+        ("a * (c - x)", "a * -x"),
+        ("a * v * exp(-((x - c) / b)**2)", "a * v * exp(-(x / b)**2)"),
+        ("a * x * max(t - c, 0)", "a * x * t"),
+        ("a / (c - x)**2", "a / (-x)**2"),
+    ],
+)
+def test_a_number_that_is_only_added_may_be_left_out(text: str, shorter: str) -> None:
+    assert without(text, "c") == shorter
+    x, v, t = np.random.default_rng(1).uniform(0.1, 1.0, (3, 20))
+    numbers = {"a": 2.0, "b": 0.7}
+    whole = evaluated(text, numbers | {"c": 0.0}, x=x, v=v, t=t)
+    assert evaluated(shorter, numbers, x=x, v=v, t=t) == pytest.approx(whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["a * sin(c * x)", "a * (c < t)", "a * x * (b + c * v)"])
+def test_a_number_that_is_anything_else_stays(text: str) -> None:
+    assert without(text, "c") is None

@@ -208,6 +208,48 @@ def python_of(found: Parsed, names: Names) -> str:
     return ast.unparse(_Python(found.numbers, names).visit(deepcopy(found.tree)))
 
 
+class _Without(ast.NodeTransformer):
+    """Leaves out a number where it is added to something, or taken from it."""
+
+    def __init__(self, number: str) -> None:
+        self._number = number
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        """Keep the other side of a sum."""
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Add | ast.Sub):
+            if self._is_it(node.right):
+                return node.left
+            if self._is_it(node.left):
+                return node.right if isinstance(node.op, ast.Add) else ast.UnaryOp(ast.USub(), node.right)
+        return node
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        """Time is never below zero."""
+        self.generic_visit(node)
+        return node.args[0] if ast.unparse(node) == "max(t, 0)" else node
+
+    def _is_it(self, node: ast.AST) -> bool:
+        return isinstance(node, ast.Name) and node.id == self._number
+
+
+def without(text: str, number: str) -> str | None:
+    """A formula in which a number is zero that is only added to something; None where it is anything else.
+
+    Examples
+    --------
+    >>> without("a * exp(-((x - b) / c)**2)", "b")
+    'a * exp(-(x / c)**2)'
+    >>> without("a * x * max(t - b, 0)", "b")
+    'a * x * t'
+    >>> without("a * sin(b * x)", "b") is None
+    True
+    """
+    tree = _Without(number).visit(ast.parse(text.strip(), mode="eval"))
+    left = any(isinstance(node, ast.Name) and node.id == number for node in ast.walk(tree))
+    return None if left else ast.unparse(tree).replace(" ** ", "**")
+
+
 _SCOPE: dict[str, Any] = {name: getattr(np, function) for name, function in ALONG.items()}
 _SCOPE |= {"min": lambda *some: reduce(np.minimum, some), "max": lambda *some: reduce(np.maximum, some)}
 _SCOPE |= {"pi": math.pi, "__builtins__": {}}

@@ -33,6 +33,7 @@ from rthm_analysis.diagnosis.physical.motor_formulated import motors_formulated
 from rthm_analysis.diagnosis.physical.named_formula import with_names
 from rthm_analysis.diagnosis.physical.offsets import offsets
 from rthm_analysis.diagnosis.physical.parts_of_force import over_position, with_parts
+from rthm_analysis.diagnosis.physical.plainer_terms import with_plainer_terms
 from rthm_analysis.diagnosis.physical.push import LEFT_OUT
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
@@ -183,7 +184,7 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
                 return judged, ()
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
-    judged = with_names(with_fewer_terms(judged))
+    judged = with_names(with_plainer_terms(with_fewer_terms(judged)))
     formula = judged.earned and judged.physical.selection.formulas
     return judged, tuple(formulated(judged)) if formula else ()
 

@@ -24,8 +24,9 @@ class Written(NamedTuple):
 
         def value(name: re.Match[str]) -> str:
             one = self.values[name[0]]
-            told = with_std and one.std < UNSURE * abs(one.value)
-            return f"({number(one.value, one.std, '', signed=True)})" if told else bare(one.value, 4)
+            told = number(one.value, one.std, "", signed=True)
+            is_sure = with_std and one.std < UNSURE * abs(one.value) and "+-" in told
+            return f"({told})" if is_sure else bare(one.value, 4)
 
         names = "|".join(self.values)
         return re.sub(rf"\b({names})\b", value, self.text).replace("- -", "+ ").replace("+ -", "- ")

@@ -230,6 +230,7 @@ def test_a_law_and_its_formula_along_arrays_are_one(
         ("a * v * exp(-((x - c) / b)**2)", "a * v * exp(-(x / b)**2)"),
         ("a * x * max(t - c, 0)", "a * x * t"),
         ("a / (c - x)**2", "a / (-x)**2"),
+        ("a * sign(x) * max(abs(x) - c, 0)", "a * sign(x) * abs(x)"),
     ],
 )
 def test_a_number_that_is_only_added_may_be_left_out(text: str, shorter: str) -> None:

@@ -225,9 +225,12 @@ class _Without(ast.NodeTransformer):
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        """Time is never below zero."""
+        """Leave out a bound at zero of what is never below it: time, and a size."""
         self.generic_visit(node)
-        return node.args[0] if ast.unparse(node) == "max(t, 0)" else node
+        first = node.args[0]
+        is_bound = ast.unparse(node) == f"max({ast.unparse(first)}, 0)"
+        size = isinstance(first, ast.Call) and ast.unparse(first.func) == "abs"
+        return first if is_bound and (size or ast.unparse(first) == "t") else node
 
     def _is_it(self, node: ast.AST) -> bool:
         return isinstance(node, ast.Name) and node.id == self._number

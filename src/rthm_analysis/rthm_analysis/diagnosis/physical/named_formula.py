@@ -8,11 +8,11 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, SAME_LAW_SAMPLES
 from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.physical.formula_model import rounds_of, with_all
+from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.named_laws import kind_as
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
-from rthm_analysis.diagnosis.search.replacing import rounds_refitted
+from rthm_analysis.diagnosis.search.replacing import beside_base, present, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
 
@@ -24,12 +24,11 @@ def with_names(judged: Judgement) -> Judgement:
     if not (judged.earned and judged.at_noise and selection.formulas):
         return judged
     kinds = _kinds(physical)
-    best, base, first = selection.best.model, selection.base.model, len(selection.rounds) - selection.formulas
+    first = len(selection.rounds) - selection.formulas
     labels = [tried[0].label for tried in selection.rounds[:first]] + [one.label for one in kinds]
     if len(kinds) < selection.formulas or len(set(labels)) < len(labels):
         return judged
-    kept = [tried[0].start.having(best.effect_values(i)) for i, tried in enumerate(selection.rounds[:first])]
-    model = with_all(base.at(best.values[: len(base.parameters)]), [*kept, *kinds])
+    model = beside_base(selection, [*present(selection)[:first], *kinds])
     try:
         fitted = physical.fitting.fit(model, most=FORMULA_FIT_STEPS)
     except np.linalg.LinAlgError:

@@ -9,10 +9,11 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS
 from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE
-from rthm_analysis.diagnosis.physical.formula_model import rounds_of, with_all
+from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.formulated import written_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.result import Value
+from rthm_analysis.diagnosis.search.replacing import beside_base, present
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects.formula import NUMBERS, without
 from rthm_core.effects.possible import UNSURE
@@ -34,9 +35,8 @@ def _plainer(judged: Judgement) -> Iterator[Judgement]:
     if not (judged.earned and judged.at_noise):
         return
     selection = judged.physical.selection
-    best, count = selection.best.model, len(selection.rounds)
-    starts = [one[0].start.having(best.effect_values(i)) for i, one in enumerate(selection.rounds)]
-    for index in range(count - selection.formulas, count):
+    starts = present(selection)
+    for index in range(len(starts) - selection.formulas, len(starts)):
         for shorter in _shorter(judged, index, starts[index]):
             others = [*starts[:index], shorter, *starts[index + 1 :]]
             if (after := _with(judged, others)) is not None:
@@ -73,14 +73,12 @@ def _may_be(value: Value, size: float) -> bool:
 def _with(judged: Judgement, starts: list[InitialGuess]) -> Judgement | None:
     """The model with these effects, judged; None where it is worse than by chance, or diverges."""
     physical, selection = judged.physical, judged.physical.selection
-    best, base = selection.best, selection.base.model
     first = len(starts) - selection.formulas
     try:
-        model = with_all(base.at(best.model.values[: len(base.parameters)]), starts)
-        fitted = physical.fitting.fit(model, most=FORMULA_FIT_STEPS)
+        fitted = physical.fitting.fit(beside_base(selection, starts), most=FORMULA_FIT_STEPS)
     except np.linalg.LinAlgError:
         return None
-    if not float(fitted.left_out.sum()) - float(best.left_out.sum()) < GAIN_OF_CHANCE:
+    if not float(fitted.left_out.sum()) - float(selection.best.left_out.sum()) < GAIN_OF_CHANCE:
         return None
     rounds = [*selection.rounds[:first], *rounds_of(starts[first:], fitted)]
     after = judged.of(

@@ -8,8 +8,6 @@ of it, so that the sensitivities of the present model tell what every combinatio
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import (
@@ -30,7 +28,7 @@ from rthm_analysis.diagnosis.search.judging import (
 )
 from rthm_analysis.diagnosis.search.pieces import Piece, is_plain
 from rthm_analysis.diagnosis.search.refining import finished, finished_by_itself, fit_further, unfitted
-from rthm_analysis.diagnosis.search.replacing import is_identified, rounds_refitted
+from rthm_analysis.diagnosis.search.replacing import beside_base, is_identified, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_analysis.diagnosis.search.subsets import promised
 from rthm_analysis.diagnosis.search.tone_evidence import lasts
@@ -87,14 +85,11 @@ def _other(fitting: Fitting, selection: Selection) -> Selection | None:
 
 def _model(selection: Selection, pieces: list[Piece]) -> Model:
     """A combination beside what is uncertain; what is there now has the values it has now."""
-    best, base = selection.best.model, selection.base.model
-    model = base.at(best.values[: len(base.parameters)])
-    for one in pieces:
-        added = one.start.added
-        if one.index is not None:
-            added = replace(added, parameters=best.effect_values(one.index))
-        model = model.plus(added, one.start.free, one.start.scales)
-    return model
+    best = selection.best.model
+    starts = (
+        one.start if one.index is None else one.start.having(best.effect_values(one.index)) for one in pieces
+    )
+    return beside_base(selection, starts)
 
 
 def _fitted(fitting: Fitting, selection: Selection, pieces: list[Piece], least: float) -> Fitted | None:

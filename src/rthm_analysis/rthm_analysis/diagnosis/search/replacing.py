@@ -6,7 +6,7 @@ wrong for all of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -32,18 +32,32 @@ from rthm_core.errors import InputError
 from rthm_core.quantity import Quantity
 
 
+def present(selection: Selection) -> list[InitialGuess]:
+    """The effects of a selection, with the values they have now."""
+    best = selection.best.model
+    return [tried[0].start.having(best.effect_values(i)) for i, tried in enumerate(selection.rounds)]
+
+
+def beside_base(selection: Selection, starts: Iterable[InitialGuess]) -> Model:
+    """Some effects beside what is uncertain, which has the values it has now."""
+    base = selection.base.model
+    model = base.at(selection.best.model.values[: len(base.parameters)])
+    for start in starts:
+        model = start.added_to(model)
+    return model
+
+
 def model_of(selection: Selection, starts: list[tuple[int, InitialGuess]]) -> Model:
     """The best model with some of its effects only, all else with the values it has now.
 
     Where a start is of another kind than the effect that was chosen, it has its own values.
     """
-    best, base = selection.best.model, selection.base.model
-    model = base.at(best.values[: len(base.parameters)])
-    for i, start in starts:
-        same = start.added.kind == best.added[i].kind
-        added = replace(start.added, parameters=best.effect_values(i)) if same else start.added
-        model = model.plus(added, start.free, start.scales)
-    return model
+    best = selection.best.model
+    kept = (
+        start.having(best.effect_values(i)) if start.added.kind == best.added[i].kind else start
+        for i, start in starts
+    )
+    return beside_base(selection, kept)
 
 
 def rounds_refitted(fitting: Fitting, selection: Selection) -> Selection:

@@ -57,7 +57,7 @@ def _text(value: Any) -> str:
         return f"[{', '.join(_text(one) for one in value)}]"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
-    return _float(value) if isinstance(value, float) else str(value)
+    return _float(value + 0.0) if isinstance(value, float) else str(value)  # no zero below zero
 
 
 def _float(value: float) -> str:

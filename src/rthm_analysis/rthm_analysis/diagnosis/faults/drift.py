@@ -39,17 +39,15 @@ class Drift(NamedTuple):
         then = np.clip(time - self.delay - self.growth * time, time[0], time[-1])
         return np.asarray(CubicSpline(time, evidence.load)(then))
 
-
-def in_step(evidence: Evidence, drift: Drift) -> tuple[Evidence, tuple[Fault, ...]]:
-    """Let known forces come as late as the motion, and tell it."""
-    way = "later" if drift.growth > 0.0 else "earlier"
-    words = (
-        f"The motion comes {way} and {way} after the known force, by {1e6 * abs(drift.growth):.0f} ppm "
-        f"({1e3 * abs(drift.growth) * float(evidence.time[-1]):.3g} ms over the recording): their clocks "
-        "drift apart. The force was moved for this diagnosis; record both with one clock."
-    )
-    fault = Fault("plant", "clock_drift", PLANT_STATE, words, None, drift.growth)
-    return replace(evidence, load=drift.in_step(evidence)), (fault,)
+    def fault(self, evidence: Evidence) -> Fault:
+        """What is told of it."""
+        way = "later" if self.growth > 0.0 else "earlier"
+        words = (
+            f"The motion comes {way} and {way} after the known force, by {1e6 * abs(self.growth):.0f} ppm "
+            f"({1e3 * abs(self.growth) * float(evidence.time[-1]):.3g} ms over the recording): their clocks "
+            "drift apart. The force was moved for this diagnosis; record both with one clock."
+        )
+        return Fault("plant", "clock_drift", PLANT_STATE, words, None, self.growth)
 
 
 def find_drift(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:

@@ -24,6 +24,14 @@ def drifting_clocks(physical: Physical) -> Drift | None:
     """The delay between known force and motion, where it grows and is all that the model leaves, in the
     fitted data and in unseen ones; None where it is not, or where known kinds explain the recording.
     """
+    found = unexplained_of_force(physical)
+    return None if found is None else _drift(physical, *found)
+
+
+def unexplained_of_force(physical: Physical) -> tuple[Windows, Floats] | None:
+    """Runs of the retuned model under a known force, each from its best start, and what they predict; None
+    where nothing is left of the recording, or where known kinds explain it.
+    """
     evidence = physical.evidence
     if evidence.driven_by != "force" or len(evidence.recordings) > 1 or not np.any(evidence.load):
         return None
@@ -33,7 +41,7 @@ def drifting_clocks(physical: Physical) -> Drift | None:
     left = over_noise(physical, evidence.measured - predicted)
     if not np.isfinite(left).all() or left[: physical.train].std() < NOISE_FLOOR_RATIO:
         return None
-    return _drift(physical, runs, predicted)
+    return runs, predicted
 
 
 def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None:
@@ -49,7 +57,7 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
     for taken in range(DRIFTING_ROUNDS):
         values = over_noise(physical, by_values(loaded, model.at(moved), runs, predicted))
         shapes = np.concatenate([_of_delay(physical, predicted), starts, values], axis=-1)
-        change, values_change = np.split(_least(shapes[:train], rest[:train]), [sizes.size])
+        change, values_change = np.split(least_left(shapes[:train], rest[:train]), [sizes.size])
         sizes, moved = sizes + change, model.at(moved + values_change).values
         drift = Drift(float(sizes[0]), float(sizes[1]))
         loaded = physical.experiment.loaded_by(drift.in_step(evidence))
@@ -72,7 +80,7 @@ def _of_delay(physical: Physical, predicted: Floats) -> Floats:
     return over_noise(physical, np.stack([late, late * time[:, None]], axis=-1))
 
 
-def _least(shapes: Floats, left: Floats) -> Floats:
+def least_left(shapes: Floats, left: Floats) -> Floats:
     """Sizes of shapes (s, k, q) that leave least of errors (s, k)."""
     return np.asarray(np.linalg.lstsq(shapes.reshape(left.size, -1), left.ravel(), rcond=None)[0])
 

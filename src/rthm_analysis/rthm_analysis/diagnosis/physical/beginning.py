@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.replay import SECOND_QUESTION_STEPS
 from rthm_analysis.diagnosis.criteria.search import FINISHED_CHI2, GAIN_OF_CHANCE, NEAR_NOISE_CHI2
 from rthm_analysis.diagnosis.criteria.verdict import (
     LONGEST_RUN_SHARE,
@@ -21,7 +22,8 @@ from rthm_analysis.diagnosis.criteria.verdict import (
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import Noise, noise_levels, white_noise
 from rthm_analysis.diagnosis.physical.colours import left_by
-from rthm_analysis.diagnosis.replay.between import ways
+from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
+from rthm_analysis.diagnosis.replay.between import Between, ways
 from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Experiment
@@ -143,18 +145,37 @@ def choose_again(begun: Baseline, others: list[Baseline], selection: Selection) 
     """
     fitting = begun.fitting
     if fitting.reduced_chi2 < FINISHED_CHI2 or selection.formulas:
-        return begun, selection
+        return _by_kinds(begun, others, selection) or (begun, selection)
     for other in others:
         there = _best_there(other, selection)
         if there is None:
             continue
         alike = other.runs.length == begun.runs.length
-        at_noise = reduced_chi2(other.fitting, there) < NEAR_NOISE_CHI2
-        if at_noise or (alike and _explains_most(fitting, there, selection.best)):
+        near = reduced_chi2(other.fitting, there) < NEAR_NOISE_CHI2
+        if near or (alike and _explains_most(fitting, there, selection.best)):
             again = choose(other.fitting, retuned_from(other.fitting, other.nominal))
             if not alike or again.best.squares < selection.best.squares:
                 return other, again
-    return begun, selection
+    return _by_kinds(begun, others, selection) or (begun, selection)
+
+
+def _by_kinds(
+    begun: Baseline, others: list[Baseline], selection: Selection
+) -> tuple[Baseline, Selection] | None:
+    """Kinds that leave nothing but noise under smooth loads, where another way was chosen before the search
+    and no kinds do so there: half a sample by which a held load is late is like a damper that is missing.
+    """
+    fitting = begun.fitting
+    if fitting.experiment.between is Between.SMOOTH:
+        return None
+    if not selection.formulas and at_noise(fitting, selection.best):
+        return None
+    for other in others:
+        if other.fitting.experiment.between is Between.SMOOTH:
+            other.fitting.budget.allow(SECOND_QUESTION_STEPS)
+            found = choose(other.fitting, retuned_from(other.fitting, other.nominal))
+            return (other, found) if at_noise(other.fitting, found.best) else None
+    return None
 
 
 def _best_there(other: Baseline, selection: Selection) -> Fitted | None:

@@ -31,6 +31,7 @@ from rthm_analysis.diagnosis.replay.model import Model, uncertain
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_analysis.diagnosis.search.choosing import choose
 from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
+from rthm_analysis.diagnosis.search.replacing import present
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -184,10 +185,7 @@ def _best_there(other: Baseline, selection: Selection) -> Fitted | None:
     Everything else may have made up for the wrong way.
     """
     best, found = selection.best.model, []
-    alone = []
-    for i, tried in enumerate(selection.rounds):
-        start = tried[0].start
-        alone.append(start.having(best.effect_values(i)).added_to(other.nominal.model))
+    alone = [start.added_to(other.nominal.model) for start in present(selection)]
     for model in [best, *alone]:
         with suppress(np.linalg.LinAlgError):
             found.append(other.fitting.fit(model, most=STEPS_OF_ANOTHER_BEGINNING))

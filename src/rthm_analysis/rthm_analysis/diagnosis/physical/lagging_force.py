@@ -70,8 +70,10 @@ def _of_lag(physical: Physical, lag: ForceLag, spec: Spec, runs: Windows, predic
     sizes = FORCE_LAG_STEP * np.append(lag.constant, np.abs(evidence.load).max(axis=0))
     columns = []
     for i, size in enumerate(sizes):
+        if not size:  # nothing acts on this dof
+            columns.append(np.zeros_like(predicted))
+            continue
         constant, *beyond = lag.numbers + size * (np.arange(sizes.size) == i)
         loaded = physical.experiment.loaded_by(ForceLag(constant, np.array(beyond)).in_step(evidence))
-        moved = loaded.predicted(spec, runs) if size else predicted
-        columns.append((moved - predicted) / (size or 1.0))
+        columns.append((loaded.predicted(spec, runs) - predicted) / size)
     return np.stack(columns, axis=-1)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
+from rthm_analysis.diagnosis.physical.inseparable import elsewhere, gains, inseparable
 from rthm_analysis.diagnosis.physical.parts_of_force import with_parts
-from rthm_analysis.diagnosis.result import Described, Physics, Value
+from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Value
 
 
 def _found(kind: str, place: str = "x1", **sizes: float) -> Physics:
@@ -100,3 +100,27 @@ def test_a_force_that_goes_with_the_load_may_be_a_gain(on: tuple[str, ...], word
 )
 def test_what_depends_on_the_motion_is_no_gain(named: list[Physics], on: tuple[str, ...]) -> None:
     assert not list(gains(named, [_left(*on, size=3.0)]))
+
+
+SCALE = Physics("sensor.velocity", "scale", "x1", {"scale": Value(0.93, 0.001, "1")}, "", 0.0, 1.0)
+OTHER = Alternative("sensor.position", "scale", 0.01, distinguishable=False)
+
+
+def test_what_another_block_explains_as_well_is_told() -> None:
+    (said,) = elsewhere([SCALE], [OTHER])
+    assert "scale of the velocity sensor" in said and "scale of the position sensor" in said
+
+
+@pytest.mark.parametrize(
+    ("named", "other"),
+    [
+        ([SCALE], replace(OTHER, distinguishable=True)),
+        ([SCALE], replace(OTHER, block=SCALE.block)),
+        ([SCALE, SCALE], OTHER),
+        ([], OTHER),
+    ],
+)
+def test_what_is_ruled_out_or_no_answer_by_itself_is_not_told(
+    named: list[Physics], other: Alternative
+) -> None:
+    assert not list(elsewhere(named, [other]))

@@ -22,7 +22,7 @@ from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_f
 from rthm_analysis.diagnosis.physical.fewer_terms import with_fewer_terms
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
-from rthm_analysis.diagnosis.physical.inseparable import gains, inseparable
+from rthm_analysis.diagnosis.physical.inseparable import elsewhere, gains, inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.kinds_beside import each_by_itself, with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
@@ -107,11 +107,12 @@ def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
     if left and not judged.earned and not driven:
         located |= judged.wrong_sensors or ({"wire"} if wires_are_off(physical) else {"plant"})
     keeps = not left or judged.earned or bool(retuned and _helps(judged))
+    alternatives = _alternatives(physical) if judged.earned else ()
     return Part(
         blocks=mismatches(physical, runs, located),
         physics=tuple(physics),
         retuned=retuned if keeps else {},
-        alternatives=_alternatives(physical) if judged.earned else (),
+        alternatives=alternatives,
         fits=fits_of(physical, runs, located or ({"plant"} if retuned else set())),
         detection_limits=detection_limits(physical),
         curves=(
@@ -125,6 +126,7 @@ def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
             *physical.evidence.notes,
             *_on_the_load(physical),
             *inseparable(physics),
+            *elsewhere(physics, alternatives),
             *(gains(physics, force) if physical.evidence.driven_by == "force" else ()),
             *offsets(physical, runs["explained"].predicted),
             *loud(physical),

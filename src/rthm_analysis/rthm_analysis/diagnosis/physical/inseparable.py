@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rthm_analysis.diagnosis.numbers import bare
-from rthm_analysis.diagnosis.result import Described, Physics, Value
+from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Value
+from rthm_analysis.diagnosis.words import block_words
 from rthm_core.effects import effect
 
 
@@ -57,6 +58,37 @@ def gains(physics: Iterable[Physics], forces: Iterable[Described]) -> Iterator[s
             "load cell, or of all sensors of the motion: this recording does not tell which. Put a known "
             "force on the load cell, and move the rig by a known distance."
         )
+
+
+def elsewhere(physics: Iterable[Physics], alternatives: Iterable[Alternative]) -> Iterator[str]:
+    """Kinds in another block that explain the recording as well as the only one that was named.
+
+    Parameters
+    ----------
+    physics : iterable of Physics
+        What was named.
+    alternatives : iterable of Alternative
+        What else was tried.
+
+    Yields
+    ------
+    str
+        What it may be instead.
+    """
+    named = list(physics)
+    if len(named) != 1:
+        return
+    (one,) = named
+    for other in alternatives:
+        if other.block != one.block and not other.distinguishable:
+            yield (
+                f"Instead of {_kind_words(one)} it may as well be {_kind_words(other)}: "
+                "this recording does not tell which."
+            )
+
+
+def _kind_words(one: Physics | Alternative) -> str:
+    return f"{one.kind.replace('_', ' ')} of {block_words(one.block)}"
 
 
 def _size(one: Physics) -> float:

@@ -65,26 +65,31 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[InitialGuess]:
     """What can be wrong with every sensor whose signal another channel can check.
 
     In a recording with one channel alone a sensor cannot be told from what it measures. Of a plant alone, a
-    position that is off may be a force, and a velocity that is late a position that is early; but no plant
-    has a velocity of which a part goes nowhere, or an acceleration that is no rate of its motion. The offset
-    of an acceleration is nothing that is wrong.
+    position that is off may be a force; but no plant has a velocity of which a part goes nowhere, that is not
+    the rate of its position, or an acceleration that is no rate of its motion. The offset of an acceleration
+    is nothing that is wrong.
     """
     if len(evidence.channels) < 2:
         return
-    alone = evidence.driven_by == "force"
-    checked = ("velocity", "acceleration") if alone else (*MOTION, "force")
+    checked = MOTION if evidence.driven_by == "force" else (*MOTION, "force")
     seen = seen_in(evidence.time)
     for channel, noise, column in zip(evidence.channels, sigma, evidence.measured.T, strict=True):
         if channel.family not in checked:
             continue
         block, scene = f"sensor.{channel.family}", sensor_scene(evidence.time, column, float(noise))
         for law in ranked(block):
-            if _can_be_told(law, channel, alone=alone):
+            if _can_be_told(law, channel, evidence):
                 yield from guessed(law, block, channel.place, scene, seen)
 
 
-def _can_be_told(law: type[Effect], channel: Channel, *, alone: bool) -> bool:
-    """Whether what is wrong with the sensor of a channel is nothing that the rig could be, `alone` or not."""
+def _can_be_told(law: type[Effect], channel: Channel, evidence: Evidence) -> bool:
+    """Whether what is wrong with the sensor of a channel is nothing that the rig could be."""
     if channel.family == "acceleration":
         return law.changes != "offset"
-    return not alone or law.changes in ("offset", "growth")
+    if evidence.driven_by != "force":
+        return True
+    if law.changes in ("gain", "smoothing"):
+        return {Channel("position", channel.place), Channel("velocity", channel.place)} <= {
+            *evidence.channels
+        }
+    return channel.family == "velocity" and law.changes in ("offset", "growth")

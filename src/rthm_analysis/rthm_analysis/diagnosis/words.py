@@ -175,8 +175,10 @@ def _remark(change: float, stated: Mapping[str, float] | None, key: str) -> str:
 
 
 def _drives(one: Retuned, key: str) -> str:
-    """What it means that a damping or a stiffness is below zero, where it surely is."""
-    if one.value > -DRIVING_STDS * one.std:
+    """What it means that a damping or a stiffness is below zero, where it surely is and the spec's is not, as
+    are those that couple two dofs.
+    """
+    if one.value > -DRIVING_STDS * one.std or one.nominal < 0.0:
         return ""
     if key.startswith("plant.damping"):
         return "below zero: something feeds energy in, as a flow, a control or a delay does"

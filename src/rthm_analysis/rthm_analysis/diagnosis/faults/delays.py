@@ -27,7 +27,8 @@ def find_delays(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
 
     A velocity is compared with the rate of its position, an acceleration with that of the velocity, or of the
     position. Where the two disagree and the dof has a wire whose force and motor were measured, these say
-    whether the position is late; else the rate is taken to be.
+    whether the position is late; where there are no wires, the one behind the other is late; else the rate is
+    taken to be.
     """
     assert spec.plant is not None
     faults: list[Fault] = []
@@ -90,7 +91,11 @@ def _step(evidence: Evidence) -> float:
 
 
 def _position_is_late(evidence: Evidence, spec: Spec, dof: str, found: Late) -> bool:
-    """Whether the force in a wire at the dof says that its position is what comes late, or early."""
+    """Whether the position is what comes late, or early, as the force in a wire at the dof says; without
+    wires, whether it comes behind its rate: filters and buses delay, and none is ahead of its time.
+    """
+    if evidence.driven_by == "force":
+        return found.delay < 0.0
     for wire in wires_of(spec):
         columns = [
             channel_at(evidence, *name)

@@ -206,9 +206,10 @@ def retuned_from(fitting: Fitting, nominal: Fitted) -> Fitted:
 def with_unsure(seen: Evidence, model: Model) -> Model:
     """A nominal model with what its spec calls uncertain as parameters.
 
-    Where nothing known drives the plant, its mass is taken as it is.
+    Where nothing known drives the plant, its first mass is taken as it is.
     """
-    unsure = [p for p in uncertain(model.nominal) if seen.is_forced or p.key != "plant.mass"]
+    known = () if seen.is_forced else ("plant.mass", "plant.mass[0]")
+    unsure = [p for p in uncertain(model.nominal) if p.key not in known]
     return replace(model, parameters=(*model.parameters, *unsure))
 
 

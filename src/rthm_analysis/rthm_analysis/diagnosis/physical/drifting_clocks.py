@@ -57,7 +57,10 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
     for taken in range(DRIFTING_ROUNDS):
         values = over_noise(physical, by_values(loaded, model.at(moved), runs, predicted))
         shapes = np.concatenate([_of_delay(physical, predicted), starts, values], axis=-1)
-        change, values_change = np.split(least_left(shapes[:train], rest[:train]), [sizes.size])
+        every = least_left(shapes[:train], rest[:train])
+        if not np.isfinite(every).all():
+            return None
+        change, values_change = np.split(every, [sizes.size])
         sizes, moved = sizes + change, model.at(moved + values_change).values
         drift = Drift(float(sizes[0]), float(sizes[1]))
         loaded = physical.experiment.loaded_by(drift.in_step(evidence))
@@ -81,7 +84,9 @@ def _of_delay(physical: Physical, predicted: Floats) -> Floats:
 
 
 def least_left(shapes: Floats, left: Floats) -> Floats:
-    """Sizes of shapes (s, k, q) that leave least of errors (s, k)."""
+    """Sizes of shapes (s, k, q) that leave least of errors (s, k); NaN where a simulation has diverged."""
+    if not (np.isfinite(shapes).all() and np.isfinite(left).all()):
+        return np.full(shapes.shape[-1], np.nan)
     return np.asarray(np.linalg.lstsq(shapes.reshape(left.size, -1), left.ravel(), rcond=None)[0])
 
 

@@ -32,7 +32,7 @@ def freed(fitting: Fitting, model: Model) -> Model:
     commanded = evidence.driven_by == "command"
     frequency = 2.0 * np.pi / period(evidence)
     entries = free_entries(spec, frequency, commanded=commanded, forced=evidence.is_forced)
-    others = tuple(p for p in model.parameters if p.key not in PROPERTIES)
+    others = tuple(p for p in model.parameters if p.key not in PROPERTIES and entry_of(p.key) is None)
     return replace(model, parameters=(*others, *entries))
 
 
@@ -58,7 +58,7 @@ def plain_fit(fitting: Fitting, begun: Baseline, near: Fitted | None = None) -> 
 def needed_only(fitting: Fitting, selection: Selection) -> Selection:
     """Return values to those of the spec where unseen data are predicted as well with them."""
     best, base = selection.best, selection.base
-    for key in [p.key for p in best.model.parameters if entry_of(p.key) is not None]:
+    for key in [p.key for p in best.model.parameters if entry_of(p.key) is not None and p.prior is None]:
         try:
             without = fitting.fit(_without(best.model, key), most=STEPS_WITHOUT_VALUE)
         except np.linalg.LinAlgError:

@@ -13,8 +13,8 @@ from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PAR
 from rthm_analysis.diagnosis.criteria.verdict import SAME_VALUE_SHARE
 from rthm_analysis.diagnosis.fitting.fitting import Fitted
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value
-from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, Parameter, nominal_values
+from rthm_analysis.diagnosis.replay.entries import entry_of, entry_value, nominal_values
+from rthm_analysis.diagnosis.replay.model import PROPERTIES, EffectInstance, Parameter, uncertain
 from rthm_analysis.diagnosis.result import Retuned, Value
 from rthm_core.spec import Spec
 
@@ -72,7 +72,16 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
     """New values of properties that the recording asks for, in the unit of the spec; none that clocks may
     make. Where nothing known drives the plant, they are as uncertain as its mass, at least.
     """
-    found = _scaled_values(physical) | _entry_values(physical)
+    best = physical.selection.best
+    stds, unsure = stds_of(best), {p.key for p in uncertain(physical.spec)}
+    found, hardly = {}, _hardly_help(physical, unsure)
+    for p in best.model.parameters:
+        if p.key in unsure and hardly:
+            continue
+        if p.key in PROPERTIES or entry_of(p.key) is not None:
+            name, found[name] = _of_property(physical.spec, p, stds[p.key])
+        elif p.key in unsure:
+            found[p.key] = _of_effect(physical.spec, p, stds[p.key])
     if not physical.evidence.is_forced:
         mass = physical.spec.uncertainty.plant.mass
         found = {k: replace(one, std=float(np.hypot(one.std, one.value * mass))) for k, one in found.items()}
@@ -83,26 +92,22 @@ def retuned_values(physical: Physical) -> dict[str, Retuned]:
     }
 
 
-def _scaled_values(physical: Physical) -> dict[str, Retuned]:
-    """Values of what the spec calls uncertain, matrices with one factor; none where these hardly help."""
-    best, found = physical.selection.best, {}
-    stds = stds_of(best)
-    unsure = {f"{one.name}.{key}" for one in physical.spec.effects for key in one.uncertainty}
-    scaled = [p for p in best.model.parameters if p.key in PROPERTIES or p.key in unsure]
+def _hardly_help(physical: Physical, unsure: set[str]) -> bool:
+    """Whether other values of what the spec calls uncertain do not explain more than chance would."""
+    moved = sum(p.key in unsure for p in physical.selection.best.model.parameters)
     gain = physical.nominal.squares - physical.selection.base.squares
-    if gain < (GAIN_OF_CHANCE + GAIN_PER_PARAMETER * (len(scaled) - 1)) * physical.fitting.reduced_chi2:
-        return {}
-    for p in scaled:
-        if p.key in unsure:
-            found[p.key] = _of_effect(physical.spec, p, stds[p.key])
-            continue
-        values = nominal_values(physical.spec, p.key)
-        for i, nominal in enumerate(values):
-            if nominal:
-                name = p.key if len(values) == 1 else f"{p.key}[{i}]"
-                std = abs(nominal) * stds[p.key]
-                found[name] = Retuned(nominal, nominal * p.value, std, PROPERTIES[p.key])
-    return found
+    return gain < (GAIN_OF_CHANCE + GAIN_PER_PARAMETER * (moved - 1)) * physical.fitting.reduced_chi2
+
+
+def _of_property(spec: Spec, parameter: Parameter, std: float) -> tuple[str, Retuned]:
+    """Name and new value of a property of the spec, or of an entry; that of a single one has no index."""
+    key = parameter.key
+    if key in PROPERTIES:
+        (nominal,) = nominal_values(spec, key)
+        return key, Retuned(nominal, nominal * parameter.value, abs(nominal) * std, PROPERTIES[key])
+    whole, _ = entry_of(key) or (key, 0)
+    name = whole if len(nominal_values(spec, whole)) == 1 else key
+    return name, Retuned(entry_value(spec, key), parameter.value, std, PROPERTIES.get(whole, ""))
 
 
 def _of_effect(spec: Spec, parameter: Parameter, std: float) -> Retuned:
@@ -110,20 +115,3 @@ def _of_effect(spec: Spec, parameter: Parameter, std: float) -> Retuned:
     name, _, key = parameter.key.partition(".")
     one = next(one for one in spec.effects if one.name == name)
     return Retuned(one.numbers[key], parameter.value, std, one.law.unit(key, one.block))
-
-
-def _entry_values(physical: Physical) -> dict[str, Retuned]:
-    """Values of single entries, whatever the spec says of them."""
-    best, found = physical.selection.best, {}
-    stds = stds_of(best)
-    for p in best.model.parameters:
-        entry = entry_of(p.key)
-        if entry is not None:
-            name = entry[0] if _is_single(physical, entry[0]) else p.key
-            unit = PROPERTIES.get(entry[0], "")
-            found[name] = Retuned(entry_value(physical.spec, p.key), p.value, stds[p.key], unit)
-    return found
-
-
-def _is_single(physical: Physical, key: str) -> bool:
-    return len(nominal_values(physical.spec, key)) == 1

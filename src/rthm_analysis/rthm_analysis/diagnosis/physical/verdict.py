@@ -210,8 +210,8 @@ class Judgement:
     def _changes(self) -> int:
         """How many effects, and values that the spec calls exact, the model changes."""
         selection, unsure = self.physical.selection, {p.key for p in uncertain(self.physical.spec)}
-        entries = [found[0] for p in selection.base.model.parameters if (found := entry_of(p.key))]
-        return len(selection.rounds) + sum(name not in unsure for name in entries)
+        entries = ((p.key, found[0]) for p in selection.base.model.parameters if (found := entry_of(p.key)))
+        return len(selection.rounds) + sum(unsure.isdisjoint(names) for names in entries)
 
     @property
     def is_worse(self) -> bool:

@@ -35,7 +35,7 @@ def entry_of(key: str) -> tuple[str, int] | None:
 def entry_value(spec: Spec, key: str) -> float:
     """Value of an entry in a spec, in its unit."""
     name, place = entry_of(key) or (key, 0)
-    return float(_values(spec, name)[place])
+    return nominal_values(spec, name)[place]
 
 
 def with_entry(spec: Spec, key: str, value: float) -> Spec:
@@ -44,7 +44,7 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
     assert found is not None
     name, place = found
     section, _, field = name.partition(".")
-    values = list(_values(spec, name))
+    values = nominal_values(spec, name)
     values[place] = value
     if name in OF_PLANT:
         n = len(spec.plant.dofs)
@@ -53,6 +53,29 @@ def with_entry(spec: Spec, key: str, value: float) -> Spec:
     if section == "actuator":
         changed["transmission"] = None
     return spec.model_copy(update={section: getattr(spec, section).model_copy(update=changed)})
+
+
+def uncertain_entries(spec: Spec, name: str, relative: float) -> Iterator[Parameter]:
+    """Entries of a property that are not zero, each as uncertain as the spec says of the whole.
+
+    Parameters
+    ----------
+    spec : Spec
+    name : str
+        ``plant.mass`` and so on, or that of the wires.
+    relative : float
+        Standard deviation over the value of the spec.
+    """
+    from rthm_analysis.diagnosis.replay.model import Parameter
+
+    n = len(spec.plant.dofs)
+    for place, value in enumerate(nominal_values(spec, name)):
+        row, column = divmod(place, n) if name in OF_PLANT else (place, place)
+        if not value or row > column:
+            continue
+        low = -np.inf if row != column or name in MAY_DRIVE else 1e-3 * value
+        spread = relative * abs(value)
+        yield Parameter(f"{name}[{place}]", value, spread, low, prior=(value, spread))
 
 
 def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool) -> Iterator[Parameter]:
@@ -81,7 +104,7 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
     for name in OF_PLANT:
         for i in range(n):
             for j in range(i, n):
-                key, value = f"{name}[{i * n + j}]", float(_values(spec, name)[i * n + j])
+                key, value = f"{name}[{i * n + j}]", nominal_values(spec, name)[i * n + j]
                 known = name == "plant.mass" and (i != j or (i == 0 and not forced))
                 if known or (i != j and not value):
                     continue
@@ -93,6 +116,8 @@ def free_entries(spec: Spec, frequency: float, *, commanded: bool, forced: bool)
             yield Parameter(f"{WIRE}[{i}]", float(value), float(value), 1e-3 * float(value))
 
 
-def _values(spec: Spec, name: str) -> tuple[float, ...]:
-    section, _, field = name.partition(".")
-    return tuple(spec.k_tot) if name == WIRE else tuple(getattr(getattr(spec, section), field))
+def nominal_values(spec: Spec, key: str) -> list[float]:
+    """Values of a property in the spec."""
+    section, _, name = key.partition(".")
+    values = spec.k_tot if key == WIRE else getattr(getattr(spec, section), name)
+    return [float(value) for value in values]

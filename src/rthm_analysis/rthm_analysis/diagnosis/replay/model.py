@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rthm_analysis.diagnosis.replay.entries import MAY_DRIVE, OF_PLANT, WIRE, entry_of, with_entry
+from rthm_analysis.diagnosis.replay.entries import (
+    MAY_DRIVE,
+    OF_PLANT,
+    WIRE,
+    entry_of,
+    nominal_values,
+    uncertain_entries,
+    with_entry,
+)
 from rthm_core.effects import Effect, effect
 from rthm_core.effects.possible import ANYTHING, Seen
 from rthm_core.errors import RefusedError
@@ -263,21 +271,17 @@ def _scaled(spec: Spec, key: str, factor: float) -> Spec:
     return spec.model_copy(update={section: getattr(spec, section).model_copy(update=values)})
 
 
-def nominal_values(spec: Spec, key: str) -> list[float]:
-    """Values of an uncertain property in the spec."""
-    section, _, name = key.partition(".")
-    values = spec.k_tot if key == WIRE else getattr(getattr(spec, section), name)
-    return [float(value) for value in values]
-
-
 def uncertain(spec: Spec) -> tuple[Parameter, ...]:
-    """Factors on what the spec calls uncertain."""
-    found = []
+    """What the spec calls uncertain: single values as factors, matrices and several wires entry by entry."""
+    found: list[Parameter] = []
     for key in PROPERTIES:
         section, _, name = key.partition(".")
         relative = getattr(getattr(spec.uncertainty, section, None), name, 0.0) if spec.uncertainty else 0.0
-        present = getattr(spec, section) is not None and any(nominal_values(spec, key))
-        if relative and present:
+        if not relative or getattr(spec, section) is None:
+            continue
+        if len(nominal_values(spec, key)) > 1:
+            found += uncertain_entries(spec, key, float(relative))
+        elif any(nominal_values(spec, key)):
             low = -np.inf if key in MAY_DRIVE else 1e-3
             found.append(Parameter(key, 1.0, float(relative), low, prior=(1.0, float(relative))))
     return (*found, *_uncertain_effects(spec))

@@ -117,9 +117,10 @@ def _is_kinked(found: Parsed) -> bool:
 
 @register
 class Formula(Written, PlantLaw):
-    """A force that is written in the spec as a formula."""
+    """A force that is written in the spec as a formula; between two dofs, of how they move apart."""
 
     blocks = ("plant",)
+    between_dofs = True
     parameters = {
         "force": FormulaText(
             "force along +x, N, of x (m), v (m/s), t (s) and load (N, the known load on the dof), "

@@ -191,6 +191,9 @@ PRODUCT_GAIN_SHARE_OF_REST = 0.3
 """Gain of a term times a free curve over another variable, over that of the term, or beyond it over what the
 term leaves, from which the product is asked for a shape."""
 
+PAIRS_OF_FEW_DOFS = 3
+"""Dofs up to which a missing force is looked for between any two; of more, where the spec couples them."""
+
 PRODUCTS_REFINED = 2
 """Shapes of such a product that are fitted to the recording itself."""
 

@@ -27,6 +27,7 @@ from rthm_analysis.diagnosis.fitting.steps import trial_step
 from rthm_analysis.diagnosis.missing.features import Feature, features
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.missing.normal import Normal, normal_of, solved, squares
+from rthm_analysis.diagnosis.missing.sites import sites
 from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.linear import linear_response
@@ -41,7 +42,7 @@ class CurveFit:
 
     Attributes
     ----------
-    dof : str
+    site : str
     feature : Feature
     sizes, stds : (p,) arrays
         Of its shapes, N.
@@ -61,7 +62,7 @@ class CurveFit:
         The same without its sizes held together: a jump among them is then no larger than the data say.
     """
 
-    dof: str
+    site: str
     feature: Feature
     sizes: Floats
     stds: Floats
@@ -142,7 +143,8 @@ class Regression:
         self.train, self.held = blocks[:last], blocks[last:]
         reduced_chi2 = max(1.0, squares(left) / max(self.fitting.expected, 1.0))
         self.motion = self.experiment.motion(model.spec, windows)
-        self._along = self._along_each()
+        self.sites = sites(model.spec)
+        self._along = [along(self.experiment.evidence, self.motion, one) for one in self.sites]
         self.motion_forces = self._motion_forces()
         self.known = self._known(far=reduced_chi2 > POOR_FIT_CHI2)
         self.precision = reduced_chi2 * _precision(model)[: self.known.shape[0]]
@@ -153,19 +155,13 @@ class Regression:
         """Whether no further question should be asked of it."""
         return self.experiment.budget.spent
 
-    def dof(self, name: str) -> int:
-        """Place of a dof."""
-        assert self.model.spec.plant is not None
-        return self.model.spec.plant.dofs.index(name)
+    def site(self, name: str) -> int:
+        """Number of a site."""
+        return [one.name for one in self.sites].index(name)
 
-    def along(self, dof: int) -> Along:
-        """Motion of a dof along the recording."""
-        return self._along[dof]
-
-    def _along_each(self) -> list[Along]:
-        assert self.model.spec.plant is not None
-        dofs = enumerate(self.model.spec.plant.dofs)
-        return [along(self.experiment.evidence, self.motion, dof, name) for dof, name in dofs]
+    def along(self, site: int) -> Along:
+        """Motion at a site along the recording."""
+        return self._along[site]
 
     def beside(self, columns: Floats) -> Regression:
         """The same with further forces whose responses (q, u k) are known and whose sizes are free."""
@@ -182,33 +178,35 @@ class Regression:
         usual = float(known.max(initial=0.0)) or 1.0
         return np.asarray(np.where(own > 0.0, usual / np.where(own > 0.0, own, 1.0), 1.0))
 
-    def response(self, shapes: Floats, dof: int) -> Floats:
+    def response(self, shapes: Floats, site: int) -> Floats:
         """Change of all channels (p, u k) with the size of each shape (s, p), over the noise, whitened."""
-        return self._responses_of(lambda i: np.asarray(shapes[:, i]), shapes.shape[1], dof)
+        return self._responses_of(lambda i: np.asarray(shapes[:, i]), shapes.shape[1], site)
 
-    def _responses_of(self, shape: Callable[[int], Floats], count: int, dof: int) -> Floats:
+    def _responses_of(self, shape: Callable[[int], Floats], count: int, site: int) -> Floats:
         """The same of so many shapes (s,), each made where it is asked for."""
         cores = self.fitting.cores
         if self._linear is None:
-            return np.stack(cores.each(lambda i: self._response(shape(i), dof), range(count)))
+            return np.stack(cores.each(lambda i: self._response(shape(i), site), range(count)))
 
         def together(first: int) -> Floats:
             some = range(first, min(first + RESPONSES_AT_ONCE, count))
-            return self._linear_response(np.stack([shape(i) for i in some], axis=1), dof)
+            return self._linear_response(np.stack([shape(i) for i in some], axis=1), site)
 
         return np.concatenate(cores.each(together, range(0, count, RESPONSES_AT_ONCE)))
 
-    def _linear_response(self, shapes: Floats, dof: int) -> Floats:
+    def _linear_response(self, shapes: Floats, site: int) -> Floats:
         """The same (p, u k) of some shapes (s, p) where nothing bends."""
         assert self._linear is not None
         self.experiment.budget.charge(LINEAR_STEP_COST * shapes.size)
-        change = self.fitting.weighed(self._linear.to(shapes, dof))
+        change = self.fitting.weighed(self._linear.to(shapes, self.sites[site].place))
         return self.fitting.thinned(self.fitting.projected(change))
 
-    def _response(self, shape: Floats, dof: int) -> Floats:
+    def _response(self, shape: Floats, site: int) -> Floats:
         """The same (u k,) of one shape (s,)."""
-        force = np.zeros_like(self.experiment.evidence.load)
-        force[:, dof] = shape
+        force, place = np.zeros_like(self.experiment.evidence.load), self.sites[site].place
+        force[:, place.dof] = shape
+        if place.other >= 0:
+            force[:, place.other] = -shape
         return self._response_to_force(force)
 
     def _response_to_force(self, force: Floats) -> Floats:
@@ -236,10 +234,8 @@ class Regression:
     def _motion_forces(self) -> Floats:
         """Change (s, n, q) of the forces of dampers and springs of the plant with each parameter."""
         assert self.model.spec.plant is not None
-        x, v = (
-            np.stack(rows, axis=1)
-            for rows in ([one.x for one in self._along], [one.v for one in self._along])
-        )
+        each = self._along[: len(self.model.spec.plant.dofs)]
+        x, v = (np.stack(rows, axis=1) for rows in ([one.x for one in each], [one.v for one in each]))
         changes = [_changed(self.model, i) for i in range(len(self.model.parameters))]
         found = [-(v @ damping.T + x @ stiffness.T) for damping, stiffness in changes]
         return np.stack(found, axis=2) if found else np.empty((*x.shape, 0))
@@ -254,9 +250,9 @@ class Regression:
         size = sum(max(map(abs, entries), default=0.0) * factor for entries, factor in laws)
         return float(np.nanstd(evidence.measured[:, 0])) * size
 
-    def fit(self, feature: Feature, dof: int, name: str, at: Along) -> CurveFit | None:
+    def fit(self, feature: Feature, site: int) -> CurveFit | None:
         """Fit a free curve; None where the model diverges under it."""
-        response = self._response_to(feature, dof)
+        response = self._response_to(feature, site)
         whole = self.normal(response)
         if whole is None:
             return None
@@ -271,7 +267,7 @@ class Regression:
             sizes, inverse = solved(*stiff.total)
             after = sum(squares(self.left[b] - sizes @ columns[:, b]) for b in held)
             return CurveFit(
-                name,
+                self.sites[site].name,
                 feature,
                 sizes[first:],
                 np.sqrt(np.maximum(np.diag(inverse)[first:], 0.0) * scatter),
@@ -279,14 +275,26 @@ class Regression:
                 left_out - float(whole.count.sum()),
                 float(before - after),
                 float(before - sum(self.left[b].size for b in held)),
-                at,
-                self.motion_forces[:, dof],
+                self.along(site),
+                self._pulls(site),
                 sizes[:own],
                 whole,
             )
 
         loose, *others = map(held_together, CURVE_STIFFNESSES)
         return replace(max([loose, *others], key=lambda one: one.gain), loose=loose)
+
+    def _pulls(self, site: int) -> Floats:
+        """Change (s, q) of the force of damper and spring at a site with each parameter: between two dofs,
+        that of what couples them.
+        """
+        place, at = self.sites[site].place, self.along(site)
+        if place.other < 0:
+            return np.asarray(self.motion_forces[:, place.dof])
+        changes = (_changed(self.model, i) for i in range(self.motion_forces.shape[2]))
+        coupling = [(damping[place], stiffness[place]) for damping, stiffness in changes]
+        found = [c * at.v + k * at.x for c, k in coupling]
+        return np.stack(found, axis=1) if found else np.empty((at.t.size, 0))
 
     @cached_property
     def left_known(self) -> float:
@@ -310,13 +318,13 @@ class Regression:
         scales = self._scales_of(responses)
         return self.normal(responses * scales[:, None]), scales
 
-    def _response_to(self, feature: Feature, dof: int) -> Floats:
+    def _response_to(self, feature: Feature, site: int) -> Floats:
         """Response to a feature; kept, as the same features are asked again beside others."""
-        kept = self._responses.get((feature, dof))
+        kept = self._responses.get((feature, site))
         if kept is None:
-            kept = self._responses_of(feature.shape, feature.count, dof)
+            kept = self._responses_of(feature.shape, feature.count, site)
             if kept.nbytes + sum(one.nbytes for one in self._responses.values()) < MOST_RESPONSE_BYTES:
-                self._responses[feature, dof] = kept
+                self._responses[feature, site] = kept
         return kept
 
 
@@ -370,22 +378,20 @@ def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
 
 
 def free_curves(regression: Regression, among: Mapping[str, Collection[int]] | None = None) -> list[CurveFit]:
-    """Every free curve on every dof, the one that explains most of data left out first; of a dof in `among`
+    """Every free curve at every site, the one that explains most of data left out first; of a site in `among`
     those features alone whose numbers it has.
     """
-    assert regression.model.spec.plant is not None
     found = []
-    for dof, name in enumerate(regression.model.spec.plant.dofs):
-        at = regression.along(dof)
-        some = (among or {}).get(name)
-        asked = [one for number, one in enumerate(features(at)) if some is None or number in some]
-        found += [one for feature in asked if (one := regression.fit(feature, dof, name, at))]
+    for number, site in enumerate(regression.sites):
+        some = (among or {}).get(site.name)
+        every = enumerate(features(regression.along(number)))
+        asked = [one for place, one in every if some is None or place in some]
+        found += [one for feature in asked if (one := regression.fit(feature, number))]
     return sorted(found, key=lambda one: -one.gain)
 
 
 def beside(curves: list[CurveFit], regression: Regression, columns: Floats) -> list[CurveFit]:
     """The same curves fitted beside other forces whose responses (q, u k) are known."""
-    assert regression.model.spec.plant is not None
-    dofs, more = regression.model.spec.plant.dofs, regression.beside(columns)
-    found = (more.fit(one.feature, dofs.index(one.dof), one.dof, one.at) for one in curves)
+    more = regression.beside(columns)
+    found = (more.fit(one.feature, more.site(one.site)) for one in curves)
     return sorted(filter(None, found), key=lambda one: -one.gain)

@@ -74,7 +74,7 @@ def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bo
     symmetry = symmetry_of(at, force) if variable in ("x", "v") else "neither"
     words = _words(one, symmetry, takes, interval, domain, "what is left" if beside else "the mismatch")
     return Described(
-        "plant", one.dof, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
+        "plant", one.site, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
         one.share, one.held_out_share, at, force, std, words,
     )  # fmt: skip
 
@@ -129,7 +129,7 @@ def _words(
     domain: dict[str, tuple[float, float]],
     whole: str,
 ) -> str:
-    names = enumerated(NAMES[v].format(dof=one.dof) for v in one.feature.depends_on)
+    names = enumerated(NAMES[v].format(dof=one.site) for v in one.feature.depends_on)
     kind = {"odd": ", of opposite sign on both sides", "even": ", the same on both sides"}.get(symmetry, "")
     when = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
     seen = f" (seen from {ranges})" if (ranges := ranges_of(domain)) else ""
@@ -138,7 +138,7 @@ def _words(
     share = percent(min(one.held_out_share, 1.0))
     mass = f" {_mass_of(one)}" if one.feature.of_mass else ""
     return (
-        f"A force of up to {size} N is missing at {one.dof}{when} that depends on {names}{seen}{kind}."
+        f"A force of up to {size} N is missing at {one.site}{when} that depends on {names}{seen}{kind}."
         f"{energy}{mass} As a fitted curve it explains {share} of {whole} on unseen data; no kind of the "
         "library fits it beyond doubt."
     )

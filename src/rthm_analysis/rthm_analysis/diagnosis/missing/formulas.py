@@ -58,7 +58,7 @@ def composed(
     """
     curves = [one for one in curves if not one.feature.of_mass]
     terms = _composed(regression, curves, [], most, plain=plain)
-    gain = next((_gain_of_load(regression, one.dof) for one in terms if one.depends_on == ("load",)), None)
+    gain = next((_gain_of_load(regression, one.site) for one in terms if one.depends_on == ("load",)), None)
     if gain is None or most < 2:
         return tuple(terms)
     beside_gain = _composed(regression, curves, [gain], most, plain=plain)
@@ -81,15 +81,15 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
     allowed = _allowed_beside(term, whole)
     ways: list[tuple[Term, ...]] = [(_best_plain(regression, term),)]
     if term.depends_on == ("load",):
-        gain = _gain_of_load(regression, term.dof)
+        gain = _gain_of_load(regression, term.site)
         ways.append((gain, _best_plain(regression.beside(_response_of(regression, gain)), term)))
     return next((one for one in ways if whole - sum(part.gain for part in one) < allowed), (term,))
 
 
 def _best_plain(regression: Regression, term: Term) -> Term:
     """The best term without numbers of its own, over one of the variables of another."""
-    at = regression.along(regression.dof(term.dof))
-    laws = plain_laws(term.dof, at, [one for one in term.depends_on if one != "t"])
+    at = regression.along(regression.site(term.site))
+    laws = plain_laws(term.site, at, [one for one in term.depends_on if one != "t"])
     return max(each_fitted_to(regression, laws), key=lambda one: one.gain)
 
 
@@ -139,8 +139,8 @@ def _without_end(term: Term) -> Term:
     return replace(term, shapes=shapes)
 
 
-def _gain_of_load(regression: Regression, dof: str) -> Term:
-    return fitted_to(regression, Term(dof, "1", (("load", Shape("w")),)))
+def _gain_of_load(regression: Regression, site: str) -> Term:
+    return fitted_to(regression, Term(site, "1", (("load", Shape("w")),)))
 
 
 def _composed(
@@ -191,7 +191,7 @@ def _plain_instead(regression: Regression, curve: CurveFit, term: Term, excess: 
     Between its knots a free curve is straight, so that it shows a high power badly.
     """
     over = [one for one in curve.feature.depends_on if one != "t"]
-    plain = each_fitted_to(regression, plain_laws(curve.dof, curve.at, over, products=True))
+    plain = each_fitted_to(regression, plain_laws(curve.site, curve.at, over, products=True))
     best = max(plain, key=lambda one: one.gain)
     allowed = max(_allowed_beside(term, excess), CURVE_GAIN)
     return best if best.gain > term.gain or (term.within and excess - best.gain < allowed) else term
@@ -209,8 +209,8 @@ def _products(regression: Regression, term: Term, left: float) -> list[Term]:
     explain much of what is left.
     """
     least = term.gain + min((PRODUCT_GAIN_RATIO - 1.0) * term.gain, PRODUCT_GAIN_SHARE_OF_REST * left)
-    dof = regression.dof(term.dof)
-    at = regression.along(dof)
+    site = regression.site(term.site)
+    at = regression.along(site)
     over, found = term.shapes[0][0], []
     for variable, values in at._asdict().items():
         if variable == over or not np.any(values):
@@ -218,7 +218,7 @@ def _products(regression: Regression, term: Term, left: float) -> list[Term]:
         carrier = "1" if term.carrier == variable else term.carrier
         own = replace(term, carrier=carrier)
         curve = Curve(own.with_values, variable, knots_over(at, variable))
-        fit = regression.fit(feature_of(at, curve), dof, term.dof, at)
+        fit = regression.fit(feature_of(at, curve), site)
         if fit is None or fit.gain < least:
             continue
         kept = tuple(one for one in own.shapes if one[1].text != "1")
@@ -232,17 +232,17 @@ def _with_another_first(regression: Regression, product: Term) -> list[Term]:
     if len(product.shapes) < 2:
         return []
     (over, _), second = product.shapes
-    dof = regression.dof(product.dof)
-    at = regression.along(dof)
+    site = regression.site(product.site)
+    at = regression.along(site)
     curve = Curve(replace(product, shapes=(second,)).with_values, over, knots_over(at, over))
-    fit = regression.fit(feature_of(at, curve), dof, product.dof, at)
+    fit = regression.fit(feature_of(at, curve), site)
     shown = sorted(shown_by(fit), key=lambda one: -one.gain)[:PRODUCTS_REFINED] if fit else []
     return [replace(product, shapes=(*one.shapes, second), gain=one.gain) for one in shown]
 
 
 def _response_of(regression: Regression, term: Term) -> Floats:
-    dof = regression.dof(term.dof)
-    return regression.response(term.column(regression.along(dof)), dof)
+    site = regression.site(term.site)
+    return regression.response(term.column(regression.along(site)), site)
 
 
 def shown_by(fit: CurveFit) -> list[Term]:
@@ -266,7 +266,7 @@ def shown_by(fit: CurveFit) -> list[Term]:
                 continue
             forms.add(shapes[index].text)
             gain = _left_out_gain(fit.normal, base, columns, vectors[:, index])
-            found.append(Term(fit.dof, curve.carrier, ((curve.over, shapes[index]),), gain=gain))
+            found.append(Term(fit.site, curve.carrier, ((curve.over, shapes[index]),), gain=gain))
     return found
 
 

@@ -13,6 +13,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.missing.features import features
 from rthm_analysis.diagnosis.missing.motion import along
 from rthm_analysis.diagnosis.missing.residual import residual_force
+from rthm_analysis.diagnosis.missing.sites import sites
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats, Integers
@@ -20,21 +21,20 @@ from rthm_core.spec import Spec
 
 
 def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, frozenset[int]]:
-    """Numbers of the features, in their order, that explain most of the residual force of each dof, of those
+    """Numbers of the features, in their order, that explain most of the residual force at each site, of those
     over its position or its velocity alone, and of the curves behind a straight line over time: that shows no
     shape.
 
     The force is differentiated from what is left of the motion, so its noise is large: it ranks curves and
-    judges none. A dof without a position has no entry.
+    judges none. A site without a position has no entry.
     """
-    assert spec.plant is not None
     predicted, motion = experiment.predicted(spec, windows), experiment.motion(spec, windows)
     found = {}
-    for dof, name in enumerate(spec.plant.dofs):
-        residual = residual_force(experiment.evidence, spec, predicted, name)
+    for site in sites(spec):
+        residual = residual_force(experiment.evidence, spec, predicted, site.name)
         if residual is None or not np.isfinite(residual[2]).all():
             continue
-        at = along(experiment.evidence, motion, dof, name)
+        at = along(experiment.evidence, motion, site)
         inside = apart_from_starts(windows, at.t.size)
         asked = inside[:: max(inside.size // LIKELY_SAMPLES, 1)]
         known, force = np.stack([np.ones_like(at.x), at.x, at.v], axis=1)[asked], residual[2][asked]
@@ -44,7 +44,8 @@ def likely(experiment: Experiment, windows: Windows, spec: Spec) -> dict[str, fr
         ]
         best = np.argsort(left)[:LIKELY_CURVES].tolist()
         besides = {("x",), ("v",), *(every[i].depends_on for i in best if every[i].straight)}
-        found[name] = frozenset([*best, *(i for i, one in enumerate(every) if one.depends_on in besides)])
+        others = (i for i, one in enumerate(every) if one.depends_on in besides)
+        found[site.name] = frozenset([*best, *others])
     return found
 
 

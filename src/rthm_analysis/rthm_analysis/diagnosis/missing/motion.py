@@ -11,15 +11,19 @@ from rthm_analysis.diagnosis.criteria.missing import (
     SMOOTHED_LEFT_RATIO,
     SMOOTHED_PERIOD_SHARE,
 )
+from rthm_analysis.diagnosis.missing.sites import Site
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.signals import smoothed
 from rthm_core.compiled import Floats
+from rthm_core.spec.effect import place_keys
 
 
 class Along(NamedTuple):
-    """Motion of one dof along the recording, with its known load: (s,) arrays, m, m/s, s and N."""
+    """Motion of a dof along the recording, with its known load, or of one relative to another, without any:
+    (s,) arrays, m, m/s, s and N.
+    """
 
     x: Floats
     v: Floats
@@ -33,8 +37,19 @@ class Along(NamedTuple):
         return smoothed(self.v, SMOOTHED_FEWEST_SAMPLES, 1) / step
 
 
-def along(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
-    """Motion of a dof as recorded, with the rates of the model where the recording has none.
+def along(evidence: Evidence, motion: Motion, site: Site) -> Along:
+    """Motion at a site as recorded, with the rates of the model where the recording has none."""
+    dof, other = site.place
+    name, beside = place_keys(site.name)
+    here = _of_dof(evidence, motion, dof, name)
+    if beside is None:
+        return here
+    there = _of_dof(evidence, motion, other, beside)
+    return Along(here.x - there.x, here.v - there.v, here.t, np.zeros_like(here.load))
+
+
+def _of_dof(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
+    """Motion of a dof.
 
     A model that is lost says nothing of it: what is recorded is then smoothed by itself.
     """

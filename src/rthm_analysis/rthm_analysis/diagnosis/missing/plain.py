@@ -48,19 +48,19 @@ class _Set(NamedTuple):
 
 
 def plain_laws(
-    dof: str, at: Along, over: Sequence[str] = ("x", "v", "load"), *, products: bool = False
+    site: str, at: Along, over: Sequence[str] = ("x", "v", "load"), *, products: bool = False
 ) -> list[Term]:
-    """Plain laws of a dof over some variables, none that is like another one along the recording; maybe with
+    """Plain laws at a site over some variables, none that is like another one along the recording; maybe with
     dampers and friction that grow with the position.
     """
-    found = [Term(dof, "1", (("x", Shape("1")),))]
+    found = [Term(site, "1", (("x", Shape("1")),))]
     for one in over:
         shapes = [text for text in PLAIN_SHAPES[one] if text != PENDULUM or _may_be_angle(at.x)]
-        found += [Term(dof, "1", ((one, Shape(text)),)) for text in shapes]
+        found += [Term(site, "1", ((one, Shape(text)),)) for text in shapes]
     if "v" in over:
-        found.append(Term(dof, "sign(v)", (("v", Shape("1")),)))
+        found.append(Term(site, "sign(v)", (("v", Shape("1")),)))
     if products and {"x", "v"} <= set(over):
-        found += [Term(dof, carrier, (("x", Shape(text)),)) for carrier, text in PLAIN_PRODUCTS]
+        found += [Term(site, carrier, (("x", Shape(text)),)) for carrier, text in PLAIN_PRODUCTS]
     return _unlike(found, at)
 
 
@@ -70,11 +70,10 @@ def plain_sets(regression: Regression, most: int = PLAIN_LAWS_TOGETHER) -> list[
     """
     laws: list[Term] = []
     responses = []
-    assert regression.model.spec.plant is not None
-    for dof, name in enumerate(regression.model.spec.plant.dofs):
-        at = regression.along(dof)
+    for site, (name, _) in enumerate(regression.sites):
+        at = regression.along(site)
         own = plain_laws(name, at)
-        responses.append(regression.response(np.hstack([one.column(at) for one in own]), dof))
+        responses.append(regression.response(np.hstack([one.column(at) for one in own]), site))
         laws += own
     normal, _ = regression.normal_of_any_unit(np.vstack(responses))
     if normal is None:

@@ -29,8 +29,8 @@ CARRIERS = ("x", "v")
 
 def swinging(regression: Regression) -> Iterator[Term]:
     """Stiffness, damping and load that swing, at the frequencies that the residual force shows most."""
-    for dof, name, force in _residual_forces(regression):
-        at = regression.along(dof)
+    for site, name, force in _residual_forces(regression):
+        at = regression.along(site)
         highest = SWING_HIGHEST_RATIO * 2.0 * np.pi / period(regression.experiment.evidence)
         step = float(np.median(np.diff(at.t)))
         even = np.arange(at.t[0], at.t[-1], step)
@@ -38,15 +38,15 @@ def swinging(regression: Regression) -> Iterator[Term]:
             factor = evaluated(carrier, {}, **at._asdict())
             swings = np.interp(even, at.t, force * factor)
             for frequency in _peaks(swings, step, highest):
-                yield _swing(regression, dof, name, carrier, frequency, factor)
+                yield _swing(regression, site, name, carrier, frequency, factor)
 
 
 def recurring(regression: Regression) -> Iterator[Term]:
     """A force that comes back with the position, as between teeth or magnets, at the pitches that the
     residual force shows most: finer ones than a free curve can show.
     """
-    for dof, name, force in _residual_forces(regression):
-        x = regression.along(dof).x
+    for site, name, force in _residual_forces(regression):
+        x = regression.along(site).x
         count = min(x.size // PITCH_BIN_SAMPLES, PITCH_BINS_MOST)
         low, high = np.quantile(x, (PITCH_RANGE_SHARE, 1.0 - PITCH_RANGE_SHARE))
         if count < 2 * PITCH_BINS or low >= high:
@@ -56,18 +56,17 @@ def recurring(regression: Regression) -> Iterator[Term]:
         step = float(edges[1] - edges[0])
         even = np.interp(edges[:-1] + 0.5 * step, at, mean)
         for wave_number in _peaks(even, step, 2.0 * np.pi / (PITCH_BINS * step)):
-            yield _recurrence(regression, dof, name, 2.0 * np.pi / wave_number)
+            yield _recurrence(regression, site, name, 2.0 * np.pi / wave_number)
 
 
 def _residual_forces(regression: Regression) -> Iterator[tuple[int, str, Floats]]:
-    """Place and name of each dof, and the force (s,) that a model lacks there."""
+    """Number and name of each site, and the force (s,) that a model lacks there."""
     spec, experiment = regression.model.spec, regression.experiment
-    assert spec.plant is not None
     predicted = experiment.predicted(spec, regression.windows)
-    for dof, name in enumerate(spec.plant.dofs):
+    for site, (name, _) in enumerate(regression.sites):
         found = residual_force(experiment.evidence, spec, predicted, name)
         if found is not None and np.isfinite(found[2]).all():
-            yield dof, name, found[2]
+            yield site, name, found[2]
 
 
 def _peaks(values: Floats, step: float, highest: float) -> list[float]:
@@ -88,28 +87,28 @@ def _peaks(values: Floats, step: float, highest: float) -> list[float]:
 
 
 def _swing(
-    regression: Regression, dof: int, name: str, carrier: str, frequency: float, factor: Floats
+    regression: Regression, site: int, name: str, carrier: str, frequency: float, factor: Floats
 ) -> Term:
     """A factor that swings at a frequency."""
-    time = regression.along(dof).t
-    size, phase, gain = _in_phase(regression, dof, factor, frequency * time)
+    time = regression.along(site).t
+    size, phase, gain = _in_phase(regression, site, factor, frequency * time)
     steps = (0.5 / float(time[-1] - time[0]), 0.3)
     shape = Shape("sin(p * w + q)", (frequency, phase), steps)
     return Term(name, carrier, (("t", shape),), size, gain)
 
 
-def _recurrence(regression: Regression, dof: int, name: str, pitch: float) -> Term:
+def _recurrence(regression: Regression, site: int, name: str, pitch: float) -> Term:
     """A force of a pitch."""
-    x = regression.along(dof).x
-    size, phase, gain = _in_phase(regression, dof, np.ones_like(x), 2.0 * np.pi * x / pitch)
+    x = regression.along(site).x
+    size, phase, gain = _in_phase(regression, site, np.ones_like(x), 2.0 * np.pi * x / pitch)
     steps = (0.1 * pitch**2 / float(np.ptp(x)), 0.3)
     return Term(name, "1", (("x", Shape(WAVE, (pitch, phase), steps)),), size, gain)
 
 
-def _in_phase(regression: Regression, dof: int, factor: Floats, angle: Floats) -> tuple[float, float, float]:
+def _in_phase(regression: Regression, site: int, factor: Floats, angle: Floats) -> tuple[float, float, float]:
     """Size and phase of a factor times the sine of an angle that fit best, and what they gain."""
     shapes = np.stack([factor * np.sin(angle), factor * np.cos(angle)], axis=1)
-    normal = regression.normal(regression.response(shapes, dof))
+    normal = regression.normal(regression.response(shapes, site))
     if normal is None:
         return 0.0, 0.0, -np.inf
     sine, cosine = normal.sizes[-2:]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import RESIDUAL_PARABOLA_SAMPLES
+from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.signals import smoothed
 from rthm_core.spec.sections import MATRICES
 
@@ -17,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def residual_force(
-    evidence: Evidence, spec: Spec, predicted: Floats, dof: str
+    evidence: Evidence, spec: Spec, predicted: Floats, name: str
 ) -> tuple[Floats, Floats, Floats] | None:
-    """Measured position and velocity of a dof, and the force that a model lacks there: (s,) each.
+    """Measured position and velocity at a site, and the force that a model lacks there: (s,) each.
 
     Parameters
     ----------
@@ -27,8 +28,28 @@ def residual_force(
         The recording, and the model.
     predicted : (s, k) array
         What the model makes of the channels.
-    dof : str
+    name : str
+        Of the site. Between two dofs it is the force whose opposite acts on the other, as their motion
+        relative to each other tells it.
     """
+    assert spec.plant is not None
+    place, n = site_of(spec, name).place, len(spec.plant.dofs)
+    asked = [place.dof] if place.other < 0 else [place.dof, place.other]
+    found = [_of_dof(evidence, spec, predicted, spec.plant.dofs[dof]) for dof in asked]
+    if any(one is None for one in found):
+        return None
+    (x, v, force), *others = [one for one in found if one is not None]
+    for other_x, other_v, other_force in others:
+        mass, beside = np.diag(np.reshape(spec.plant.mass, (n, n)))[asked]
+        apart = (force / mass - other_force / beside) * mass * beside / (mass + beside)
+        return x - other_x, v - other_v, np.asarray(apart)
+    return x, v, force
+
+
+def _of_dof(
+    evidence: Evidence, spec: Spec, predicted: Floats, dof: str
+) -> tuple[Floats, Floats, Floats] | None:
+    """The same of a dof, as if it moved alone."""
     assert spec.plant is not None
     i, n = spec.plant.dofs.index(dof), len(spec.plant.dofs)
     channels = {(c.family, c.place): k for k, c in enumerate(evidence.channels)}

@@ -36,7 +36,8 @@ class Term:
 
     Attributes
     ----------
-    dof : str
+    site : str
+        Name of the place at which it acts.
     carrier : str
         Known factor, as a formula.
     shapes : tuple of (str, Shape)
@@ -48,7 +49,7 @@ class Term:
         it.
     """
 
-    dof: str
+    site: str
     carrier: str
     shapes: tuple[Over, ...]
     size: float = 0.0

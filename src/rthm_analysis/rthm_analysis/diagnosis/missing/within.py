@@ -29,9 +29,7 @@ def acting_within(regression: Regression, interval: tuple[float, float]) -> tupl
     What it depends on there is looked for with the interval given: a force that comes and goes shows in no
     curve over the motion of the whole recording.
     """
-    assert regression.model.spec.plant is not None
-    dofs = regression.model.spec.plant.dofs
-    found = [one for dof, name in enumerate(dofs) for one in _of_dof(regression, interval, dof, name)]
+    found = [one for site in range(len(regression.sites)) for one in _at_site(regression, interval, site)]
     found.sort(key=lambda one: -one.gain)
     plain = [one for one in found if len(one.within) == len(interval)]
     best = dict.fromkeys([*plain[:WITHIN_REFINED], *found[:WITHIN_REFINED]])
@@ -39,19 +37,19 @@ def acting_within(regression: Regression, interval: tuple[float, float]) -> tupl
     return tuple(_elsewhere(regression, one) for one in _fewest_numbers(regression, refined))
 
 
-def _of_dof(regression: Regression, interval: tuple[float, float], dof: int, name: str) -> Iterator[Term]:
-    """Terms that act on a dof in an interval, with the gain that each has within its free curve."""
-    at = regression.along(dof)
+def _at_site(regression: Regression, interval: tuple[float, float], site: int) -> Iterator[Term]:
+    """Terms that act at a site in an interval, with the gain that each has within its free curve."""
+    at = regression.along(site)
     inside = (at.t > interval[0]) & (at.t < interval[1])
     step = WITHIN_STEP_SHARE * (interval[1] - interval[0])
-    gate = Term(name, "1", (("t", Shape(WITHIN, interval, (step, step))),))
+    gate = Term(regression.sites[site].name, "1", (("t", Shape(WITHIN, interval, (step, step))),))
     for carrier, variable in (("1", "x"), ("1", "v"), ("sign(v)", "v"), ("1", "load")):
         values = at._asdict()[variable]
         if not np.any(values[inside]):
             continue
         own = replace(gate, carrier=carrier)
         places = knots(values[inside], CURVE_KNOTS) if carrier == "1" else NOTHING
-        fit = regression.fit(feature_of(at, Curve(own.with_values, variable, places)), dof, name, at)
+        fit = regression.fit(feature_of(at, Curve(own.with_values, variable, places)), site)
         shown = [] if fit is None else shown_by(fit)
         yield from (replace(own, shapes=(*gate.shapes, *one.shapes), gain=one.gain) for one in shown)
 

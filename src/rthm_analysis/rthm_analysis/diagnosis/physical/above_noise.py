@@ -170,9 +170,9 @@ class Laws:
         return max(map(found, shared), default=0.0) < CURVE_SHARE_OF_REST
 
     def _there(self, one: EffectInstance) -> list[CurveFit]:
-        """Curves of the dofs of a law, or all for one of a wire."""
-        dofs = place_keys(one.place)
-        return [curve for curve in self.curves if one.block != "plant" or curve.dof in dofs]
+        """Curves at the place of a law and at its dofs, or all for one of a wire."""
+        there = (one.place, *place_keys(one.place))
+        return [curve for curve in self.curves if one.block != "plant" or curve.site in there]
 
 
 def found(curve: CurveFit) -> float:

@@ -29,7 +29,7 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
     assert spec.plant is not None
     between = {one.place for one in physics if one.block == "plant" and one.place not in spec.plant.dofs}
     for place in (*spec.plant.dofs, *sorted(filter(None, between))):
-        found = _at(physical, predicted, place)
+        found = residual_force(physical.evidence, spec, predicted, place)
         if found is None:
             continue
         x, v, left = found
@@ -44,16 +44,6 @@ def force_curve(physical: Physical, predicted: Floats, physics: Sequence[Physics
             over, unit = variables[best]
             law = None if named is None else spread_over(over, named)
             yield Curve("plant", best, unit, at, mean, std, law, share)
-
-
-def _at(physical: Physical, predicted: Floats, place: str) -> tuple[Floats, Floats, Floats] | None:
-    """Motion at a place, of its dof less the other, and the force that the model lacks on its dof: (s,)."""
-    dof, other = place_keys(place)
-    found = residual_force(physical.evidence, physical.settled, predicted, dof)
-    if found is None or other is None:
-        return found
-    beside = residual_force(physical.evidence, physical.settled, predicted, other)
-    return None if beside is None else (found[0] - beside[0], found[1] - beside[1], found[2])
 
 
 def _names(place: str) -> tuple[str, str]:

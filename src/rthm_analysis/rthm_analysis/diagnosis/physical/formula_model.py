@@ -31,7 +31,7 @@ def guess_of(term: Term, law: type[Written] = Formula) -> InitialGuess:
     """Where a fit of a term begins, in the block of a law that is written."""
     numbers = term.numbers
     scales = dict(zip(NUMBERS, (abs(term.size), *term.steps), strict=False))
-    added = EffectInstance(law.blocks[0], law.kind, term.dof, {law.text: term.formula, **numbers})
+    added = EffectInstance(law.blocks[0], law.kind, term.site, {law.text: term.formula, **numbers})
     return InitialGuess(added, tuple(numbers), (NUMBERS[0],), scales)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, SAME_LAW_SAMPLES
 from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.named_laws import kind_as
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -56,6 +57,6 @@ def _along(physical: Physical, index: int) -> Along:
     assert best.spec.plant is not None
     name = best.added[index].place
     motion = experiment.motion(best.spec, physical.windows)
-    at = along(physical.evidence, motion, best.spec.plant.dofs.index(name), name)
+    at = along(physical.evidence, motion, site_of(best.spec, name))
     every = max(at.t.size // SAME_LAW_SAMPLES, 1)
     return Along(*(one[::every] for one in at))

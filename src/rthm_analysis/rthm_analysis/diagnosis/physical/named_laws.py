@@ -17,15 +17,16 @@ from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.effects.declaration import Effect
 from rthm_core.effects.registry import shipped
+from rthm_core.spec.effect import place_keys
 
 
 def guesses_of(regression: Regression, model: Model, terms: Iterable[Term]) -> list[InitialGuess]:
     """Where fits of some plain laws begin beside a model: kinds of the library first, then formulas."""
     found = []
     for term in terms:
-        at = regression.along(regression.dof(term.dof))
-        force = term.dof, term.size * term.column(at)[:, 0]
-        kinds = (_kind_of(force, at, model, law) for law in _plain_kinds())
+        at = regression.along(regression.site(term.site))
+        force = term.site, term.size * term.column(at)[:, 0]
+        kinds = (_kind_of(force, at, model, law) for law in _plain_kinds(term.site))
         found.append(next(filter(None, kinds), None) or guess_of(term))
     return sorted(found, key=lambda one: one.added.law.written)
 
@@ -41,20 +42,21 @@ def kind_as(model: Model, index: int, at: Along) -> InitialGuess | None:
     """
     dof = model.added[index].place
     force = law_forces(model, [index], at.t, at.x, at.v, at.load)
-    kinds = (_kind_of((dof, force), at, model, law) for law in _plain_kinds())
+    kinds = (_kind_of((dof, force), at, model, law) for law in _plain_kinds(dof))
     return next(filter(None, kinds), None)
 
 
 def _repeats(regression: Regression, model: Model, term: Term) -> bool:
-    at = regression.along(regression.dof(term.dof))
-    there = {one.kind for one in model.added if one.block == "plant" and one.place == term.dof}
-    laws = (law for law in _plain_kinds() if law.kind in there)
-    return any(_number((term.dof, term.column(at)[:, 0]), at, model, law) is not None for law in laws)
+    at = regression.along(regression.site(term.site))
+    there = {one.kind for one in model.added if one.block == "plant" and one.place == term.site}
+    laws = (law for law in _plain_kinds(term.site) if law.kind in there)
+    return any(_number((term.site, term.column(at)[:, 0]), at, model, law) is not None for law in laws)
 
 
-def _plain_kinds() -> list[type[Effect]]:
-    """Kinds of the plant that have a single number."""
-    return [one for one in shipped("plant") if len(one.parameters) == 1 and not one.written]
+def _plain_kinds(place: str) -> list[type[Effect]]:
+    """Kinds that have a single number and may be at a place."""
+    some = (one for one in shipped("plant") if len(one.parameters) == 1 and not one.written)
+    return [one for one in some if one.between_dofs or place_keys(place)[1] is None]
 
 
 def _kind_of(force: tuple[str, Floats], at: Along, model: Model, law: type[Effect]) -> InitialGuess | None:

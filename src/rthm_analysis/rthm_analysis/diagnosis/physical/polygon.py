@@ -30,7 +30,7 @@ def polygon(fit: CurveFit) -> InitialGuess | None:
         return None
     jump = float(fit.sizes[-1]) if len(curves) > 1 else None
     return polygon_over(
-        Formula, fit.dof, curves[0].over, curves[0].knots, fit.sizes[: curves[0].knots.size], jump
+        Formula, fit.site, curves[0].over, curves[0].knots, fit.sizes[: curves[0].knots.size], jump
     )
 
 

@@ -31,6 +31,7 @@ from rthm_analysis.diagnosis.search.scene import dof_scene
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, screen
 from rthm_analysis.diagnosis.search.starts import InitialGuess, guessed
 from rthm_core.effects.registry import ranked
+from rthm_core.spec.effect import place_keys
 
 C = TypeVar("C", ScoredCandidate, FittedCandidate)
 
@@ -51,15 +52,19 @@ def with_shown_kind(judged: Judgement, curve: CurveFit) -> Judgement | None:
 
 
 def _starts(physical: Physical, curve: CurveFit, base: Fitted) -> Iterator[InitialGuess]:
-    """Where fits of these kinds begin on the dof of a curve, which has one of them at most."""
+    """Where fits of these kinds begin on the dof of a curve, which has one of them at most; none between two
+    dofs.
+    """
+    if place_keys(curve.site)[1] is not None:
+        return
     spec, fitting = base.model.spec, physical.fitting
     there = {(one.law.shown_by, one.place) for one in spec.effects}
     motion = fitting.experiment.motion(spec, fitting.windows)
-    scene = dof_scene(spec, fitting.experiment.evidence, motion, curve.dof)
+    scene = dof_scene(spec, fitting.experiment.evidence, motion, curve.site)
     for variable in curve.feature.depends_on:
-        if (variable, curve.dof) not in there:
+        if (variable, curve.site) not in there:
             for law in ranked("plant", shown_by=variable):
-                yield from guessed(law, "plant", curve.dof, scene, scene.seen)
+                yield from guessed(law, "plant", curve.site, scene, scene.seen)
 
 
 def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list[FittedCandidate]:

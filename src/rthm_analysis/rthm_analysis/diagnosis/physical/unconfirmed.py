@@ -42,7 +42,7 @@ def unconfirmed(judged: Judgement, *, from_time_to_time: bool = False) -> tuple[
 
 
 def _told(judged: Judgement, regression: Regression, term: Term, whole: float) -> Described:
-    at = regression.along(regression.dof(term.dof))
+    at = regression.along(regression.site(term.site))
     force = term.size * term.column(at)[:, 0]
     variables = tuple(name for name in at._fields if name in term.depends_on)
     variable = variables[0] if variables else "x"
@@ -51,16 +51,16 @@ def _told(judged: Judgement, regression: Regression, term: Term, whole: float) -
     formula = Written(term.formula, values)
     interval = formula.interval(float(at.t[-1])) or when(judged)
     text = formula.told(with_std=False)
-    on = enumerated(NAMES[name].format(dof=term.dof) for name in variables)
+    on = enumerated(NAMES[name].format(dof=term.site) for name in variables)
     since = f" from {bare(interval[0])} s to {bare(interval[1])} s" if interval else ""
     late = interval is not None and interval[0] > at.t[judged.physical.train - 1]
     shown = "the last third shows something" if late else "the recording shows something"
     words = (
-        f"Of a force at {term.dof} that depends on {on}, {law_of(text, variables)}, {shown}{since}; nothing "
+        f"Of a force at {term.site} that depends on {on}, {law_of(text, variables)}, {shown}{since}; nothing "
         f"confirms it: record longer."
     )
     symmetry = symmetry_of(where, mean) if variable != "t" else "neither"
     return Described(
-        "plant", term.dof, None, variables, symmetry, takes_energy(force, at), False, interval, text,
+        "plant", term.site, None, variables, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, variables), term.gain / whole, 0.0, where, mean, spread, words,
     )  # fmt: skip

@@ -15,7 +15,7 @@ from rthm_analysis.diagnosis.replay.experiment import effects_on
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics, wire_forces
 from rthm_analysis.diagnosis.replay.sensing import levelled
 from rthm_core.exponential import exponentials
-from rthm_core.physical.laws import NONLINEAR
+from rthm_core.physical.laws import NONLINEAR, Place
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -50,14 +50,15 @@ class LinearResponse(NamedTuple):
     sensors: Floats
     seen: Evidence
 
-    def to(self, forces: Floats, dof: int) -> Floats:
-        """Change (p, u, k) of what the channels read with forces (s, p) on a dof, straight between the
+    def to(self, forces: Floats, place: Place) -> Floats:
+        """Change (p, u, k) of what the channels read with forces (s, p) at a place, straight between the
         samples.
         """
         size, n, count = self.steps.shape[1], self.sensors.shape[1] - self.steps.shape[1], forces.shape[1]
-        columns = [*range(size), size + dof, size + n + dof]
-        steps = np.ascontiguousarray(self.steps[:, :, columns])
-        sensors = np.ascontiguousarray(self.sensors[:, [*range(size), size + dof]])
+        by_state, *by_forces = np.split(self.steps, [size, size + n], axis=2)
+        steps = np.concatenate([by_state, *(place.apart(one)[..., None] for one in by_forces)], axis=2)
+        of_state, of_force = np.split(self.sensors, [size], axis=1)
+        sensors = np.concatenate([of_state, place.apart(of_force)[:, None]], axis=1)
         out = np.empty((self.seen.time.size, len(sensors), count))
         state = np.empty((2, size, count))
         _respond(steps, self.which, self.begins, self.row, sensors, np.ascontiguousarray(forces), state, out)

@@ -253,6 +253,58 @@ def without(text: str, number: str) -> str | None:
     return None if left else ast.unparse(tree).replace(" ** ", "**")
 
 
+class _WithoutCompared(ast.NodeTransformer):
+    """Leaves out factors in which a number is compared with something."""
+
+    def __init__(self, number: str) -> None:
+        self._number = number
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        """Keep the other factor of a product."""
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Mult):
+            if self._compares(node.right):
+                return node.left
+            if self._compares(node.left):
+                return node.right
+        return node
+
+    def _compares(self, node: ast.AST) -> bool:
+        if not isinstance(node, ast.Compare):
+            return False
+        return self._number in (ast.unparse(node.left), *map(ast.unparse, node.comparators))
+
+
+def compared_with(text: str) -> dict[str, str]:
+    """Numbers of a formula that are compared with a variable by themselves, and these variables.
+
+    Examples
+    --------
+    >>> compared_with("a * x * (b < t) * (v < c)")
+    {'b': 't', 'c': 'v'}
+    """
+    found = {}
+    for node in ast.walk(ast.parse(text.strip(), mode="eval")):
+        if isinstance(node, ast.Compare):
+            sides = ast.unparse(node.left), ast.unparse(node.comparators[0])
+            number, variable = sides if sides[0] in NUMBERS else sides[::-1]
+            if number in NUMBERS and variable.isidentifier() and variable not in NUMBERS:
+                found[number] = variable
+    return dict(sorted(found.items()))
+
+
+def without_compared(text: str, number: str) -> str:
+    """A formula without the factors in which a number is compared with something, as if they were true.
+
+    Examples
+    --------
+    >>> without_compared("a * x * (b < t) * (t < c)", "b")
+    'a * x * (t < c)'
+    """
+    tree = _WithoutCompared(number).visit(ast.parse(text.strip(), mode="eval"))
+    return ast.unparse(tree).replace(" ** ", "**")
+
+
 _SCOPE: dict[str, Any] = {name: getattr(np, function) for name, function in ALONG.items()}
 _SCOPE |= {"min": lambda *some: reduce(np.minimum, some), "max": lambda *some: reduce(np.maximum, some)}
 _SCOPE |= {"pi": math.pi, "__builtins__": {}}

@@ -7,6 +7,9 @@ CURVE_GAIN = 25.0
 """Gain in squared error, in units of the noise, that a curve must bring both cross-validated and on unseen
 data: five standard deviations of chance."""
 
+MASS_CHANGE_SHARE = 0.5
+"""Change with time of a mass that is added, over its largest size, below which it is no mass that changes."""
+
 MASS_LEFT_RATIO = 0.5
 """What a force over the acceleration may leave, over what others leave, to be told: a slow motion accelerates
 as it is displaced."""

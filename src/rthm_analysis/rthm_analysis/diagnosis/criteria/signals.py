@@ -220,3 +220,11 @@ CLOCK_DRIFT_LEAST_SAMPLES = 1.5
 
 CLOCK_DRIFT_CORRELATION = 0.98
 """Correlation between time and delay: a drift is steady, and no lag or limit of a motor grows with time."""
+
+SINC_REACH, SINC_SHARPNESS = 64, 10.0
+"""Samples on either side of which a signal between its samples is made, and the Kaiser window's parameter:
+white noise keeps 97 % of its third differences where it is moved by half a sample, of 35 % by straight lines.
+"""
+
+UNEVEN_SAMPLES_SHARE = 0.01
+"""Spread of the intervals between samples, over their length, up to which these are even."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rthm_analysis.diagnosis.criteria.signals import UNEVEN_SAMPLES_SHARE
 from rthm_analysis.diagnosis.faults.lateness import Late, late
 from rthm_analysis.diagnosis.faults.naming import fault_of, in_words
 from rthm_analysis.diagnosis.faults.relations import Wire, wires_of
@@ -15,7 +16,7 @@ from rthm_analysis.diagnosis.faults.smooth import channel_at
 from rthm_analysis.diagnosis.faults.stretches import with_column
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
-from rthm_analysis.diagnosis.signals import filled
+from rthm_analysis.diagnosis.signals import ahead, filled
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats
@@ -125,7 +126,9 @@ def _wire_misfit(there: Floats, position: Floats) -> float:
 
 def _moved(evidence: Evidence, column: int, delay: float) -> Floats:
     """Channel with its stamps moved back; NaN where nothing is known then."""
-    values, time = evidence.measured[:, column], evidence.time
+    values, time, step = evidence.measured[:, column], evidence.time, _step(evidence)
+    if float(np.std(np.diff(time))) < UNEVEN_SAMPLES_SHARE * step:
+        return ahead(values, delay / step)
     known = np.isfinite(values)
     moved = np.interp(time + delay, time, filled(values), left=np.nan, right=np.nan)
     gap = np.interp(time + delay, time, (~known).astype(float)) > 0.0

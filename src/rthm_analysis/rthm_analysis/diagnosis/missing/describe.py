@@ -10,6 +10,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
     CURVE_GAIN,
     CURVE_UNSEEN_SHARE,
     DISSIPATED_SHARE,
+    MASS_CHANGE_SHARE,
     MASS_LEFT_RATIO,
     SIMPLER_CURVE_GAIN_SHARE,
     SIMPLER_CURVE_LEFT_RATIO,
@@ -46,7 +47,7 @@ def is_confirmed(one: CurveFit) -> bool:
 
 def told(curves: list[CurveFit]) -> CurveFit | None:
     """Curve that is told: over the fewest variables that explain as much as any; None where unconfirmed."""
-    confirmed = [one for one in curves if is_confirmed(one)]
+    confirmed = [one for one in curves if is_confirmed(one) and not _is_steady_mass(one)]
     if not confirmed:
         return None
     best = max(confirmed, key=_gain_beyond_position)
@@ -57,6 +58,12 @@ def told(curves: list[CurveFit]) -> CurveFit | None:
         if one.gain >= SIMPLER_CURVE_GAIN_SHARE * best.gain and one.excess - one.gain <= left
     ]
     return min([best, *good], key=lambda one: (len(one.feature.depends_on), -one.gain))
+
+
+def _is_steady_mass(one: CurveFit) -> bool:
+    """Whether a curve adds a mass that hardly changes: it makes up for a force, or the spec's is off."""
+    mass = one.sizes
+    return one.feature.of_mass and float(np.ptp(mass)) < MASS_CHANGE_SHARE * float(np.abs(mass).max())
 
 
 def _gain_beyond_position(one: CurveFit) -> float:

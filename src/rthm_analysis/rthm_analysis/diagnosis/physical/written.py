@@ -9,8 +9,8 @@ from rthm_analysis.diagnosis.numbers import bare, number
 from rthm_analysis.diagnosis.result import Value
 from rthm_core.effects.possible import UNSURE
 
-WINDOW = re.compile(r"\((\w) < t\)(?: \* \(t < (\w)\))?")
-"""Factor of a term that acts from an instant on, or between two."""
+BEGIN, END = re.compile(r"\((\w) < t\)"), re.compile(r"\(t < (\w)\)")
+"""Factors of a term that acts from an instant on, and until one."""
 
 
 class Written(NamedTuple):
@@ -38,9 +38,9 @@ class Written(NamedTuple):
 
     def interval(self, end: float) -> tuple[float, float] | None:
         """When it acts, s, in a recording of this length; None: throughout."""
-        window = WINDOW.search(self.text)
-        if window is None:
+        begins, ends = BEGIN.search(self.text), END.search(self.text)
+        if begins is None and ends is None:
             return None
-        first, last = window.groups()
-        until = self.values[last].value if last else end
-        return max(self.values[first].value, 0.0), min(until, end)
+        begin = self.values[begins[1]].value if begins else 0.0
+        until = self.values[ends[1]].value if ends else end
+        return max(begin, 0.0), min(until, end)

@@ -10,6 +10,7 @@ import pytest
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.result import Part
 from rthm_core.spec import Spec, spec_from_parameters
 
 MASS, DAMPING = np.diag([1.2, 0.8]), np.array([[0.3, -0.1], [-0.1, 0.2]])
@@ -20,11 +21,12 @@ Law = Callable[[np.ndarray, np.ndarray], tuple[float, float]]
 """Forces on both dofs, N, from positions and velocities."""
 
 
-def two_dofs() -> Spec:
-    matrices = {"mass": MASS, "damping": DAMPING, "stiffness": STIFFNESS}
+def two_dofs(k: np.ndarray = STIFFNESS, **uncertainty: float) -> Spec:
+    matrices = {"mass": MASS, "damping": DAMPING, "stiffness": k}
     section = {"dofs": ["x1", "x2"]} | {name: m.ravel().tolist() for name, m in matrices.items()}
     section |= {"initial_position": [0.0, 0.0], "initial_velocity": [0.0, 0.0]}
-    return spec_from_parameters({"plant": section})
+    unsure = {"uncertainty": {"plant": uncertainty}} if uncertainty else {}
+    return spec_from_parameters({"plant": section} | unsure)
 
 
 def recorded(law: Law, duration: float = 20.0, seed: int = 0) -> Evidence:
@@ -89,3 +91,29 @@ def test_a_force_is_found_with_the_place_at_which_it_acts(
         {"x1 - x2", "d(x1 - x2)/dt"} if place == BETWEEN else {"v"}
     )
     assert section.get("relative_to") == ("x2" if "relative" in place else None)
+
+
+def diagnosed(seen: Evidence, spec: Spec) -> Part:
+    return physical_part(diagnose_physical(seen, spec, np.empty(0), lambda said: None))
+
+
+def test_a_law_of_no_library_between_two_dofs_is_told_as_its_formula() -> None:
+    found = diagnosed(recorded(lambda x, v: between(-60.0 * (x[0] - x[1]) ** 2 * (v[0] - v[1]))), two_dofs())
+    (one,) = found.described
+    assert (one.place, one.depends_on) == (BETWEEN, ("x", "v")) and not found.physics
+    assert "the velocity of x1 relative to x2" in one.words
+    size, product = str(one.formula).split(" * ", 1)
+    assert float(size) == pytest.approx(-60.0, rel=0.02)
+    assert product in ("v * x**2", "x**2 * v")
+
+
+def test_each_entry_of_a_matrix_is_as_uncertain_as_the_spec_says() -> None:
+    off = STIFFNESS * np.array([[1.04, 0.97], [0.97, 0.95]])
+    seen = recorded(lambda x, v: between(-0.06 * np.tanh(1e4 * (v[0] - v[1]))))
+
+    found = diagnosed(seen, two_dofs(off, stiffness=0.05))
+
+    assert [(one.kind, one.place) for one in found.physics] == [("coulomb_friction", BETWEEN)]
+    entries = [("plant.stiffness[0]", 0, 0), ("plant.stiffness[1]", 0, 1), ("plant.stiffness[3]", 1, 1)]
+    for name, row, column in entries:
+        assert found.retuned[name].value == pytest.approx(STIFFNESS[row, column], rel=0.01)

@@ -37,6 +37,11 @@ def test_a_mass_that_changes_is_told_with_its_change(mass, last: float) -> None:
     assert set(found.domain) == {"a"}
 
 
+def test_a_mass_that_is_another_throughout_does_not_change() -> None:
+    one = _told(recorded(mass=lambda t, x: 1.05 * MASS))
+    assert one is None or not one.feature.of_mass
+
+
 def test_a_stiffness_that_changes_is_no_mass() -> None:
     one = _told(recorded(lambda t, x, v: -0.05 * t * x))
     assert one is not None and not one.feature.of_mass and one.feature.depends_on == ("x", "t")

@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.faults import mend
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_analysis.diagnosis.replay.readings import fast_noise
 from rthm_analysis.diagnosis.search.candidates import sensor_starts
+from rthm_analysis.diagnosis.signals import ahead
 
-from .faulty import PLAIN, POSITION, VELOCITY, changed, having, plain
+from .faulty import PLAIN, POSITION, VELOCITY, changed, having, later, plain
 
 LAG = 0.012
 """Time constant, s."""
@@ -31,6 +34,27 @@ def test_a_sensor_that_reads_too_little_is_named(column: int, block: str) -> Non
 @pytest.mark.parametrize("block", ["sensor.position", "sensor.velocity"])
 def test_a_sensor_with_a_filter_is_named(block: str) -> None:
     assert found(plain(having(PLAIN, block, "lag", time_constant=LAG))) == [(block, "lag")]
+
+
+@pytest.mark.parametrize(("column", "channel"), [(POSITION, "x1.position"), (VELOCITY, "x1.velocity")])
+def test_the_signal_that_is_behind_the_other_is_late(column: int, channel: str) -> None:
+    mended = mend(later(plain(), column, 0.018), PLAIN)
+    (fault,) = mended.faults
+    assert (fault.kind, fault.channel) == ("channel_delay", channel)
+    assert fault.value == pytest.approx(0.018, abs=4e-4)
+
+
+def test_a_signal_that_is_moved_keeps_its_noise() -> None:
+    noise = np.random.default_rng(0).normal(size=20_000)
+    assert fast_noise(ahead(noise, 3.5)[100:-100]) == pytest.approx(fast_noise(noise), rel=0.05)
+
+
+def test_no_more_than_what_is_near_a_gap_is_lost() -> None:
+    wave = np.sin(0.05 * np.arange(1000.0))
+    wave[400:420] = np.nan
+    moved = ahead(wave, 0.5)
+    assert np.flatnonzero(np.isnan(moved)).tolist() == [*range(399, 420), 999]
+    assert np.nanmax(np.abs(moved - np.sin(0.05 * (np.arange(1000.0) + 0.5)))) < 1e-3
 
 
 def test_a_position_alone_has_nothing_to_check_its_sensor() -> None:

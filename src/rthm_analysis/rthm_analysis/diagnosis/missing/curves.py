@@ -379,14 +379,15 @@ def _changed(model: Model, index: int) -> tuple[Floats, Floats]:
 
 def free_curves(regression: Regression, among: Mapping[str, Collection[int]] | None = None) -> list[CurveFit]:
     """Every free curve at every site, the one that explains most of data left out first; of a site in `among`
-    those features alone whose numbers it has.
+    those features alone whose numbers it has. Between two dofs none is over time alone: it would be the error
+    of a position sensor.
     """
     found = []
     for number, site in enumerate(regression.sites):
         some = (among or {}).get(site.name)
-        every = enumerate(features(regression.along(number)))
-        asked = [one for place, one in every if some is None or place in some]
-        found += [one for feature in asked if (one := regression.fit(feature, number))]
+        for place, one in enumerate(features(regression.along(number))):
+            is_asked = (some is None or place in some) and not (site.is_pair and one.depends_on == ("t",))
+            found += [fit] if is_asked and (fit := regression.fit(one, number)) else []
     return sorted(found, key=lambda one: -one.gain)
 
 

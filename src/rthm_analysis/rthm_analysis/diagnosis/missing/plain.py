@@ -24,6 +24,7 @@ from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.normal import Normal, solved
 from rthm_analysis.diagnosis.missing.shapes import PENDULUM, Shape
 from rthm_analysis.diagnosis.missing.terms import Term
+from rthm_core.spec.effect import place_keys
 
 if TYPE_CHECKING:
     from rthm_analysis.diagnosis.missing.motion import Along
@@ -51,9 +52,10 @@ def plain_laws(
     site: str, at: Along, over: Sequence[str] = ("x", "v", "load"), *, products: bool = False
 ) -> list[Term]:
     """Plain laws at a site over some variables, none that is like another one along the recording; maybe with
-    dampers and friction that grow with the position.
+    dampers and friction that grow with the position. A constant between two dofs is none: it would be the
+    offset of a position sensor.
     """
-    found = [Term(site, "1", (("x", Shape("1")),))]
+    found = [] if place_keys(site)[1] else [Term(site, "1", (("x", Shape("1")),))]
     for one in over:
         shapes = [text for text in PLAIN_SHAPES[one] if text != PENDULUM or _may_be_angle(at.x)]
         found += [Term(site, "1", ((one, Shape(text)),)) for text in shapes]

@@ -21,6 +21,11 @@ class Site(NamedTuple):
     name: str
     place: Place
 
+    @property
+    def is_pair(self) -> bool:
+        """Whether it is between two dofs."""
+        return self.place.other >= 0
+
 
 def site_of(spec: Spec, name: str) -> Site:
     """The site of a name.

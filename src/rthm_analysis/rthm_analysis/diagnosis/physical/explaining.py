@@ -62,7 +62,7 @@ def chosen(
     affords_another = fitting.budget.left > fitting.budget.used - used
     if first is not None and not at_noise(explained.fitting, selection.best):
         first.ask()
-    if first is not None and first.found is not None:
+    if first is not None and first.found is not None and _is_needed(first.found, explained, selection):
         there, found = first.found
         return there, replace(found, limits=selection.limits)
     if explained.fitting is fitting and (selection.rounds or plain or hopeless):
@@ -73,6 +73,16 @@ def chosen(
     if selection.imitates and reduced_chi2(explained.fitting, selection.best) > NOISE_FLOOR_RATIO**2:
         return _simple(begun, near, (explained, selection))
     return explained, selection
+
+
+def _is_needed(formula: tuple[Baseline, Selection], explained: Baseline, kinds: Selection) -> bool:
+    """Whether a formula says more than kinds do: these may be at the noise but for chance."""
+    there, found = formula
+    if there.fitting is not explained.fitting or not kinds.rounds:
+        return True
+    if reduced_chi2(explained.fitting, kinds.best) > NEAR_NOISE_CHI2:
+        return True
+    return merit(found.best) < merit(kinds.best) - DISTINGUISHING_GAIN
 
 
 def _finished(fitting: Fitting, retuned: Fitted) -> Fitted:

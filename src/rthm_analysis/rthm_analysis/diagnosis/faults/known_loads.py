@@ -41,13 +41,13 @@ def find_loads(evidence: Evidence, spec: Spec) -> tuple[Evidence, list[Fault]]:
         return evidence, []
     start, ratios = _start_factor(evidence, spec, channel), _force_ratios(evidence, spec)
     if start is not None and start != 1.0 and _agree(ratios, start) and (ratios or not evidence.load.any()):
-        return _position(evidence, channel, start, "what the start in the spec asks for")
+        return corrected_position(evidence, channel, start, "what the start in the spec asks for")
     gain = _common(ratios, spec)
     if gain is None or gain == 1.0:
         return evidence, []
     reach = float(np.nanmax(np.abs(evidence.measured[:, evidence.channels.index(channel)])))
     if start is None and reach > FARTHEST_MOTION and abs(gain) < 1.0:
-        return _position(evidence, channel, 1.0 / gain, "what the known force asks for")
+        return corrected_position(evidence, channel, 1.0 / gain, "what the known force asks for")
     told = factor_fault(Channel("load", channel.place), gain)
     if start is None and told.kind == "unit":
         other = f" It may as well be the motion that is {1.0 / gain:.4g} times what it should be."
@@ -96,7 +96,7 @@ def _start_factor(evidence: Evidence, spec: Spec, channel: Channel) -> float | N
     return factor if factor is not None and abs(ratio / factor - 1.0) < UNIT_AT_START_SHARE else None
 
 
-def _position(
+def corrected_position(
     evidence: Evidence, channel: Channel, factor: float, shown: str
 ) -> tuple[Evidence, list[Fault]]:
     """Correct a position, and its rates with it: these agree."""

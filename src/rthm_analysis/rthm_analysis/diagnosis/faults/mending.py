@@ -24,6 +24,7 @@ from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
 from rthm_analysis.diagnosis.faults.moments import Moment, without_moments
 from rthm_analysis.diagnosis.faults.rectified import find_rectified
 from rthm_analysis.diagnosis.faults.scaling import FACTORS
+from rthm_analysis.diagnosis.faults.several_dofs import find_positions
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
@@ -130,7 +131,7 @@ def mend(evidence: Evidence, spec: Spec) -> Mended:
     faults += found
     evidence, found = find_factors(evidence, spec)
     evidence, faults = told_by_one(evidence, [*faults, *found], spec)
-    for find_with in (find_loads, find_drift, find_delays, find_hum, find_wrong_spec):
+    for find_with in (find_loads, find_positions, find_drift, find_delays, find_hum, find_wrong_spec):
         evidence, found = find_with(evidence, spec)
         faults += found
     return Mended(evidence, _without_turned_back(faults))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
-from rthm_analysis.diagnosis.result import Part
+from rthm_analysis.diagnosis.result import Part, Value
 from rthm_core.spec import Spec, spec_from_parameters
 
 MASS, DAMPING = np.diag([1.2, 0.8]), np.array([[0.3, -0.1], [-0.1, 0.2]])
@@ -117,3 +118,14 @@ def test_each_entry_of_a_matrix_is_as_uncertain_as_the_spec_says() -> None:
     entries = [("plant.stiffness[0]", 0, 0), ("plant.stiffness[1]", 0, 1), ("plant.stiffness[3]", 1, 1)]
     for name, row, column in entries:
         assert found.retuned[name].value == pytest.approx(STIFFNESS[row, column], rel=0.01)
+
+
+def test_a_gain_of_a_position_is_told_rather_than_masses_far_from_the_spec() -> None:
+    seen = recorded(lambda x, v: (0.0, 0.0))
+    less = replace(seen, measured=seen.measured * [1.0, 0.92, 1.0, 1.0])
+
+    found = diagnosed(less, two_dofs(mass=0.02, damping=0.3, stiffness=0.1))
+
+    (one,) = found.physics
+    assert (one.block, one.kind, one.place) == ("sensor.position", "scale", "x2")
+    assert isinstance(gain := one.parameters["scale"], Value) and gain.value == pytest.approx(0.92, abs=1e-3)

@@ -87,10 +87,10 @@ def plainest(regression: Regression, curves: list[CurveFit], term: Term) -> tupl
 
 
 def _best_plain(regression: Regression, term: Term) -> Term:
-    """The best term without numbers of its own, over one of the variables of another."""
+    """The best term without numbers of its own, over one of the variables of another; that where none is."""
     at = regression.along(regression.site(term.site))
     laws = plain_laws(term.site, at, [one for one in term.depends_on if one != "t"])
-    return max(each_fitted_to(regression, laws), key=lambda one: one.gain)
+    return max(each_fitted_to(regression, laws), key=lambda one: one.gain, default=term)
 
 
 def open_ended(regression: Regression, terms: tuple[Term, ...]) -> tuple[Term, ...]:
@@ -192,7 +192,7 @@ def _plain_instead(regression: Regression, curve: CurveFit, term: Term, excess: 
     """
     over = [one for one in curve.feature.depends_on if one != "t"]
     plain = each_fitted_to(regression, plain_laws(curve.site, curve.at, over, products=True))
-    best = max(plain, key=lambda one: one.gain)
+    best = max(plain, key=lambda one: one.gain, default=term)
     allowed = max(_allowed_beside(term, excess), CURVE_GAIN)
     return best if best.gain > term.gain or (term.within and excess - best.gain < allowed) else term
 

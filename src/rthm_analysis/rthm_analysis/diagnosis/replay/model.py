@@ -174,6 +174,16 @@ class Model:
                 values[key] = found[i].value
         return tuple(found)
 
+    @property
+    def unlikeliness(self) -> float:
+        """Sum of the squared distances of its values from what the spec states, in standard deviations."""
+        return float(sum(((p.value - p.prior[0]) / p.prior[1]) ** 2 for p in self.parameters if p.prior))
+
+    @property
+    def as_stated(self) -> Model:
+        """The same with the values that the spec states, where it states any."""
+        return self.at(np.array([p.prior[0] if p.prior else p.value for p in self.parameters]))
+
     def places(self, index: int) -> dict[str, int]:
         """Places among the parameters of those of an added effect that may move."""
         name = f"{self.name(index)}."

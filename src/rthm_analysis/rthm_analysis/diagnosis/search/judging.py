@@ -197,8 +197,11 @@ def price(effects: int, parameters: int) -> float:
 
 
 def merit(fitted: Fitted) -> float:
-    """Squared error on data left out, with the price of the parameters; the smaller the better."""
-    return float(fitted.left_out.sum()) + GAIN_PER_PARAMETER * len(fitted.model.parameters)
+    """Squared error on data left out, with the price of the parameters, and of values that are far from what
+    the spec states; the smaller the better.
+    """
+    model = fitted.model
+    return float(fitted.left_out.sum()) + GAIN_PER_PARAMETER * len(model.parameters) + model.unlikeliness
 
 
 def best_of_labels(tried: list[FittedCandidate]) -> list[FittedCandidate]:

@@ -61,10 +61,13 @@ def _begun_fits(
     promising: list[ScoredCandidate],
     others: list[FittedCandidate],
 ) -> list[FittedCandidate]:
-    """First steps of the fits of some candidates, and of kinds that grow from a plainer one of all."""
+    """First steps of the fits of some candidates, and of kinds that grow from a plainer one of all.
 
-    def first(start: InitialGuess, model: Model) -> FittedCandidate:
-        return fit_further(fitting, unfitted(start, fitted, model), known, HEATS[0][0])
+    What the gain of a sensor explains, other masses and springs may have made up for.
+    """
+
+    def first(start: InitialGuess, model: Model, steps: int = HEATS[0][0]) -> FittedCandidate:
+        return fit_further(fitting, unfitted(start, fitted, model), known, steps)
 
     def begun(one: ScoredCandidate) -> FittedCandidate:
         return first(one.start, _begun(fitting, fitted.model, one))
@@ -72,6 +75,9 @@ def _begun_fits(
     tried = fitting.each_affordable(begun, promising)
     grown = [*_grown([*others, *tried], promising)]
     tried += fitting.each_affordable(lambda start: first(start, start.added_to(fitted.model)), grown)
+    gains = [one.start for one in promising if one.start.added.law.changes == "gain"]
+    stated = fitted.model.as_stated
+    tried += fitting.each_affordable(lambda start: first(start, start.added_to(stated), HEATS[-1][0]), gains)
     return [one for one in tried if np.isfinite(one.error)]
 
 

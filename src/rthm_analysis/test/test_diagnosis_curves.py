@@ -8,10 +8,11 @@ from rthm_analysis.diagnosis.criteria.missing import CURVE_BINS, LIKELY_APART_SA
 from rthm_analysis.diagnosis.missing.binned import binned
 from rthm_analysis.diagnosis.missing.likely import apart_from_starts
 from rthm_analysis.diagnosis.missing.motion import along
+from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.replay.experiment import Motion
 from rthm_analysis.diagnosis.replay.windows import Windows
 
-from .plain import NOISE, recorded
+from .plain import NOISE, plant, recorded
 
 
 def test_averages_bring_a_law_out_of_noise_that_hides_it() -> None:
@@ -40,7 +41,7 @@ def test_a_model_that_is_lost_says_nothing_of_the_motion() -> None:
     seen = recorded(duration=12.0)
     nothing = np.empty((seen.time.size, 0))
     lost = 3.0 * np.sin(2.0 * seen.time)[:, None]
-    at = along(seen, Motion(lost, 2.0 * lost, -4.0 * lost, nothing, nothing), 0, "x1")
+    at = along(seen, Motion(lost, 2.0 * lost, -4.0 * lost, nothing, nothing), site_of(plant(), "x1"))
     left = np.stack([at.x, at.v], axis=1) - seen.measured
     assert np.all(np.std(left, axis=0) < 1.2 * np.array(NOISE))
 

@@ -9,12 +9,13 @@ import pytest
 
 from rthm_analysis.diagnosis.faults import mend
 from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.readings import fast_noise
 from rthm_analysis.diagnosis.search.candidates import sensor_starts
 from rthm_analysis.diagnosis.signals import ahead
 
-from .faulty import PLAIN, POSITION, VELOCITY, changed, having, later, plain
+from .faulty import NOISE, PLAIN, POSITION, TD1, VELOCITY, changed, having, later, plain
 
 LAG = 0.012
 """Time constant, s."""
@@ -55,6 +56,26 @@ def test_no_more_than_what_is_near_a_gap_is_lost() -> None:
     moved = ahead(wave, 0.5)
     assert np.flatnonzero(np.isnan(moved)).tolist() == [*range(399, 420), 999]
     assert np.nanmax(np.abs(moved - np.sin(0.05 * (np.arange(1000.0) + 0.5)))) < 1e-3
+
+
+@pytest.mark.parametrize("lag", [0.006, LAG])
+def test_noise_that_passes_the_filter_of_its_sensor_is_no_physics(lag: float) -> None:
+    pole = np.exp(-TD1 * 1e-9 / lag)
+
+    def filtered(read: np.ndarray) -> np.ndarray:
+        for i in range(1, read.size):
+            read[i] = pole * read[i - 1] + (1.0 - pole) * read[i]
+        return read
+
+    seen = changed(plain(), VELOCITY, filtered)
+    physical = diagnose_physical(seen, PLAIN, np.empty(0), lambda said: None)
+
+    part = physical_part(physical)
+    assert [(one.block, one.kind) for one in part.physics] == [("sensor.velocity", "lag")]
+    assert not part.unexplained
+    colour, passed = physical.noise.colours[VELOCITY], np.sqrt((1.0 - pole) / (1.0 + pole))
+    assert colour.pole == pytest.approx(pole, abs=0.05)
+    assert colour.level == pytest.approx(NOISE[VELOCITY] * passed, rel=0.1)
 
 
 def test_a_position_alone_has_nothing_to_check_its_sensor() -> None:

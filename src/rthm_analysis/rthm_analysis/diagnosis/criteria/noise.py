@@ -146,3 +146,8 @@ motion, up to which it may."""
 
 OFFSET_TOLD_STDS = 5.0
 """Standard deviations from which an offset is told that was taken out."""
+
+FILTERED_RMS_RATIO = 1.15
+"""Size of what is left of noise once its filter is undone, over that of its fastest part, up to which it is
+white.
+"""

@@ -5,6 +5,7 @@
 ``beginning``    free runs, noise, loads between samples, retuned model
 ``colours``      noise that has a colour
 ``whitening``    fits weighed by that colour
+``filtered_noise``  noise that passes the lag of its sensor
 ``explaining``   from the retuned model to an explanation
 ``formula_first``  a formula before the long search
 ``formula_model``  terms of a formula as effects of a model
@@ -12,6 +13,9 @@
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
 ``drifting_clocks`` a motion that comes later and later after the known force
+``lagging_force``  a known force that acts through a lag
+``fewer_terms``  terms that a formula does not need
+``plainer_terms``  numbers that a term does not need
 ``foreseeing``    how far ahead a model tells a motion
 ``plainer``      other values of mass, damping, stiffness and wire, entry by entry
 ``drives``       motors, whose position is measured

@@ -20,6 +20,7 @@ from rthm_analysis.diagnosis.physical.beginning import Baseline, begin, choose_a
 from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
 from rthm_analysis.diagnosis.physical.explaining import chosen, fitted_again, going_on, is_behind
+from rthm_analysis.diagnosis.physical.filtered_noise import with_filtered_noise
 from rthm_analysis.diagnosis.physical.foreseeing import foreseen
 from rthm_analysis.diagnosis.physical.leaves_noise import at_noise
 from rthm_analysis.diagnosis.physical.motor_composing import with_formula
@@ -131,18 +132,10 @@ def diagnose_physical(
     wanted = formula and not seen.comes_to_rest
     begun, selection = plain or chosen(begun, seen, settled, train, formula=wanted)
     begun, selection = choose_again(begun, others, selection)
-    noise = _noise_left(begun, selection)
-    if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
-        quieter = with_noise(begun, noise)
-        again: tuple[Baseline, Selection] | None
-        if begun.fitting.budget.spent or selection.formulas:
-            again = fitted_again(quieter, selection)
-        else:
-            again = going_on(quieter, selection) or chosen(quieter, seen, settled, train, formula=False)
-            again = None if is_behind(again, selection) else again
-        if again is not None:
-            begun, selection = again
-            noise = _noise_left(begun, selection)
+    if (filtered := with_filtered_noise(begun, selection)) is not None:
+        (begun, selection), noise = filtered, filtered[0].noise
+    else:
+        begun, selection, noise = _by_noise_left(begun, selection, seen, settled)
     experiment = _over_everything(begun, seen, first)
     begun, selection = foreseen(begun, selection, seen, settled, experiment)
     experiment.begin_at(seen.stamps_ns[begun.runs.start])
@@ -150,6 +143,27 @@ def diagnose_physical(
         spec, seen, train, experiment, begun.runs, noise, drives.rounds, drives.settled, begun.fitting,
         begun.nominal, selection, drives.limits, drives.left, drives.noise, drives.wanders,
     )  # fmt: skip
+
+
+def _by_noise_left(
+    begun: Baseline, selection: Selection, seen: Evidence, settled: Model
+) -> tuple[Baseline, Selection, Noise]:
+    """The same, judged by the noise that shows once physics is known, and that noise."""
+    noise = _noise_left(begun, selection)
+    if np.any(noise.level < NOISE_REVISED_RATIO * begun.noise.level):
+        quieter = with_noise(begun, noise)
+        again: tuple[Baseline, Selection] | None
+        if begun.fitting.budget.spent or selection.formulas:
+            again = fitted_again(quieter, selection)
+        else:
+            again = going_on(quieter, selection) or chosen(
+                quieter, seen, settled, seen.trained, formula=False
+            )
+            again = None if is_behind(again, selection) else again
+        if again is not None:
+            begun, selection = again
+            noise = _noise_left(begun, selection)
+    return begun, selection, noise
 
 
 def _of_plain_kinds(

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, SAME_LAW_SAMPLES
+from rthm_analysis.diagnosis.criteria.search import DISTINGUISHING_GAIN
 from rthm_analysis.diagnosis.missing.motion import Along, along
 from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.named_laws import kind_as
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.search.judging import merit
 from rthm_analysis.diagnosis.search.replacing import beside_base, present, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
@@ -33,6 +35,8 @@ def with_names(judged: Judgement) -> Judgement:
     try:
         fitted = physical.fitting.fit(model, most=FORMULA_FIT_STEPS)
     except np.linalg.LinAlgError:
+        return judged
+    if merit(fitted) > merit(selection.best) + DISTINGUISHING_GAIN:
         return judged
     rounds = [*selection.rounds[:first], *rounds_of(kinds, fitted)]
     with_kinds = rounds_refitted(physical.fitting, replace(selection, best=fitted, rounds=rounds))

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import SAME_LAW_CORRELATION
+from rthm_analysis.diagnosis.criteria.missing import PLAIN_LAWS_ALIKE, SAME_LAW_CORRELATION
 from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.missing.terms import Term
@@ -37,12 +37,12 @@ def without_repeated(regression: Regression, model: Model, terms: Iterable[Term]
 
 
 def kind_as(model: Model, index: int, at: Along) -> InitialGuess | None:
-    """The kind of the library whose force is that of a formula which a model adds to a dof, along its motion;
-    None where there is none.
+    """The kind of the library whose force is nearly that of a formula which a model adds to a dof, along its
+    motion; None where there is none.
     """
     dof = model.added[index].place
     force = law_forces(model, [index], at.t, at.x, at.v, at.load)
-    kinds = (_kind_of((dof, force), at, model, law) for law in _plain_kinds(dof))
+    kinds = (_kind_of((dof, force), at, model, law, PLAIN_LAWS_ALIKE) for law in _plain_kinds(dof))
     return next(filter(None, kinds), None)
 
 
@@ -59,9 +59,11 @@ def _plain_kinds(place: str) -> list[type[Effect]]:
     return [one for one in some if one.between_dofs or place_keys(place)[1] is None]
 
 
-def _kind_of(force: tuple[str, Floats], at: Along, model: Model, law: type[Effect]) -> InitialGuess | None:
+def _kind_of(
+    force: tuple[str, Floats], at: Along, model: Model, law: type[Effect], alike: float = SAME_LAW_CORRELATION
+) -> InitialGuess | None:
     """A kind with the number at which it is a force (s,) on a dof; None if its shape, or sign, is another."""
-    (key,), number = law.parameters, _number(force, at, model, law)
+    (key,), number = law.parameters, _number(force, at, model, law, alike)
     if number is None:
         return None
     one = EffectInstance("plant", law.kind, force[0], {key: number})
@@ -69,12 +71,14 @@ def _kind_of(force: tuple[str, Floats], at: Along, model: Model, law: type[Effec
     return InitialGuess(one, (key,), (key,), {key: abs(number)}) if low < number < high else None
 
 
-def _number(force: tuple[str, Floats], at: Along, model: Model, law: type[Effect]) -> float | None:
+def _number(
+    force: tuple[str, Floats], at: Along, model: Model, law: type[Effect], alike: float = SAME_LAW_CORRELATION
+) -> float | None:
     """Number of a kind for a force (s,) on a dof; None where they are not one law along the recording."""
     (key,), (dof, asked) = law.parameters, force
     unit = InitialGuess(EffectInstance("plant", law.kind, dof, {key: 1.0}), (key,), (key,))
     with_unit = unit.added_to(model)
     of_unit = law_forces(with_unit, [len(with_unit.added) - 1], at.t, at.x, at.v, at.load)
     along = float(of_unit @ asked)
-    alike = abs(along) >= SAME_LAW_CORRELATION * np.linalg.norm(of_unit) * np.linalg.norm(asked)
-    return float(asked @ asked) / along if along and alike else None
+    is_alike = abs(along) >= alike * np.linalg.norm(of_unit) * np.linalg.norm(asked)
+    return float(asked @ asked) / along if along and is_alike else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from itertools import combinations, product
 from typing import TYPE_CHECKING
 
@@ -24,13 +25,14 @@ if TYPE_CHECKING:
 def candidates(spec: Spec, evidence: Evidence, motion: Motion, sigma: Floats) -> Iterator[InitialGuess]:
     """Starts of all kinds in plant, wires and sensors that `spec` does not have already."""
     present = {(e.block, e.kind, e.place) for e in spec.effects}
-    rubbed = {e.place for e in spec.effects if e.law.jump}
-    for start in (*_plant_starts(spec, evidence, motion), *_wire_starts(spec, evidence, motion)):
-        again = start.added.law.jump and start.added.place in rubbed
-        if start.label not in present and not again:
-            yield start
-    for start in sensor_starts(evidence, sigma):
-        if start.label not in present:
+    singles = {("friction", e.place) for e in spec.effects if e.law.jump}
+    singles |= {("gain", e.place) for e in spec.effects if e.law.changes == "gain"}
+    for start in (
+        *_plant_starts(spec, evidence, motion),
+        *_wire_starts(spec, evidence, motion),
+        *sensor_starts(evidence, sigma),
+    ):
+        if start.label not in present and start.single not in singles:
             yield start
 
 
@@ -79,7 +81,9 @@ def sensor_starts(evidence: Evidence, sigma: Floats) -> Iterator[InitialGuess]:
         block, scene = f"sensor.{channel.family}", sensor_scene(evidence.time, column, float(noise))
         for law in ranked(block):
             if _can_be_told(law, channel, evidence):
-                yield from guessed(law, block, channel.place, scene, seen)
+                only = law.changes == "gain" and evidence.driven_by == "force"
+                starts = guessed(law, block, channel.place, scene, seen)
+                yield from (replace(one, only_gain=only) for one in starts)
 
 
 def _can_be_told(law: type[Effect], channel: Channel, evidence: Evidence) -> bool:

@@ -42,11 +42,6 @@ class Piece:
     whole: Floats
 
     @property
-    def rubs_at(self) -> str | None:
-        """Place where it is dry friction, of which there can only be one."""
-        return self.start.added.place if self.start.added.law.jump else None
-
-    @property
     def bends(self) -> bool:
         """Whether it is not there, and more than its size has to be found."""
         return self.index is None and not is_plain(self.start) and len(self.columns) == 1

@@ -23,7 +23,8 @@ class InitialGuess:
     """An initial guess of an effect.
 
     `also` is a second parameter in which it is linear by itself; `look_elsewhere` is the gain that the best
-    of all places where it was looked for has by chance, beyond what every kind has to bring.
+    of all places where it was looked for has by chance, beyond what every kind has to bring. `only_gain`: of
+    the sensors of its dof one alone may have another gain; that of all would be a gain of the load.
     """
 
     added: EffectInstance
@@ -34,11 +35,19 @@ class InitialGuess:
     neutral: float = 0.0
     also: str | None = None
     look_elsewhere: float = 0.0
+    only_gain: bool = False
 
     @property
     def label(self) -> tuple[str, str, str]:
         """Block, kind and place."""
         return self.added.block, self.added.kind, self.added.place
+
+    @property
+    def single(self) -> tuple[str, str] | None:
+        """What there can only be one of, and where: dry friction at a place, maybe the gain of a sensor."""
+        if self.added.law.jump:
+            return "friction", self.added.place
+        return ("gain", self.added.place) if self.only_gain else None
 
     def added_to(self, model: Model) -> Model:
         """A model with this effect, as large as it is here."""

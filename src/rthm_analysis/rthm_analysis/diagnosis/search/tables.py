@@ -22,8 +22,8 @@ class Traits(NamedTuple):
         How many columns each has.
     there, stays, plain, bends, positive : Flags
         As in `Piece`; `positive` where its size cannot be negative.
-    rubs_at : Integers
-        Number of the place where it is dry friction, -1: it is none.
+    single : Integers
+        Number of what there can only be one of, as `InitialGuess.single`; -1: there can be others.
     """
 
     columns: Integers
@@ -32,16 +32,16 @@ class Traits(NamedTuple):
     plain: Flags
     bends: Flags
     positive: Flags
-    rubs_at: Integers
+    single: Integers
 
     def possible(self, count: int) -> Integers:
         """Combinations (N, count) that can be: of what could be anything only one is looked for."""
         every = list(combinations(range(self.columns.size), count))
         some = np.array(every, dtype=np.int64).reshape(-1, count)
-        rubs = self.rubs_at[some]
+        single = self.single[some]
         alone = np.ones(len(some), dtype=bool)
         for one, other in combinations(range(count), 2):
-            alone &= (rubs[:, one] < 0) | (rubs[:, one] != rubs[:, other])
+            alone &= (single[:, one] < 0) | (single[:, one] != single[:, other])
         alone &= self.bends[some].sum(axis=1) <= 1
         kept = alone & (self.stays[some].sum(axis=1) == self.stays.sum())
         return np.asarray(some[kept])
@@ -49,8 +49,8 @@ class Traits(NamedTuple):
 
 def traits_of(pieces: Sequence[Piece]) -> Traits:
     """Traits of some pieces."""
-    places: dict[str | None, int] = {None: -1}
-    rubs = [places.setdefault(one.rubs_at, len(places)) for one in pieces]
+    numbers: dict[tuple[str, str] | None, int] = {None: -1}
+    single = [numbers.setdefault(one.start.single, len(numbers)) for one in pieces]
 
     def flags(found: Iterator[bool]) -> Flags:
         return np.fromiter(found, dtype=bool, count=len(pieces))
@@ -62,7 +62,7 @@ def traits_of(pieces: Sequence[Piece]) -> Traits:
         flags(is_plain(one.start) for one in pieces),
         flags(one.bends for one in pieces),
         flags(one.is_positive for one in pieces),
-        np.array(rubs, dtype=np.int64),
+        np.array(single, dtype=np.int64),
     )
 
 

@@ -37,7 +37,7 @@ def test_what_a_motion_tells_apart_has_no_such_note(others: list[Physics]) -> No
 def _left(*depends_on: str, size: float, place: str = "x1") -> Described:
     at = np.linspace(-1.0, 1.0, 5)
     return Described(
-        "plant", place, None, depends_on, "neither", False, False, None, None, {}, 0.9, 0.9,
+        "plant", place, depends_on, "neither", False, False, None, None, {}, 0.9, 0.9,
         at, size * at, np.full(5, 0.01), "",
     )  # fmt: skip
 

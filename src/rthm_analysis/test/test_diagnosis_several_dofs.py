@@ -47,10 +47,12 @@ def test_a_position_with_another_sign_or_unit_is_told(rates: bool, factor: float
     assert mended.measured == pytest.approx(seen.measured)
 
 
-def test_positions_in_each_others_place_are_told() -> None:
-    seen = motion(rates=False)
-    faults, mended = told(seen, lambda measured: measured[:, ::-1])
-    assert [kind for kind, _, _ in faults] == ["swapped"]
+@pytest.mark.parametrize(("rates", "order"), [(False, [1, 0]), (True, [2, 3, 0, 1]), (True, [2, 1, 0, 3])])
+def test_motions_in_each_others_place_are_told(rates: bool, order: list[int]) -> None:
+    seen = motion(rates=rates)
+    faults, mended = told(seen, lambda measured: measured[:, order])
+    moved = sum(at != i for i, at in enumerate(order)) // 2
+    assert [kind for kind, _, _ in faults] == ["swapped"] * moved
     assert mended.measured == pytest.approx(seen.measured)
 
 

@@ -105,9 +105,7 @@ class Described:
     Attributes
     ----------
     block, place
-        Where it acts.
-    relative_to : str or None
-        The other dof of a force between two.
+        Where it acts; between two dofs the place names both.
     depends_on : tuple of str
         Of ``x v a t u command load``.
     symmetry : str
@@ -133,7 +131,6 @@ class Described:
 
     block: str
     place: str
-    relative_to: str | None
     depends_on: tuple[str, ...]
     symmetry: str
     dissipative: bool
@@ -423,7 +420,7 @@ def _fit(one: Fit) -> dict[str, Any]:
 def _described(one: Described) -> dict[str, Any]:
     values = {f.name: getattr(one, f.name) for f in fields(one)}
     curve = {name: values.pop(name).tolist() for name in ("at", "force", "std")}
-    place = placed(one.block, values.pop("place"))
+    place = _placed(one.block, values.pop("place"))
     del values["law"]
     return {**place, **values, "depends_on": list(one.depends_on), "curve": curve}
 

@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.faults.known_loads import corrected_position
 from rthm_analysis.diagnosis.faults.scaling import factor_fault, swapped_fault
 from rthm_analysis.diagnosis.faults.smooth import Smooth, smoothed
 from rthm_analysis.diagnosis.faults.unit_ratios import known_factor
-from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
+from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.spec.sections import MATRICES
 
@@ -82,19 +82,27 @@ def _fitted(columns: Floats, force: Floats) -> tuple[list[float], Floats]:
 
 
 def _exchanged(evidence: Evidence, spec: Spec, smooth: Smooth) -> tuple[Evidence, list[Fault]]:
-    """Exchange the two positions that are then what the known force asks for, if there are such."""
+    """Exchange the two dofs whose motions are then what the known force asks for, if there are such."""
     assert spec.plant is not None
     dofs = spec.plant.dofs
     for i, j in combinations(range(len(dofs)), 2):
         order = list(range(len(dofs)))
         order[i], order[j] = j, i
         if set(_factors(smooth, spec, order) or [0.0]) == {1.0}:
-            one, other = Channel("position", dofs[i]), Channel("position", dofs[j])
-            a, b = evidence.channels.index(one), evidence.channels.index(other)
-            measured = evidence.measured.copy()
-            measured[:, [a, b]] = measured[:, [b, a]]
-            return replace(evidence, measured=measured), [swapped_fault(one, other)]
+            return _with_exchanged(evidence, dofs[i], dofs[j])
     return evidence, []
+
+
+def _with_exchanged(evidence: Evidence, dof: str, other: str) -> tuple[Evidence, list[Fault]]:
+    """Exchange positions, and their rates with them: these agree."""
+    measured, faults = evidence.measured.copy(), []
+    for family in MOTION:
+        pair = Channel(family, dof), Channel(family, other)
+        if set(pair) <= {*evidence.channels}:
+            columns = [evidence.channels.index(one) for one in pair]
+            measured[:, columns] = measured[:, columns[::-1]]
+            faults.append(swapped_fault(*pair))
+    return replace(evidence, measured=measured), faults
 
 
 def _of_load(evidence: Evidence, spec: Spec, factor: float) -> tuple[Evidence, list[Fault]]:

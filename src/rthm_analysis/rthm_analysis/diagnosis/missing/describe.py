@@ -81,7 +81,7 @@ def described(one: CurveFit, interval: tuple[float, float] | None, *, beside: bo
     symmetry = symmetry_of(at, force) if variable in ("x", "v") else "neither"
     words = _words(one, symmetry, takes, interval, domain, "what is left" if beside else "the mismatch")
     return Described(
-        "plant", one.site, None, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
+        "plant", one.site, one.feature.depends_on, symmetry, takes, False, interval, None, domain,
         one.share, one.held_out_share, at, force, std, words,
     )  # fmt: skip
 

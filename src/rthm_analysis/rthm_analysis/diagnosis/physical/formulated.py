@@ -68,7 +68,7 @@ def _of_wire(judged: Judgement, actuator: str, indices: list[int]) -> Described:
         f"its elongation: {law_words}, seen from {bare(low)} to {bare(high)} m. {_explains(judged)}"
     )
     return Described(
-        law.blocks[0], actuator, None, law.depends_on, symmetry_of(at, mean), False, False, None, told,
+        law.blocks[0], actuator, law.depends_on, symmetry_of(at, mean), False, False, None, told,
         {OVER: (low, high)}, judged.gone, judged.gone, at, mean, std, words,
         spread_over(over, wire.named[np.isfinite(wire.force)]),
     )  # fmt: skip
@@ -95,7 +95,7 @@ def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     is_table = any(is_polygon(one.text) for one in terms)
     text = None if is_table else sum_of(terms, with_std=False)
     return Described(
-        "plant", dof, None, depends_on, symmetry, takes_energy(force, at), False, interval, text,
+        "plant", dof, depends_on, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, depends_on), judged.gone, judged.gone, where, mean, spread,
         f"{_words(dof, [] if is_table else terms, depends_on, at, force)} {_explains(judged, interval)}",
         spread_over(over, force),

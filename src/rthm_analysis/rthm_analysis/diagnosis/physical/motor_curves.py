@@ -52,7 +52,7 @@ def motors_described(physical: Physical) -> Iterator[Described]:
             "nothing; no kind of the library fits it."
         )
         yield Described(
-            "motor", name, None, (best,), symmetry_of(at, mean) if best == "u" else "neither", False, False,
+            "motor", name, (best,), symmetry_of(at, mean) if best == "u" else "neither", False, False,
             None, None, {"u": (low, high)} if best == "u" else {}, shares[best], 0.0, at, mean, std, words,
             unit="m",
         )  # fmt: skip

@@ -56,7 +56,7 @@ def _of_motor(physical: Physical, actuator: str, terms: list[Written]) -> Descri
         f"{percent(share)} of what its sensor shows beside the command; the force of its wire follows."
     ).replace("+ -", "- ")
     return Described(
-        law.blocks[0], actuator, None, depends_on, symmetry_of(at, mean) if on_command else "neither", False,
+        law.blocks[0], actuator, depends_on, symmetry_of(at, mean) if on_command else "neither", False,
         False, None, sum_of(terms, with_std=False), domain, share, 0.0, at, mean, std, words,
         spread_over(over, error), unit="m",
     )  # fmt: skip

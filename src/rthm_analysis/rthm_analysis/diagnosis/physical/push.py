@@ -43,7 +43,7 @@ def push_of(physical: Physical, runs: Windows, values: Floats, span: tuple[float
     dof = max(forces, key=lambda one: float(np.abs(forces[one]).max(initial=0.0)), default=spec.plant.dofs[0])
     force = forces.get(dof, np.zeros(time.size))
     return Described(
-        "plant", dof, None, ("t",), "neither", False, False, span, None, {}, 0.0, 0.0, time, force,
+        "plant", dof, ("t",), "neither", False, False, span, None, {}, 0.0, 0.0, time, force,
         np.full(time.size, np.nan), _words(dof, span, time, force),
     )  # fmt: skip
 

@@ -61,6 +61,6 @@ def _told(judged: Judgement, regression: Regression, term: Term, whole: float) -
     )
     symmetry = symmetry_of(where, mean) if variable != "t" else "neither"
     return Described(
-        "plant", term.site, None, variables, symmetry, takes_energy(force, at), False, interval, text,
+        "plant", term.site, variables, symmetry, takes_energy(force, at), False, interval, text,
         domain_of(at, variables), term.gain / whole, 0.0, where, mean, spread, words,
     )  # fmt: skip

@@ -41,7 +41,7 @@ def unforeseen(judged: Judgement) -> tuple[Described, ...]:
     )
     return (
         Described(
-            "plant", dof, None, ("t",), "neither", False, False, interval, None, {}, 0.0, 0.0, at, mean, std,
+            "plant", dof, ("t",), "neither", False, False, interval, None, {}, 0.0, 0.0, at, mean, std,
             words,
         ),
     )  # fmt: skip

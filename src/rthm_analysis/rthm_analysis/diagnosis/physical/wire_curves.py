@@ -81,7 +81,7 @@ def wires_described(physical: Physical) -> Iterator[Described]:
             "is left of the force; no kind of the library fits it."
         )
         yield Described(
-            "wire", one.name, None, ("x", "u"), symmetry_of(at, force), False, False, None, None,
+            "wire", one.name, ("x", "u"), symmetry_of(at, force), False, False, None, None,
             {ELONGATION: (low, high)}, explained, 0.0, at, force, std, words,
         )  # fmt: skip
 

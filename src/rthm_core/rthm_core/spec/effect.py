@@ -68,7 +68,7 @@ class EffectSpec(Section):
     def place(self) -> str:
         """Name of the dof (``x1 relative to x2``), the actuator or the block that it sits at."""
         if self.relative_to is not None:
-            return f"{self.dof}{RELATIVE}{self.relative_to}"
+            return between(str(self.dof), self.relative_to)
         return self.dof or self.actuator or self.block
 
     @field_validator("block")
@@ -171,6 +171,17 @@ def sizes(
 
 
 RELATIVE = " relative to "
+
+
+def between(dof: str, other: str) -> str:
+    """The place between two dofs.
+
+    Examples
+    --------
+    >>> between("x1", "x2")
+    'x1 relative to x2'
+    """
+    return f"{dof}{RELATIVE}{other}"
 
 
 def place_keys(place: str) -> tuple[str, str | None]:

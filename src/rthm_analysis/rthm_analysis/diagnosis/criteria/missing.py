@@ -90,6 +90,9 @@ TERM_LEFT_RATIO, PLAIN_TERM_LEFT_RATIO = 0.7, 0.92
 numbers of its own."""
 
 PLAIN_LAWS_TOGETHER, PLAIN_SETS_KEPT = 4, 8
+NEARLY_SAME_LAW_CORRELATION = 1.0 - 1e-6
+"""Correlation with the force of a kind from which a formula is tried as that kind."""
+
 PLAIN_LAWS_ALIKE, SAME_LAW_CORRELATION, SAME_LEFT_RATIO = 0.9999, 1.0 - 1e-9, 1.03
 """Plain laws that explain a force together, sets of each size that are gone on with, correlations from which
 a recording does not tell two laws apart, and from which they are one but for rounding, and what a set may

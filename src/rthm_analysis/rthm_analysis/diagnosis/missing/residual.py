@@ -33,25 +33,25 @@ def residual_force(
         relative to each other tells it.
     """
     assert spec.plant is not None
-    place, n = site_of(spec, name).place, len(spec.plant.dofs)
-    asked = [place.dof] if place.other < 0 else [place.dof, place.other]
-    found = [_of_dof(evidence, spec, predicted, spec.plant.dofs[dof]) for dof in asked]
-    if any(one is None for one in found):
+    place = site_of(spec, name).place
+    here = _of_dof(evidence, spec, predicted, place.dof)
+    if here is None or place.other < 0:
+        return here
+    there = _of_dof(evidence, spec, predicted, place.other)
+    if there is None:
         return None
-    (x, v, force), *others = [one for one in found if one is not None]
-    for other_x, other_v, other_force in others:
-        mass, beside = np.diag(np.reshape(spec.plant.mass, (n, n)))[asked]
-        apart = (force / mass - other_force / beside) * mass * beside / (mass + beside)
-        return x - other_x, v - other_v, np.asarray(apart)
-    return x, v, force
+    n = len(spec.plant.dofs)
+    mass, beside = np.diag(np.reshape(spec.plant.mass, (n, n)))[list(place)]
+    force = (here[2] / mass - there[2] / beside) * mass * beside / (mass + beside)
+    return here[0] - there[0], here[1] - there[1], np.asarray(force)
 
 
 def _of_dof(
-    evidence: Evidence, spec: Spec, predicted: Floats, dof: str
+    evidence: Evidence, spec: Spec, predicted: Floats, i: int
 ) -> tuple[Floats, Floats, Floats] | None:
     """The same of a dof, as if it moved alone."""
     assert spec.plant is not None
-    i, n = spec.plant.dofs.index(dof), len(spec.plant.dofs)
+    dof, n = spec.plant.dofs[i], len(spec.plant.dofs)
     channels = {(c.family, c.place): k for k, c in enumerate(evidence.channels)}
     where = channels.get(("position", dof))
     if where is None or evidence.stamps_ns.size < 10 * RESIDUAL_PARABOLA_SAMPLES:

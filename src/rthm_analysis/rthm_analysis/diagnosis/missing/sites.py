@@ -9,7 +9,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import PAIRS_OF_FEW_DOFS
 from rthm_core.physical.laws import Place
-from rthm_core.spec.effect import RELATIVE, place_keys
+from rthm_core.spec.effect import between, place_keys
 
 if TYPE_CHECKING:
     from rthm_core.spec import Spec
@@ -48,7 +48,7 @@ def sites(spec: Spec) -> list[Site]:
     dofs, n = spec.plant.dofs, len(spec.plant.dofs)
     coupled = np.reshape(np.abs(spec.plant.stiffness) + np.abs(spec.plant.damping), (n, n)) > 0.0
     pairs = [
-        f"{dofs[i]}{RELATIVE}{dofs[j]}"
+        between(dofs[i], dofs[j])
         for i, j in combinations(range(n), 2)
         if n <= PAIRS_OF_FEW_DOFS or coupled[i, j]
     ]

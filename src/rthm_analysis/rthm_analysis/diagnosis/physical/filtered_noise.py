@@ -29,11 +29,9 @@ def with_filtered_noise(begun: Baseline, selection: Selection) -> tuple[Baseline
     step = float(np.median(np.diff(evidence.time)))
     colours = list(begun.noise.colours)
     for k, channel in enumerate(evidence.channels):
-        lag = lags.get((f"sensor.{channel.family}", channel.place))
-        found = (
-            None if lag is None else _passed(left[:, k], evidence.measured[:, k], float(np.exp(-step / lag)))
-        )
-        colours[k] = found or colours[k]
+        if (lag := lags.get((f"sensor.{channel.family}", channel.place))) is not None:
+            pole = float(np.exp(-step / lag))
+            colours[k] = _passed(left[:, k], evidence.measured[:, k], pole) or colours[k]
     if colours == list(begun.noise.colours):
         return None
     filtered = with_noise(begun, Noise(tuple(colours)))

@@ -19,9 +19,8 @@ from rthm_analysis.diagnosis.missing.describe import (
     symmetry_of,
     takes_energy,
 )
-from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.missing.residual import residual_force
-from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.numbers import bare, percent
 from rthm_analysis.diagnosis.physical.acting import acting
 from rthm_analysis.diagnosis.physical.locating import when
@@ -76,9 +75,7 @@ def _of_wire(judged: Judgement, actuator: str, indices: list[int]) -> Described:
 
 def _of_dof(judged: Judgement, dof: str, indices: list[int]) -> Described:
     physical, best = judged.physical, judged.physical.selection.best
-    assert best.model.spec.plant is not None
-    motion = physical.experiment.motion(best.model.spec, physical.windows)
-    at = along(physical.evidence, motion, site_of(best.model.spec, dof))
+    at = physical.along(dof)
     force = law_forces(best.model, indices, at.t, at.x, at.v, at.load)
     among = {name for index in indices for name in best.model.added[index].law.depends_on}
     depends_on = tuple(name for name in at._fields if name in among)

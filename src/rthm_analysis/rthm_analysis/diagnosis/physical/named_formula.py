@@ -8,8 +8,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS, SAME_LAW_SAMPLES
 from rthm_analysis.diagnosis.criteria.search import DISTINGUISHING_GAIN
-from rthm_analysis.diagnosis.missing.motion import Along, along
-from rthm_analysis.diagnosis.missing.sites import site_of
+from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.named_laws import kind_as
 from rthm_analysis.diagnosis.physical.side import Physical
@@ -56,11 +55,7 @@ def _kinds(physical: Physical) -> list[InitialGuess]:
 
 
 def _along(physical: Physical, index: int) -> Along:
-    """Some samples of the motion of the dof on which an effect acts."""
-    best, experiment = physical.selection.best.model, physical.experiment
-    assert best.spec.plant is not None
-    name = best.added[index].place
-    motion = experiment.motion(best.spec, physical.windows)
-    at = along(physical.evidence, motion, site_of(best.spec, name))
+    """Some samples of the motion where an effect acts."""
+    at = physical.along(physical.selection.best.model.added[index].place)
     every = max(at.t.size // SAME_LAW_SAMPLES, 1)
     return Along(*(one[::every] for one in at))

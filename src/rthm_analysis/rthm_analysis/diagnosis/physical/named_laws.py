@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import PLAIN_LAWS_ALIKE, SAME_LAW_CORRELATION
+from rthm_analysis.diagnosis.criteria.missing import NEARLY_SAME_LAW_CORRELATION, SAME_LAW_CORRELATION
 from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.missing.terms import Term
@@ -42,7 +42,7 @@ def kind_as(model: Model, index: int, at: Along) -> InitialGuess | None:
     """
     dof = model.added[index].place
     force = law_forces(model, [index], at.t, at.x, at.v, at.load)
-    kinds = (_kind_of((dof, force), at, model, law, PLAIN_LAWS_ALIKE) for law in _plain_kinds(dof))
+    kinds = (_kind_of((dof, force), at, model, law, NEARLY_SAME_LAW_CORRELATION) for law in _plain_kinds(dof))
     return next(filter(None, kinds), None)
 
 

@@ -12,8 +12,6 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.missing import FORMULA_FIT_STEPS
 from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE
-from rthm_analysis.diagnosis.missing.motion import along
-from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.physical.formula_model import rounds_of
 from rthm_analysis.diagnosis.physical.formulated import written_of
 from rthm_analysis.diagnosis.physical.verdict import Judgement
@@ -71,9 +69,7 @@ def _never_met(judged: Judgement, place: str, written: Written) -> Iterator[str]
     compared = compared_with(written.text)
     if not compared:
         return
-    physical, spec = judged.physical, judged.physical.selection.best.model.spec
-    motion = physical.experiment.motion(spec, physical.windows)
-    at = along(physical.evidence, motion, site_of(spec, place))._asdict()
+    at = judged.physical.along(place)._asdict()
     for name, variable in compared.items():
         if not at[variable].min() < written.numbers[name] < at[variable].max():
             yield name

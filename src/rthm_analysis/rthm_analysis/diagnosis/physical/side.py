@@ -16,6 +16,8 @@ from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
 from rthm_analysis.diagnosis.fitting.noise import Noise
+from rthm_analysis.diagnosis.missing.motion import Along, along
+from rthm_analysis.diagnosis.missing.sites import site_of
 from rthm_analysis.diagnosis.physical.beginning import Baseline, begin, choose_again, noise_of, with_noise
 from rthm_analysis.diagnosis.physical.colours import coloured, left_by
 from rthm_analysis.diagnosis.physical.drives import Drives, choose_drives
@@ -87,6 +89,11 @@ class Physical:
     motor_noise: Floats
     motor_wanders: bool
     own_zeros: OwnZeros | None = None
+
+    def along(self, place: str) -> Along:
+        """Motion at a place of the plant along the recording, with the rates of the best model."""
+        spec = self.selection.best.model.spec
+        return along(self.evidence, self.experiment.motion(spec, self.windows), site_of(spec, place))
 
     @property
     def sigma(self) -> Floats:

@@ -75,7 +75,8 @@ def _begun_fits(
     tried = fitting.each_affordable(begun, promising)
     grown = [*_grown([*others, *tried], promising)]
     tried += fitting.each_affordable(lambda start: first(start, start.added_to(fitted.model)), grown)
-    gains = [one.start for one in promising if one.start.added.law.changes == "gain"]
+    moved = fitted.model.unlikeliness > 0.0
+    gains = [one.start for one in promising if moved and one.start.added.law.changes == "gain"]
     stated = fitted.model.as_stated
     tried += fitting.each_affordable(lambda start: first(start, start.added_to(stated), HEATS[-1][0]), gains)
     return [one for one in tried if np.isfinite(one.error)]

@@ -14,7 +14,7 @@ from rthm_core.compiled import Floats
 from rthm_core.effects.guess import rms
 from rthm_core.effects.possible import Seen
 from rthm_core.spec import Spec
-from rthm_core.spec.effect import RELATIVE
+from rthm_core.spec.effect import between
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def between_scene(one: Scene, other: Scene) -> Scene:
     mass = one.mass * other.mass / (one.mass + other.mass)
     force = mass * (one.force / one.mass - other.force / other.mass)
     apart = {name: getattr(one, name) - getattr(other, name) for name in ("x", "v", "a")}
-    return replace(one, place=f"{one.place}{RELATIVE}{other.place}", force=force, mass=mass, **apart)
+    return replace(one, place=between(one.place, other.place), force=force, mass=mass, **apart)
 
 
 def wire_scene(spec: Spec, evidence: Evidence, motion: Motion, actuator: str) -> Scene:

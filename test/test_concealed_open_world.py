@@ -145,7 +145,16 @@ def test_a_plan_has_every_class_and_a_hundred_clean_cases() -> None:
     assert set(LAWS) <= set(CLASSES["unlisted"])
 
 
-@pytest.mark.parametrize("name", ["late_cable", "wrong_sign", "issue_rig", "interval_friction", "other_tau4"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "late_cable",
+        "wrong_sign",
+        "issue_rig",
+        "interval_friction",
+        pytest.param("other_tau4", marks=pytest.mark.long),
+    ],
+)
 def test_a_case_is_the_same_for_the_same_seed_and_can_be_seen(name: str, tmp_path: Path) -> None:
     one, two = (make_open_case(3, name, tmp_path / n) for n in "ab")
     assert one.spec.read_text() == two.spec.read_text()

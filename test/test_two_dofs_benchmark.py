@@ -21,7 +21,9 @@ def told(case: Case) -> Spec:
     return apply(read_spec(case.spec), {"effects": ["truth"], "truth": section})
 
 
-@pytest.mark.parametrize(("seed", "place", "motors"), [(3, "between", True), (7, "x2", False)])
+@pytest.mark.parametrize(
+    ("seed", "place", "motors"), [(3, "between", True), pytest.param(7, "x2", False, marks=pytest.mark.long)]
+)
 def test_with_the_truth_told_nothing_is_missing(seed: int, place: str, motors: bool, tmp_path: Path) -> None:
     case = make_case(seed, place, motors=motors, folder=tmp_path)
     assert case.kind not in case.spec.read_text() and case.visibility > 3.0

@@ -45,7 +45,12 @@ CHANGES = {
     "jitter, loss and friction": LATE_AND_LOST | FRICTION,
     "faster than the spec": FASTER,
 }
-TAKE_LONG = ("extra commands at once", "faster than the spec")
+TAKE_LONG = (
+    "extra commands at once",
+    "faster than the spec",
+    "no delay at all",
+    "prediction at irregular stamps",
+)
 
 
 def spec(changes: dict[str, Any], folder: Path) -> Path:

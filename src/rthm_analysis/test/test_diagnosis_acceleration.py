@@ -146,6 +146,7 @@ def test_an_accelerometer_that_loses_what_is_slow_is_where_the_error_is() -> Non
     assert found.located == ("sensor.acceleration",)
 
 
+@pytest.mark.long
 def test_a_contact_is_known_better_with_the_acceleration() -> None:
     stop = {"position": 0.1, "stiffness": 2000.0, "damping": 2.0}
     evidence = with_accelerometer(having(PLAIN, "plant", "end_stop", **stop), seed=1).kept(slice(5000))

@@ -49,6 +49,7 @@ def test_physics_is_no_drift(kind: str, size: dict[str, float]) -> None:
     assert drifting_clocks(found(plain(having(PLAIN, "plant", kind, **size)))) is None
 
 
+@pytest.mark.long
 def test_clocks_that_drift_are_found_where_values_are_uncertain_too() -> None:
     """A retuned model makes up for some of the drift: values and drift are found together."""
     stated = {"uncertainty.plant": {"damping": 0.3, "stiffness": 0.1}}

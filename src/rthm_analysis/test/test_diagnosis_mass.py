@@ -47,21 +47,24 @@ def test_a_stiffness_that_changes_is_no_mass() -> None:
     assert one is not None and not one.feature.of_mass and one.feature.depends_on == ("x", "t")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("mass", "kind", "truth"),
     [
-        (lambda t, x: MASS - (0.2 if t > 4.321 else 0.0), "mass_change", {"change": -0.2, "at": 4.321}),
-        pytest.param(
+        (
+            lambda t, x: MASS - (0.2 if t > 4.321 else 0.0),
+            "mass_change",
+            {"change": -0.2, "at": 4.321},
+        ),
+        (
             lambda t, x: MASS + 0.02 * max(t - 3.0, 0.0),
             "growing_mass",
             {"rate": 0.02, "at": 3.0},
-            marks=pytest.mark.long,
         ),
-        pytest.param(
+        (
             lambda t, x: MASS + 0.15 * min(max(t - 4.0, 0.0) / 3.0, 1.0),
             "mass_change",
             {"change": 0.15, "at": 4.0, "within": 3.0},
-            marks=pytest.mark.long,
         ),
     ],
     ids=["drops off", "is scooped", "joins slowly"],

@@ -79,6 +79,7 @@ def test_what_a_sensor_shows_for_a_moment_is_no_push() -> None:
     assert not found(rest).selection.rounds
 
 
+@pytest.mark.long
 def test_what_comes_behind_a_push_at_the_end_is_left_out_with_it() -> None:
     evidence = recorded()
     end = float(evidence.time[-1])
@@ -93,6 +94,8 @@ def rubbing(t: float, x: float, v: float) -> float:
     return -2.0 * v if 12.0 < t < 17.0 else 0.0
 
 
-@pytest.mark.parametrize("force", [nothing, stop, softened, rubbing])
+@pytest.mark.parametrize(
+    "force", [nothing, stop, *(pytest.param(one, marks=pytest.mark.long) for one in (softened, rubbing))]
+)
 def test_nothing_and_physics_are_no_push(force: Force) -> None:
     assert not pushed(found(recorded(force)))

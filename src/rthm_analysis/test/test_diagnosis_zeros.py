@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from rthm_analysis.diagnosis.joining import joined
 from rthm_analysis.diagnosis.physical.findings import physical_part
@@ -98,6 +99,7 @@ def test_a_spring_that_stiffens_tells_a_force_from_a_zero() -> None:
     assert set(found.recordings[0].offsets) == {"load_x1"}
 
 
+@pytest.mark.long
 def test_physics_is_found_beside_zeros_that_differ() -> None:
     """At first it hides them: its share of what is left is the larger."""
     some = recordings(lambda t, x, v: -40.0 * x**3, (0.3, 0.6, 0.5))

@@ -68,7 +68,13 @@ def messages() -> list[Message]:
     return recorded(SPEC, SECONDS)
 
 
-@pytest.fixture(scope="module", params=CLOCKS.values(), ids=CLOCKS.keys())
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(lead, id=name, marks=[pytest.mark.long] * (name == "behind"))
+        for name, lead in CLOCKS.items()
+    ],
+)
 def lead(request: pytest.FixtureRequest) -> tuple[float, float]:
     return request.param
 

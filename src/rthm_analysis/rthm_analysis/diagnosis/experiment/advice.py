@@ -27,6 +27,7 @@ FAULT = {
     OFFSET: "Rest the rig under no force before every test, and note what {channel} reads: the spec's zero.",
     "hum": "Record {channel} at rest, and with the supplies switched off one by one.",
     "force_lag": "Record the force where it acts, or measure how it follows a step of what is recorded.",
+    "force_leak": "Push with a known force on one dof alone, and see what moves at first.",
     "clock_drift": "Record both channels with one clock, or with a common pulse once a minute.",
     WRONG_ENTRY: "Compare the spec's {channel} with what the nodes were started with "
     "(`ros2 param dump`), and diagnose again with the right one.",

@@ -18,7 +18,7 @@ from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
 from rthm_analysis.diagnosis.faults.drift import Drift, find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
-from rthm_analysis.diagnosis.faults.force_lag import ForceLag
+from rthm_analysis.diagnosis.faults.force_path import ForcePath
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
 from rthm_analysis.diagnosis.faults.moments import Moment, without_moments
@@ -66,10 +66,10 @@ class Mended:
         evidence, faults = moved_back(self.evidence, late)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
-    def in_step(self, late: Drift | ForceLag) -> Mended:
-        """The same with a known force that comes as late as it acts."""
-        evidence = replace(self.evidence, load=late.in_step(self.evidence))
-        return replace(self, evidence=evidence, faults=(*self.faults, late.fault(self.evidence)))
+    def in_step(self, path: Drift | ForcePath) -> Mended:
+        """The same with known forces as they act."""
+        evidence = replace(self.evidence, load=path.in_step(self.evidence))
+        return replace(self, evidence=evidence, faults=(*self.faults, path.fault(self.evidence)))
 
     def without_moments(self, moments: Sequence[Moment]) -> Mended:
         """The same without the moments in which something pushed the plant, or its sensors were off."""

@@ -1,0 +1,72 @@
+"""A known force that acts through a lag, or on another dof as well: told where that is all that is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from rthm_analysis.diagnosis.faults import mend
+from rthm_analysis.diagnosis.faults.force_path import ForceLag, ForceLeak
+from rthm_analysis.diagnosis.physical import diagnose_physical
+from rthm_analysis.diagnosis.physical.force_path import force_path
+from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.evidence import Evidence
+from rthm_core.spec import Spec, apply
+
+from .faulty import PLAIN, having, plain
+from .test_diagnosis_between import recorded, two_dofs
+
+LAG = 0.05
+UNSURE = apply(PLAIN, {"plant.stiffness": [12.5], "uncertainty.plant": {"damping": 0.3, "stiffness": 0.1}})
+
+
+def found(evidence: Evidence, spec: Spec = UNSURE) -> Physical:
+    return diagnose_physical(evidence, spec, np.empty(0), lambda said: None)
+
+
+def lagging(evidence: Evidence) -> Evidence:
+    """The same with the force as it was before the lag through which it acts."""
+    force = CubicSpline(evidence.time, evidence.load)
+    return replace(evidence, load=force(evidence.time) + LAG * force(evidence.time, 1))
+
+
+def test_the_lag_of_a_force_is_told_and_taken_out() -> None:
+    seen = lagging(plain())
+    lag = force_path(found(seen))
+    assert isinstance(lag, ForceLag) and lag.constant == pytest.approx(LAG, rel=0.02)
+
+    mended = mend(seen, UNSURE).in_step(lag)
+    (fault,) = mended.faults
+    assert (fault.kind, fault.value) == ("force_lag", lag.constant)
+    assert f"through a lag of first order of {1e3 * lag.constant:.3g} ms" in fault.words
+    assert np.abs(mended.evidence.load - plain().load).max() < 2e-2 * np.abs(plain().load).max()
+    again = found(mended.evidence)
+    assert not again.selection.rounds and force_path(again) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"), [("quadratic_drag", {"coefficient": 2.0}), ("cubic_stiffness", {"coefficient": 200.0})]
+)
+def test_physics_is_no_lag(kind: str, size: dict[str, float]) -> None:
+    assert force_path(found(plain(having(PLAIN, "plant", kind, **size)))) is None
+
+
+SHARE = 0.2
+
+
+def test_a_share_of_a_force_that_acts_on_another_dof_is_told_and_added() -> None:
+    spec = two_dofs(mass=0.02, damping=0.3, stiffness=0.1)
+    acting = recorded(lambda x, v: (0.0, 0.0), duration=12.0)
+    seen = replace(acting, load=acting.load - SHARE * np.outer(acting.load[:, 0], [0.0, 1.0]))
+    leak = force_path(found(seen, spec))
+    assert isinstance(leak, ForceLeak) and leak.pairs == ((0, 1), (1, 0))
+    assert leak.numbers == pytest.approx([SHARE, 0.0], abs=0.01)
+
+    mended = mend(seen, spec).in_step(leak)
+    (fault,) = mended.faults
+    assert (fault.kind, fault.value) == ("force_leak", leak.numbers[0])
+    assert fault.words.startswith("20 % of the known force on x1 acts on x2, beside")
+    assert np.abs(mended.evidence.load - acting.load).max() < 0.02 * np.abs(acting.load).max()

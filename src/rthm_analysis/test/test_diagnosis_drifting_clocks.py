@@ -35,7 +35,7 @@ def test_clocks_that_drift_apart_are_told_and_brought_together() -> None:
     drift = drifting_clocks(found(late))
     assert drift is not None and drift.growth == pytest.approx(DRIFT, rel=0.02)
 
-    mended = mend(late, PLAIN).in_step(drift)
+    mended = mend(late, PLAIN).without(drift)
     (fault,) = mended.faults
     assert (fault.kind, fault.value) == ("clock_drift", drift.growth)
     assert "later and later after the known force, by 1" in fault.words

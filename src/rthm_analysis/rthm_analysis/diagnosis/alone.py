@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from rthm_analysis.diagnosis.computed import diagnose_computed
 from rthm_analysis.diagnosis.faults import Mended, mend, with_motion
 from rthm_analysis.diagnosis.faults.bend import Bend
+from rthm_analysis.diagnosis.faults.deviations import Deviation
 from rthm_analysis.diagnosis.faults.drift import Drift
-from rthm_analysis.diagnosis.faults.force_path import ForcePath
 from rthm_analysis.diagnosis.faults.moments import Moment
 from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
 from rthm_analysis.diagnosis.joining import as_run
@@ -60,9 +60,9 @@ class Alone:
         """The same with channels that come late by so many seconds."""
         return replace(self, mended=self.mended.moved_back(late)).judged_by_motion()
 
-    def in_step(self, path: Drift | ForcePath) -> Alone:
-        """The same with known forces as they act."""
-        return replace(self, mended=self.mended.in_step(path))
+    def without(self, deviation: Drift | Deviation) -> Alone:
+        """The same without what the whole recording deviates by."""
+        return replace(self, mended=self.mended.without(deviation))
 
     def without_moments(self, moments: Sequence[Moment]) -> Alone:
         """The same without the moments in which something pushed the plant, or its sensors were off."""

@@ -16,9 +16,9 @@ from rthm_analysis.diagnosis.experiment.rivals import rivals_of
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.names import check_names, check_one_rig
 from rthm_analysis.diagnosis.physical.bent_sensors import bent_sensors, straight_or_curved
+from rthm_analysis.diagnosis.physical.deviating import deviation
 from rthm_analysis.diagnosis.physical.drifting_clocks import drifting_clocks
 from rthm_analysis.diagnosis.physical.findings import physical_part
-from rthm_analysis.diagnosis.physical.force_path import force_path
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
 from rthm_analysis.diagnosis.physical.pushed import pushed
@@ -107,8 +107,8 @@ def diagnose_together(
     if late := {one.channel: one.delay for one in lateness if one.is_clear}:
         several = [one.moved_back(late) for one in several]
         physical = _physical(several, say)
-    if (path := drifting_clocks(physical) or force_path(physical)) is not None:
-        several = [one.in_step(path) for one in several]
+    if (off := drifting_clocks(physical) or deviation(physical)) is not None:
+        several = [one.without(off) for one in several]
         physical = _physical(several, say)
     bent = bent_sensors(physical)
     if bends := {one.channel: one.bend for one in bent if one.is_clear}:

@@ -66,7 +66,8 @@ class Fault:
         ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
         ``rectified``, ``saturation``, ``nonlinear`` (of a sensor), ``clock_drift``, ``offset`` (that differs
         from recording to recording), ``wrong_parameter`` (of timing or compensator), ``wrong_spec``,
-        ``stray`` (of what was recorded for a moment), ``force_lag``, ``force_leak``.
+        ``stray`` (of what was recorded for a moment), ``force_lag``, ``force_leak``,
+        ``crosstalk``.
     channel : str
         ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
     words : str

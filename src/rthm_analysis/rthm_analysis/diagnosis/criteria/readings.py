@@ -48,18 +48,18 @@ VALUE_STEP = 1e-4
 DRIFTING_SHARE = 0.9
 """Share of what a model leaves that a delay which grows steadily explains, in fitted and in unseen data."""
 
-FORCE_PATH_STEP, FORCE_PATH_ROUNDS, FORCE_PATH_DONE_SHARE = 1e-3, 12, 1e-3
-"""Of how a known force reaches the plant: the part by which its numbers are differenced; steps of Gauss and
+DEVIATION_STEP, DEVIATION_ROUNDS, DEVIATION_DONE_SHARE = 1e-3, 12, 1e-3
+"""Of what a whole recording deviates by: the part by which its numbers are differenced; steps of Gauss and
 Newton to them, at most, and the part by which the last one may move them."""
 
-FORCE_PATH_TRIALS, FORCE_PATH_LEFT_SHARE = 4, 0.5
+DEVIATION_TRIALS, DEVIATION_LEFT_SHARE = 4, 0.5
 """Steps behind which it must leave less than such a share of the error, or is given up."""
 
 FORCE_LAG_BEGIN_PERIODS = 0.02
 """Time constant of the lag of a known force from which it is looked for, in periods of the motion."""
 
-FORCE_LEAK_TOLD_SHARE = 0.05
-"""Part of the largest share of a known force on another dof from which on another share is told."""
+LEAK_TOLD_SHARE = 0.05
+"""Part of the largest share of a force or reading at another dof from which on another share is told."""
 
 PUSH_RUN_LENGTHS = (2.0, 3.0)
 """Lengths of runs, over the shortest, in which a push is looked for: one at the end of a run hardly shows."""

@@ -5,6 +5,7 @@ and drives are moved by themselves.
 from __future__ import annotations
 
 from rthm_analysis.diagnosis.faults.clipped import SATURATED
+from rthm_analysis.diagnosis.faults.leaks import CROSSTALK
 from rthm_analysis.diagnosis.faults.rectified import RECTIFIED
 from rthm_analysis.diagnosis.physical.zeros_told import OFFSET
 from rthm_analysis.diagnosis.result import WRONG_ENTRY
@@ -28,6 +29,7 @@ FAULT = {
     "hum": "Record {channel} at rest, and with the supplies switched off one by one.",
     "force_lag": "Record the force where it acts, or measure how it follows a step of what is recorded.",
     "force_leak": "Push with a known force on one dof alone, and see what moves at first.",
+    CROSSTALK: "Move one dof alone, and see what the sensors of the others read.",
     "clock_drift": "Record both channels with one clock, or with a common pulse once a minute.",
     WRONG_ENTRY: "Compare the spec's {channel} with what the nodes were started with "
     "(`ros2 param dump`), and diagnose again with the right one.",

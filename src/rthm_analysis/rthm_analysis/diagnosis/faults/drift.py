@@ -31,13 +31,13 @@ class Drift(NamedTuple):
     delay: float
     growth: float
 
-    def in_step(self, evidence: Evidence) -> Floats:
-        """Loads (s, n) as late as the motion."""
+    def corrected(self, evidence: Evidence) -> Evidence:
+        """A recording with loads as late as the motion."""
         from scipy.interpolate import CubicSpline
 
         time = evidence.time
         then = np.clip(time - self.delay - self.growth * time, time[0], time[-1])
-        return np.asarray(CubicSpline(time, evidence.load)(then))
+        return replace(evidence, load=np.asarray(CubicSpline(time, evidence.load)(then)))
 
     def fault(self, evidence: Evidence) -> Fault:
         """What is told of it."""

@@ -15,12 +15,13 @@ from rthm_analysis.diagnosis.faults.bend import NONLINEAR, Bend, straightened
 from rthm_analysis.diagnosis.faults.clipped import find_clipped
 from rthm_analysis.diagnosis.faults.dead import find_dead
 from rthm_analysis.diagnosis.faults.delays import find_delays, moved_back
+from rthm_analysis.diagnosis.faults.deviations import Deviation
 from rthm_analysis.diagnosis.faults.drift import Drift, find_drift
 from rthm_analysis.diagnosis.faults.dropouts import find_dropouts
 from rthm_analysis.diagnosis.faults.factors import find_factors
-from rthm_analysis.diagnosis.faults.force_path import ForcePath
 from rthm_analysis.diagnosis.faults.hum import find_hum
 from rthm_analysis.diagnosis.faults.known_loads import find_loads, told_by_one
+from rthm_analysis.diagnosis.faults.leaks import CROSSTALK
 from rthm_analysis.diagnosis.faults.moments import Moment, without_moments
 from rthm_analysis.diagnosis.faults.rectified import find_rectified
 from rthm_analysis.diagnosis.faults.scaling import FACTORS
@@ -33,7 +34,7 @@ from rthm_analysis.recording import Recording
 from rthm_core.spec import Spec
 from rthm_core.topics import PLANT_STATE
 
-CHANGING = (*FACTORS, "swapped", "channel_delay", NONLINEAR)
+CHANGING = (*FACTORS, "swapped", "channel_delay", NONLINEAR, CROSSTALK)
 """Faults that change every sample of a signal."""
 
 
@@ -66,10 +67,10 @@ class Mended:
         evidence, faults = moved_back(self.evidence, late)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
-    def in_step(self, path: Drift | ForcePath) -> Mended:
-        """The same with known forces as they act."""
-        evidence = replace(self.evidence, load=path.in_step(self.evidence))
-        return replace(self, evidence=evidence, faults=(*self.faults, path.fault(self.evidence)))
+    def without(self, deviation: Drift | Deviation) -> Mended:
+        """The same without what the whole recording deviates by."""
+        faults = (*self.faults, deviation.fault(self.evidence))
+        return replace(self, evidence=deviation.corrected(self.evidence), faults=faults)
 
     def without_moments(self, moments: Sequence[Moment]) -> Mended:
         """The same without the moments in which something pushed the plant, or its sensors were off."""

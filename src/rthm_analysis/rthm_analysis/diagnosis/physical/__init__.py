@@ -13,7 +13,7 @@
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
 ``drifting_clocks`` a motion that comes later and later after the known force
-``force_path``    a known force that acts through a lag, or elsewhere as well
+``deviating``     what is wrong with a whole recording: lags and leaks
 ``fewer_terms``  terms that a formula does not need
 ``plainer_terms``  numbers that a term does not need
 ``foreseeing``    how far ahead a model tells a motion

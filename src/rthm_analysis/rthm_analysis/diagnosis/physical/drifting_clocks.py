@@ -63,7 +63,7 @@ def _drift(physical: Physical, runs: Windows, predicted: Floats) -> Drift | None
         change, values_change = np.split(every, [sizes.size])
         sizes, moved = sizes + change, model.at(moved + values_change).values
         drift = Drift(float(sizes[0]), float(sizes[1]))
-        loaded = physical.experiment.loaded_by(drift.in_step(evidence))
+        loaded = physical.experiment.loaded_by(drift.corrected(evidence).load)
         predicted = loaded.predicted(model.at(moved).spec, runs)
         beside = starts @ sizes[2:]
         rest = over_noise(physical, evidence.measured - predicted) - beside

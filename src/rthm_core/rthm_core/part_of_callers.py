@@ -7,29 +7,27 @@ optimised at each link; here it is once, at the top. What is at the top may be o
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import llvmlite.binding as llvm
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+
+from rthm_core.compile_quickly import Quick
 
 LEVEL = 2
 """Of LLVM's optimisation; its third takes longer and makes such code no quicker."""
 
 
-@contextmanager
-def _garbage_kept() -> Iterator[None]:
-    """Look for no garbage: nearly all that compiling makes is in use until it ends."""
-    is_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if is_enabled:
-            gc.enable()
+WAY_IN = "_ZN7cpython"
+"""Begins the name of what takes the arguments of a function from Python."""
+
+
+def _leave(module: Any) -> None:
+    """Have ways in from Python optimised no further: they run once where the rest loops, and are long."""
+    for function in module.functions:
+        if function.name.startswith(WAY_IN) and not function.is_declaration:
+            for attribute in ("noinline", "optnone"):
+                function.add_function_attribute(attribute)
 
 
 class _TidiedOnly(JITCodeLibrary):  # type: ignore[misc]
@@ -37,6 +35,7 @@ class _TidiedOnly(JITCodeLibrary):  # type: ignore[misc]
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
+        _leave(ll_module)
         options = llvm.create_pipeline_tuning_options(speed_level=1)
         options.loop_unrolling = False
         builder = llvm.create_pass_builder(self._codegen._tm, options)
@@ -81,7 +80,7 @@ class _WrittenOutPart(_Part):
         JITCodeLibrary._optimize_functions(self, ll_module)
 
 
-class PartOfCallers(Compiler):  # type: ignore[misc]
+class PartOfCallers(Quick):
     """How numba compiles such a function."""
 
     library = _Part
@@ -89,8 +88,7 @@ class PartOfCallers(Compiler):  # type: ignore[misc]
     def compile_extra(self, function: Any) -> Any:
         """Compile a function in Python."""
         self.state.library = self.library(self.state.targetctx.codegen(), function.__qualname__)
-        with _garbage_kept():
-            return super().compile_extra(function)
+        return super().compile_extra(function)
 
 
 class WrittenOutPart(PartOfCallers):
@@ -122,7 +120,7 @@ class _Unrolled(_Plain):
     unrolls = True
 
 
-class Plain(Compiler):  # type: ignore[misc]
+class Plain(Quick):
     """How numba compiles what goes through loops of a few turns.
 
     Left to itself it optimises everything twice, for the sake of counted references in between, makes vectors
@@ -136,8 +134,7 @@ class Plain(Compiler):  # type: ignore[misc]
         """Compile a function in Python."""
         self.state.library = self.library(self.state.targetctx.codegen(), function.__qualname__)
         self.state.library.enable_object_caching()
-        with _garbage_kept():
-            return super().compile_extra(function)
+        return super().compile_extra(function)
 
 
 class PlainUnrolled(Plain):

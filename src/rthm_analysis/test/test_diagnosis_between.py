@@ -30,18 +30,23 @@ def two_dofs(k: np.ndarray = STIFFNESS, **uncertainty: float) -> Spec:
     return spec_from_parameters({"plant": section} | unsure)
 
 
-def recorded(law: Law, duration: float = 20.0, seed: int = 0) -> Evidence:
-    """Positions and velocities of M a = -C v - K x + load + law(x, v), with noise."""
+def recorded(
+    law: Law,
+    duration: float = 20.0,
+    seed: int = 0,
+    mass: Callable[[np.ndarray], np.ndarray] = lambda x: MASS,
+) -> Evidence:
+    """Positions and velocities of M(x) a = -C v - K x + load + law(x, v), with noise."""
     rng = np.random.default_rng(seed)
     omega, phase = rng.uniform(0.5, 9.0, (2, 12)), rng.uniform(0.0, 2.0 * np.pi, (2, 12))
-    inverse = np.linalg.inv(MASS)
 
     def load(t: float) -> np.ndarray:
         return 0.25 * np.sin(omega * t + phase).sum(axis=1)
 
     def rate(t: float, y: np.ndarray) -> np.ndarray:
         x, v = y[:2], y[2:]
-        return np.concatenate([v, inverse @ (load(t) - DAMPING @ v - STIFFNESS @ x + np.array(law(x, v)))])
+        force = load(t) - DAMPING @ v - STIFFNESS @ x + np.array(law(x, v))
+        return np.concatenate([v, np.linalg.solve(mass(x), force)])
 
     count, h = round(duration / STEP) + 1, STEP / SUBSTEPS
     y, rows = np.zeros(4), np.empty((count, 4))

@@ -14,7 +14,7 @@ from rthm_analysis.response import response
 from rthm_core.effects import effect
 from rthm_core.engine import simulate
 from rthm_core.physical.side import build
-from rthm_core.spec import Spec, apply
+from rthm_core.spec import Spec, apply, scaled_motion, shipped_spec
 
 AGREED = 1e-6
 """Largest difference over the largest derivative."""
@@ -116,3 +116,14 @@ def test_a_mass_that_depends_on_the_position_is_that_at_rest() -> None:
         assert linear.plant.mass[0] == pytest.approx(LOOP.plant.mass[0] + 0.4, rel=1e-15)
         assert said == ("one (inertia of x1) is taken as at rest.",)
     assert apart(spec, APART) < AGREED
+
+
+def test_a_coupling_that_depends_on_positions_is_that_at_rest() -> None:
+    arm = {"block": "plant", "kind": "inertial_coupling", "dof": "x1", "relative_to": "x3"}
+    arm |= {"mass": "a * cos(x - 2 * y)", "a": 0.4}
+    spec = scaled_motion(apply(shipped_spec("three_mass"), {"effects": ["one"], "one": arm}), 1e-4)
+    linear, said = linear_part(spec)
+    assert linear.plant.mass[2] == linear.plant.mass[6] == pytest.approx(0.4, rel=1e-15)
+    assert said == ("one (inertial_coupling of x1 relative to x3) is taken as at rest.",)
+    found, expected = (simulate(one, 2.0, 0.01, energies=False).plant_position for one in (spec, linear))
+    assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max()

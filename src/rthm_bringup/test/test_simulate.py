@@ -126,6 +126,19 @@ def test_a_plant_that_leaves_every_bound_is_told_when(tmp_path: Path) -> None:
     assert f"The motion diverged at {first:.4g} s; no values after that." in done.stdout
 
 
+def test_a_mass_that_is_none_on_the_way_is_told(tmp_path: Path) -> None:
+    effect = {"block": "plant", "kind": "inertia", "dof": "x1", "mass": "-a * x**2", "a": 40.0}
+    spec = apply(
+        shipped_spec("decay"),
+        {"effects": ["lever"], "lever": effect, "plant.initial_position": 0.0, "plant.initial_velocity": 3.0},
+    )
+    (tmp_path / "lever.yaml").write_text(write_spec(spec))
+    command = [sys.executable, "-m", "rthm_bringup", "simulate", str(tmp_path / "lever.yaml"), "--duration"]
+    command += ["5", "--out", str(tmp_path / "a.npz")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "diverged, or its mass matrix was no longer positive definite, at " in done.stdout
+
+
 def test_an_unstable_loop_does_not_move_a_real_machine_unless_asked_to(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "rthm_bringup", "run", str(unstable(tmp_path)), "--plant", "external"]
     done = subprocess.run(

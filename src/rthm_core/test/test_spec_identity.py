@@ -90,7 +90,9 @@ def number_of(draw: st.DrawFn, entry: Quantity) -> float:
 
 def one_effect(draw: st.DrawFn, name: str, blocks: list[str], places: dict[str, list[str]]) -> Flat:
     block = draw(st.sampled_from([block for block in blocks if kinds(block)]))
-    kind = draw(st.sampled_from(kinds(block)))
+    dofs = places["dof"]
+    alone = {"inertial_coupling"} if len(dofs) == 1 else set()
+    kind = draw(st.sampled_from([kind for kind in kinds(block) if kind not in alone]))
     entries: Flat = {"block": block, "kind": kind}
     if block in PLACES:
         entries[PLACES[block]] = draw(st.sampled_from(places[PLACES[block]]))
@@ -103,6 +105,8 @@ def one_effect(draw: st.DrawFn, name: str, blocks: list[str], places: dict[str, 
         entries[joining] = abs(entries[joining])  # no more may leave than there is, see test_mass
     if kind == "inertia":
         entries["mass"] = "2 * x**2"
+    if kind == "inertial_coupling":
+        entries |= {"mass": "0 * x * y", "relative_to": next(dof for dof in dofs if dof != entries["dof"])}
     return {f"{name}.{key}": value for key, value in entries.items()}
 
 

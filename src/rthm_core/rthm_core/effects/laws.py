@@ -56,6 +56,26 @@ class PlantLaw(Effect):
         return 0.0
 
     @staticmethod
+    def coupling(x: float, y: float, p: list[float]) -> float:
+        """Mass m, in kg, that couples the dof at `x` with that at `y`, to which it is relative: their kinetic
+        energy ``m v w`` beside all other, with the velocities v and w.
+
+        The forces follow from it and its slopes (Lagrange): ``-m a_y - coupling_by_y w^2`` on the dof, and
+        ``-m a_x - coupling_by_x v^2`` on the other. `force` acts beside them.
+        """
+        return 0.0
+
+    @staticmethod
+    def coupling_by_x(x: float, y: float, p: list[float]) -> float:
+        """Slope of `coupling` over `x`, in kg/m."""
+        return 0.0
+
+    @staticmethod
+    def coupling_by_y(x: float, y: float, p: list[float]) -> float:
+        """Slope of `coupling` over `y`, in kg/m."""
+        return 0.0
+
+    @staticmethod
     def rate(
         x: float, v: float, z: list[float], t: float, p: list[float], mode: int, dz: list[float]
     ) -> None:
@@ -94,6 +114,11 @@ class PlantLaw(Effect):
 def has_inertia(law: type[Effect]) -> bool:
     """Whether something moves with a dof by a law, so that its force depends on the acceleration."""
     return issubclass(law, PlantLaw) and law.inertia is not PlantLaw.inertia
+
+
+def has_coupling(law: type[Effect]) -> bool:
+    """Whether a law couples the accelerations of two dofs."""
+    return issubclass(law, PlantLaw) and law.coupling is not PlantLaw.coupling
 
 
 class WireLaw(Effect):

@@ -19,13 +19,13 @@ from rthm_core.physical.laws import (
     STATE,
     STATES,
     plant_force,
-    plant_inertia,
     plant_rate,
     wire_drive,
     wire_law_force,
     wire_rate,
     wire_settle,
 )
+from rthm_core.physical.masses import carry
 from rthm_core.physical.switching import motion_of, stop
 
 
@@ -173,34 +173,11 @@ def _add_nonlinear(laws, heavy, model, modes, y, u, w, first, t, dy, hold, scrat
         else:
             _add_law(laws, row, model.mechanics, first + m + row, model.n, modes[row], y, w, t, dy)
     if heavy is not None:
-        _carry(laws, heavy, model, modes, y, t, dy, scratch)
+        carry(laws, heavy, heavy.coupled, model.n, modes, y, t, dy, scratch)
         if sticking:
-            _hold(laws, model.n, laws.inverse_mass, modes, dy, hold, sticking)
+            _hold(laws, model.n, heavy.inverse, modes, dy, hold, sticking)
     elif sticking:
         _hold(laws, model.n, model.inverse_mass, modes, dy, hold, sticking)
-
-
-@inlined
-def _carry(laws, heavy, model, modes, y, t, dy, scratch):  # type: ignore[no-untyped-def]
-    """Let the forces accelerate what moves with the dofs, too; ``laws.inverse_mass`` becomes the inverse
-    of all mass. One law after the other (Sherman and Morrison); where no mass is left, nothing is a number.
-    """
-    n, inverse = model.n, laws.inverse_mass
-    for i in range(n):
-        copy_into(inverse[i], model.inverse_mass[i])
-    for row in heavy:
-        begin, end = laws.numbers[row, STATE], laws.numbers[row, STATE] + laws.numbers[row, STATES]
-        x, v = motion_of(laws, n, row, y)
-        mass = plant_inertia(laws.numbers[row, CODE], x, v, y[begin:end], t, laws.parameters[row], modes[row])
-        whole = 1.0 + mass * _mobility(laws, row, inverse)
-        share = mass / whole if whole > 0.0 else np.nan
-        _, apart = motion_of(laws, n, row, dy)
-        for i in range(n):
-            scratch[i] = _pushed(laws, row, inverse, i)
-        for i in range(n):
-            dy[n + i] -= share * apart * scratch[i]
-            for j in range(n):
-                inverse[i, j] -= share * scratch[i] * scratch[j]
 
 
 @inlined

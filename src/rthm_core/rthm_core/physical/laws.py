@@ -11,7 +11,7 @@ from numba.core.errors import NumbaError
 
 from rthm_core.addressed import Call, law_function, table_of
 from rthm_core.compiled import Floats, Integers
-from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw, has_inertia
+from rthm_core.effects.laws import MOST_PARAMETERS, PlantLaw, WireLaw, has_coupling, has_inertia
 from rthm_core.effects.registry import changing
 from rthm_core.errors import InputError
 
@@ -23,6 +23,9 @@ PLANT_CALLS = {
     "force": Call("x, v, z, t, p, mode", True),
     "rate": Call("x, v, z, t, p, mode, dz", False),
     "inertia": Call("x, v, z, t, p, mode", True),
+    "coupling": Call("x, y, p", True),
+    "coupling_by_x": Call("x, y, p", True),
+    "coupling_by_y": Call("x, y, p", True),
 }
 WIRE_CALLS = {
     "settle": Call("u, x, k, z, p", False),
@@ -40,9 +43,33 @@ NONE, POSITION, VELOCITY, FRICTION, TIME = range(5)
 plant_force = law_function(PLANT_CALLS, "force")
 plant_rate = law_function(PLANT_CALLS, "rate", PlantLaw.rate)
 plant_inertia = law_function(PLANT_CALLS, "inertia", PlantLaw.inertia)
+plant_coupling = law_function(PLANT_CALLS, "coupling", PlantLaw.coupling)
+plant_coupling_by_x = law_function(PLANT_CALLS, "coupling_by_x", PlantLaw.coupling_by_x)
+plant_coupling_by_y = law_function(PLANT_CALLS, "coupling_by_y", PlantLaw.coupling_by_y)
 wire_settle, wire_drive, wire_law_force, wire_rate = (
     law_function(WIRE_CALLS, name, getattr(WireLaw, name)) for name in WIRE_CALLS
 )
+
+
+class Masses(NamedTuple):
+    """Laws by which mass moves with the dofs beside the plant's own.
+
+    Attributes
+    ----------
+    rows : (H,) array
+        Rows of laws with inertia.
+    coupled : (C,) array or None
+        Rows of laws that couple two dofs; None where there are none, so that nothing of it is compiled.
+    plant : (n, n) array
+        The plant's own mass, kg.
+    inverse : (n, n) array
+        Inverse of all mass, when a rate was last computed, 1/kg.
+    """
+
+    rows: Integers
+    coupled: Integers | None
+    plant: Floats
+    inverse: Floats
 
 
 class LawTable(NamedTuple):
@@ -51,16 +78,14 @@ class LawTable(NamedTuple):
     Columns of `numbers` are code, dof, first own state, number of own states, how the modes meet, which load
     the law depends on (-1: none), and the dof relative to which the first moves (-1: none);
     `parameters` (L, 8), `thresholds` (L, 2);
-    `breakaway` (L,) in N; `heavy` are the rows of laws with inertia, None where there are none, so that
-    nothing of it is compiled; `inverse_mass` (n, n) is that of all that moves, when a rate was last computed.
+    `breakaway` (L,) in N; `heavy` is None where no law has mass, so that nothing of it is compiled.
     """
 
     numbers: Integers
     parameters: Floats
     thresholds: Floats
     breakaway: Floats
-    heavy: Integers | None
-    inverse_mass: Floats
+    heavy: Masses | None
 
 
 class WireTable(NamedTuple):
@@ -251,11 +276,17 @@ def reads_load(law: Any) -> bool:
     return "load" in law.depends_on
 
 
+NO_MASS: Floats = np.empty((0, 0))
+"""Of a plant without laws that have mass, as a table needs it."""
+
+
 def law_table(
-    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]], known: Sequence[int] = (), dofs: int = 0
+    nonlinear: list[tuple[Any, tuple[float, ...], Place, int]],
+    known: Sequence[int] = (),
+    mass: Floats = NO_MASS,
 ) -> LawTable:
-    """Table of the nonlinear laws: (law, parameters, place, first own state), of a plant with so many dofs;
-    `known` are the dofs of the first loads, which are known.
+    """Table of the nonlinear laws: (law, parameters, place, first own state), of a plant with a `mass`
+    (n, n); `known` are the dofs of the first loads, which are known.
     """
     numbers, parameters = _rows([(law, p, place.dof, z) for law, p, place, z in nonlinear])
     at = {dof: load for load, dof in enumerate(known)}
@@ -264,7 +295,6 @@ def law_table(
     )
     partitions = np.array([PARTITIONS.index(law.partition) for law, *_ in nonlinear], dtype=np.int64)
     others = np.array([place.other for _, _, place, _ in nonlinear], dtype=np.int64)
-    heavy = [row for row, (law, *_) in enumerate(nonlinear) if has_inertia(law)]
     thresholds = np.full((len(nonlinear), 2), np.inf)
     for row, (law, p, _, _) in enumerate(nonlinear):
         limits = law.thresholds(p)
@@ -274,6 +304,19 @@ def law_table(
         parameters,
         thresholds,
         np.array([law.breakaway(p) for law, p, _, _ in nonlinear], dtype=float),
-        np.array(heavy, dtype=np.int64) if heavy else None,
-        np.zeros((dofs, dofs)),
+        _masses([law for law, *_ in nonlinear], mass),
+    )
+
+
+def _masses(laws: list[Any], mass: Floats) -> Masses | None:
+    """What of some laws has mass, beside that of the plant (n, n)."""
+    rows = [row for row, law in enumerate(laws) if has_inertia(law)]
+    coupled = [row for row, law in enumerate(laws) if has_coupling(law)]
+    if not (rows or coupled):
+        return None
+    return Masses(
+        np.array(rows, dtype=np.int64),
+        np.array(coupled, dtype=np.int64) if coupled else None,
+        np.array(mass, dtype=float),
+        np.zeros_like(mass, dtype=float),
     )

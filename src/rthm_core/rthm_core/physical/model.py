@@ -317,7 +317,7 @@ def mechanical(
     resting: list[Resting] = [one for one in placed if one[0].states]
     resting += [one for one in (*wire_list, *nonlinear_wires(wires)) if one[0].states]
     some = nonlinear or wires.numbers[:, NONLINEAR].any()
-    laws = law_table(nonlinear, load_dofs[:known], plant.dofs) if some else None
+    laws = law_table(nonlinear, load_dofs[:known], plant.mass) if some else None
     return Mechanical(parts, wires, laws, sensed, resting)
 
 

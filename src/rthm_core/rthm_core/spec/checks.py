@@ -12,6 +12,7 @@ import numpy as np
 
 from rthm_core.clock import to_ns
 from rthm_core.effects.blocks import PLACES, check_block, family
+from rthm_core.effects.laws import has_coupling
 from rthm_core.errors import MISSING, RefusedError, suggestion
 from rthm_core.spec.load import MultisineLoad
 from rthm_core.spec.masses import heavy, instants, mass_at
@@ -80,10 +81,9 @@ def _symmetric(matrix: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> boo
 
 def _positive_definite(matrix: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> bool:
     try:
-        np.linalg.cholesky(matrix)
+        return bool(np.isfinite(np.linalg.cholesky(matrix)).all())
     except np.linalg.LinAlgError:
         return False
-    return True
 
 
 def _length(key: str, values: Sequence[object], count: int, allowed: str) -> None:
@@ -188,7 +188,7 @@ def _effect(spec: Spec, one: EffectSpec) -> None:
             raise RefusedError(
                 given, f"left out, as {block} has no {key}", f"remove {key}", f"{one.name}.{key}"
             )
-    if one.relative_to is not None:
+    if one.relative_to is not None or has_coupling(one.law):
         _between(spec, one)
     if one.law.changes == "entry":
         _wrong_parameter(spec, one)
@@ -197,10 +197,13 @@ def _effect(spec: Spec, one: EffectSpec) -> None:
 def _between(spec: Spec, one: EffectSpec) -> None:
     others = [dof for dof in spec.plant.dofs if dof != one.dof]
     within = f"{one.name}.relative_to"
+    if one.relative_to is None:
+        allowed = f"one of {', '.join(others)}" if others else "another dof, and the plant has only one"
+        raise RefusedError(MISSING, allowed, f"say which dof {one.dof} is coupled with", within)
     if one.block != "plant" or not others:
         allowed = "left out, as only an effect on a plant with several dofs acts between two"
         raise RefusedError(one.relative_to, allowed, "remove relative_to", within)
-    _known(within, str(one.relative_to), others)
+    _known(within, one.relative_to, others)
 
 
 def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
@@ -218,12 +221,21 @@ def _wrong_parameter(spec: Spec, one: EffectSpec) -> None:
 
 
 def check_mass(spec: Spec) -> None:
-    """No effect takes away more than there is."""
-    for one in heavy(spec):
-        if not all(_positive_definite(mass_at(spec, t)) for t in instants(spec)):
-            name, value = next(iter({**one.numbers, **one.parameters}.items()))
-            allowed = "such that what leaves the plant is less than its mass"
-            raise RefusedError(value, allowed, within=f"{one.name}.{name}")
+    """No effect takes away more than there is, nor couples two dofs by more than they have."""
+    if _has_mass(spec, heavy(spec)):
+        return
+    joining = [one for one in heavy(spec) if not has_coupling(one.law)]
+    allowed, one = "such that what leaves the plant is less than its mass", joining[0] if joining else None
+    if one is None or _has_mass(spec, joining):
+        allowed = "such that the mass matrix of the plant is positive definite where it begins"
+        one = next(one for one in heavy(spec) if has_coupling(one.law))
+    name, value = next(iter({**one.numbers, **one.parameters}.items()))
+    raise RefusedError(value, allowed, within=f"{one.name}.{name}")
+
+
+def _has_mass(spec: Spec, some: Sequence[EffectSpec]) -> bool:
+    """Whether all that moves has mass with some of the effects."""
+    return all(_positive_definite(mass_at(spec, t, some)) for t in instants(spec)) if some else True
 
 
 def check_delays(spec: Spec) -> None:

@@ -36,7 +36,8 @@ class EffectSpec(Section):
     relative_to: Annotated[
         str | None,
         Name(
-            "dof that feels the opposite, where the effect acts between two; its law gets their motion apart"
+            "other dof, where the effect acts between two: it feels the opposite, and the law gets their "
+            "motion apart, unless the kind says otherwise"
         ),
     ] = None
     actuator: Annotated[str | None, Name("actuator that has it")] = None

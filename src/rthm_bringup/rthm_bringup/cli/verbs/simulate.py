@@ -117,7 +117,7 @@ def verb(
         result["verdict"] = outcome.as_dict()
         lines += ["", *outcome.lines(warned=True)]
     if lost is not None:
-        lines.append(f"The motion diverged at {lost:.4g} s; no values after that.")
+        lines.append(f"The motion {_way_lost(test)} at {lost:.4g} s; no values after that.")
     if plot is not None:
         _draw(out, plot, beside.motion if beside else None)
         result["picture"] = str(plot)
@@ -127,11 +127,18 @@ def verb(
 
 
 def _lost_at(block: Trajectory) -> float | None:
-    """First instant, s, from which on there is no motion, because it grew without bound; None: there is."""
+    """First instant, s, from which on there is no motion; None: there is."""
     from numpy import flatnonzero, isfinite
 
     lost = flatnonzero(~isfinite(block.plant_position).all(axis=1))
     return float(block.t[lost[0]]) if lost.size else None
+
+
+def _way_lost(spec: Spec) -> str:
+    """How a motion can be lost: it grows without bound, or goes where its mass is none."""
+    from rthm_core.spec.masses import steady
+
+    return "diverged, or its mass matrix was no longer positive definite," if steady(spec) else "diverged"
 
 
 def _draw(out: Path, plot: Path, ideal: Trajectory | None) -> None:

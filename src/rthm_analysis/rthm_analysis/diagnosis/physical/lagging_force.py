@@ -17,7 +17,7 @@ from rthm_analysis.diagnosis.faults.force_lag import ForceLag
 from rthm_analysis.diagnosis.physical.drifting_clocks import least_left, unexplained_of_force
 from rthm_analysis.diagnosis.physical.judged import by_starts, by_values, over_noise
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.windows import Windows, period
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats
 from rthm_core.spec import Spec
 
@@ -34,7 +34,7 @@ def lagging_force(physical: Physical) -> ForceLag | None:
         return None
     (runs, predicted), model, evidence = found, physical.selection.base.model, physical.evidence
     before = over_noise(physical, evidence.measured - predicted)
-    lag = ForceLag(FORCE_LAG_BEGIN_PERIODS * period(evidence), np.zeros(evidence.load.shape[1]))
+    lag = ForceLag(FORCE_LAG_BEGIN_PERIODS * evidence.period, np.zeros(evidence.load.shape[1]))
     for taken in range(FORCE_LAG_ROUNDS):
         loaded = physical.experiment.loaded_by(lag.in_step(evidence))
         predicted = loaded.predicted(model.spec, runs)

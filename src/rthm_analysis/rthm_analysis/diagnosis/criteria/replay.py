@@ -28,8 +28,9 @@ MOST_SUBSTEPS = 50
 AFFORDED_STEPS = 20_000
 """Steps of a replay up to which they are as short as long motions need: a search repeats it by thousands."""
 
-LONGEST_GRID_INTERVAL_NS = 5_000_000
-"""Longest interval of the grid, ns."""
+LONGEST_GRID_INTERVAL_NS, GRID_PERIOD_SHARE = 5_000_000, 1.0 / 200.0
+"""Longest interval of the grid: so many ns or, where nothing is faster in itself, such a share of a period of
+the recorded motion if that is longer. That is 0.03 rad of it, and a sixth of what a step may be."""
 
 TURN_GRID_RADIANS = 1.5
 SHARP_GRID_RADIANS = 0.35
@@ -69,8 +70,12 @@ FITS_AT_ONCE = 4
 REPLAY_OVERHEAD_STEPS = 5e3
 """Steps that what a replay needs beside its steps takes as long as."""
 
-MOTIONS_KEPT = 3
-"""Motions that are kept for who asks again."""
+INPUTS_KEPT = 3
+"""Motors, and grids, of which what comes in is kept for who asks again."""
+
+MOTIONS_KEPT, MOTION_BYTES = 3, 50_000_000
+"""Motions that are kept for who asks again, at least, and memory up to which more are: a fit that goes on
+begins with what the one before it ended with, after others were fitted."""
 
 # Windows: stretches of a recording, each with a start of its own.
 

@@ -10,7 +10,6 @@ import numpy as np
 from rthm_analysis.diagnosis.criteria.readings import DEVIATION_STEP, FORCE_LAG_BEGIN_PERIODS
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.sensing import lagged
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.result import Fault
 from rthm_core.compiled import Floats
 from rthm_core.topics import PLANT_STATE
@@ -33,7 +32,7 @@ class ForceLag(NamedTuple):
     @classmethod
     def begun(cls, evidence: Evidence) -> Self:
         """Where a fit of it begins."""
-        return cls(FORCE_LAG_BEGIN_PERIODS * period(evidence), np.zeros(evidence.load.shape[1]))
+        return cls(FORCE_LAG_BEGIN_PERIODS * evidence.period, np.zeros(evidence.load.shape[1]))
 
     @property
     def numbers(self) -> Floats:

@@ -32,7 +32,7 @@ from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.linear import linear_response
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import Windows, period
+from rthm_analysis.diagnosis.replay.windows import Windows
 from rthm_core.compiled import Floats, Integers
 
 
@@ -245,7 +245,7 @@ class Regression:
         """Force of spring, damper and mass in the recorded motion, N: one of them may be zero."""
         evidence, plant = self.experiment.evidence, self.model.nominal.plant
         assert plant is not None
-        rate = 2.0 * np.pi / period(evidence)
+        rate = 2.0 * np.pi / evidence.period
         laws = ((plant.stiffness, 1.0), (plant.damping, rate), (plant.mass, rate**2))
         size = sum(max(map(abs, entries), default=0.0) * factor for entries, factor in laws)
         return float(np.nanstd(evidence.measured[:, 0])) * size
@@ -351,7 +351,7 @@ def _every(experiment: Experiment, windows: Windows) -> int:
     evidence = experiment.evidence
     samples, step = evidence.stamps_ns.size, float(np.median(np.diff(evidence.time)))
     shortest = int(np.diff(np.append(windows.start, samples)).min())
-    of_motion = int(REGRESSION_PERIOD_SHARE * period(evidence) / step)
+    of_motion = int(REGRESSION_PERIOD_SHARE * evidence.period / step)
     return max(1, min(samples // REGRESSION_SAMPLES, of_motion, shortest // DRAFT_FEWEST_IN_WINDOW))
 
 

@@ -14,7 +14,6 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.missing.sites import Site
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.replay.experiment import Motion
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.signals import smoothed
 from rthm_core.compiled import Floats
 from rthm_core.spec.effect import place_keys
@@ -54,7 +53,7 @@ def _of_dof(evidence: Evidence, motion: Motion, dof: int, name: str) -> Along:
     A model that is lost says nothing of it: what is recorded is then smoothed by itself.
     """
     step = float(np.median(np.diff(evidence.time)))
-    widest = int(SMOOTHED_PERIOD_SHARE * period(evidence) / step) // 2 * 2 + 1
+    widest = int(SMOOTHED_PERIOD_SHARE * evidence.period / step) // 2 * 2 + 1
     x, v = motion.position[:, dof], motion.velocity[:, dof]
     measured = {
         channel.family: evidence.measured[:, k]

@@ -20,7 +20,6 @@ from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.residual import residual_force
 from rthm_analysis.diagnosis.missing.shapes import WAVE, Shape
 from rthm_analysis.diagnosis.missing.terms import Term
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_core.compiled import Floats
 from rthm_core.effects.formula import evaluated
 
@@ -31,7 +30,7 @@ def swinging(regression: Regression) -> Iterator[Term]:
     """Stiffness, damping and load that swing, at the frequencies that the residual force shows most."""
     for site, name, force in _residual_forces(regression):
         at = regression.along(site)
-        highest = SWING_HIGHEST_RATIO * 2.0 * np.pi / period(regression.experiment.evidence)
+        highest = SWING_HIGHEST_RATIO * 2.0 * np.pi / regression.experiment.evidence.period
         step = float(np.median(np.diff(at.t)))
         even = np.arange(at.t[0], at.t[-1], step)
         for carrier in (*CARRIERS, *(["load"] if np.any(at.load) else [])):

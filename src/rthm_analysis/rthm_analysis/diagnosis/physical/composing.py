@@ -35,7 +35,6 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.term_by_term import beginning_as, term_by_term
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 from rthm_analysis.diagnosis.replay.model import Model
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import is_identified
 from rthm_analysis.diagnosis.search.starts import InitialGuess
@@ -205,7 +204,7 @@ def _is_momentary(judged: Judgement) -> bool:
     count, end = len(selection.rounds), float(evidence.time[-1])
     terms = (written_of(selection.best, i) for i in range(count - selection.formulas, count))
     lasting = (one[1] - one[0] for term in terms if (one := term.interval(end)) is not None)
-    return min(lasting, default=np.inf) < TERM_FEWEST_PERIODS * period(evidence)
+    return min(lasting, default=np.inf) < TERM_FEWEST_PERIODS * evidence.period
 
 
 def is_earned(before: Judgement, after: Judgement, share: float) -> bool:

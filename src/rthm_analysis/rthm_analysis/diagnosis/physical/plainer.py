@@ -21,7 +21,6 @@ from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.physical.beginning import Baseline, best_of_starts, fitted_near
 from rthm_analysis.diagnosis.replay.entries import entry_of, free_entries
 from rthm_analysis.diagnosis.replay.model import PROPERTIES, Model, Parameter
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.judging import Selection, clear_gain, reduced_chi2
 from rthm_analysis.diagnosis.search.replacing import rounds_refitted
 
@@ -30,7 +29,7 @@ def freed(fitting: Fitting, model: Model) -> Model:
     """Model with every entry of mass, damping, stiffness and wire free, whatever the spec says of it."""
     evidence, spec = fitting.experiment.evidence, model.nominal
     commanded = evidence.driven_by == "command"
-    frequency = 2.0 * np.pi / period(evidence)
+    frequency = 2.0 * np.pi / evidence.period
     entries = free_entries(spec, frequency, commanded=commanded, forced=evidence.is_forced)
     others = tuple(p for p in model.parameters if p.key not in PROPERTIES and entry_of(p.key) is None)
     return replace(model, parameters=(*others, *entries))

@@ -22,7 +22,7 @@ from rthm_analysis.diagnosis.physical.judged import remainders, simulate_all
 from rthm_analysis.diagnosis.physical.push import push_of
 from rthm_analysis.diagnosis.physical.run_by_run import RunByRun, run_by_run
 from rthm_analysis.diagnosis.physical.side import Physical
-from rthm_analysis.diagnosis.replay.windows import Windows, period, windows
+from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_core.compiled import Flags, Floats
 
 
@@ -73,7 +73,7 @@ def _pushed_in(physical: Physical, runs: Windows) -> tuple[Moment, ...]:
         return ()
     parts = np.flatnonzero(np.diff(off, prepend=False, append=False)).reshape(-1, 2).tolist()
     spans = _narrowed(physical, values, [_span(physical, runs, *part) for part in parts])
-    if max(end - begin for begin, end in spans) > PUSH_LONGEST_PERIODS * period(physical.evidence):
+    if max(end - begin for begin, end in spans) > PUSH_LONGEST_PERIODS * physical.evidence.period:
         return ()
     allowed = PUSH_GOES_ON_RATIO * float(np.max(left[~off]))
     return tuple(

@@ -101,7 +101,7 @@ def _elsewhere(fitting: Fitting, one: FittedCandidate) -> FittedCandidate:
         apart = one.start.scales[key] * np.linspace(-1.0, 1.0, SHOWN_KIND_TRIALS)
         moves = [np.eye(model.values.size)[places[key]] * move for move in apart]
         tried = [model, *(model.at(model.values + move) for move in moves)]
-        model = tried[int(np.argmin(fitting.cores.each_in_parts(fitting.squares, tried)))]
+        model = tried[int(np.argmin(fitting.squares_near(model, tried)))]
     if model is one.fitted.model:
         return one
     return fit_further(fitting, unfitted(one.start, one.fitted, model), None, SHOWN_KIND_STEPS)

@@ -36,7 +36,7 @@ from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.budget import Budget, budget_for
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.starting import refined
-from rthm_analysis.diagnosis.replay.windows import Windows, period, windows
+from rthm_analysis.diagnosis.replay.windows import Windows, windows
 from rthm_analysis.diagnosis.search.judging import reduced_chi2
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 
@@ -90,7 +90,7 @@ def beginning_as(physical: Physical, model: Model) -> Physical:
     seen = physical.evidence
     if seen.driven_by != "force":
         return physical
-    runs = refined(seen, model.spec, physical.windows, period(seen), bent=True)
+    runs = refined(seen, model.spec, physical.windows, seen.period, bent=True)
     return replace(physical, windows=runs, fitting=_fitting_in(physical, runs))
 
 

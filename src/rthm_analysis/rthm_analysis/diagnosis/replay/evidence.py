@@ -176,6 +176,13 @@ class Evidence:
         """Rates (s,) of some values (s,) in each recording by itself."""
         return np.concatenate([np.gradient(values[one], self.time[one]) for one in self.recordings])
 
+    @cached_property
+    def period(self) -> float:
+        """Mean period of the recorded motion, s."""
+        position = np.nan_to_num(self.measured[:, 0])
+        rate = self.rates(position)
+        return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
+
     def kept(self, samples: Integers | slice) -> Evidence:
         """What some of its samples say, in their order."""
         rows = np.arange(self.stamps_ns.size)[samples]

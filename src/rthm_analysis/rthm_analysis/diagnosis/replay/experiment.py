@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.replay import LONGEST_GRID_INTERVAL_NS, MOTIONS_KEPT, WIRELESS_STEP_COST
+from rthm_analysis.diagnosis.criteria.replay import (
+    GRID_PERIOD_SHARE,
+    INPUTS_KEPT,
+    LONGEST_GRID_INTERVAL_NS,
+    MOTION_BYTES,
+    MOTIONS_KEPT,
+    WIRELESS_STEP_COST,
+)
 from rthm_analysis.diagnosis.replay.between import Between
 from rthm_analysis.diagnosis.replay.budget import Budget
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel, Evidence
@@ -19,6 +26,7 @@ from rthm_analysis.diagnosis.replay.mechanics import mechanics
 from rthm_analysis.diagnosis.replay.motor import held_motion, motor_delay, motor_motion
 from rthm_analysis.diagnosis.replay.resolution import can_be_sharper, longest_interval, steps_in, worth
 from rthm_analysis.diagnosis.replay.sensing import lagged, levelled, sensed, time_constant
+from rthm_core.clock import NS
 from rthm_core.spec import apply
 from rthm_core.spec.effect import sizes
 
@@ -184,14 +192,15 @@ class Experiment:
             kept = self._motions.get(key)
         if kept is None:
             kept = self._moved(bare, windows, between=between)
-        self._keep(self._motions, key, kept)
+        size = sum(one.nbytes for one in kept[0])
+        self._keep(self._motions, key, kept, max(MOTIONS_KEPT, MOTION_BYTES // max(size, 1)))
         return kept
 
-    def _keep(self, results: dict[Any, Any], key: Any, value: Any) -> None:
-        """Keep the results that were asked for last."""
+    def _keep(self, results: dict[Any, Any], key: Any, value: Any, most: int = INPUTS_KEPT) -> None:
+        """Keep the results that were asked for last, `most` of them before this one."""
         with self._lock:
             results.pop(key, None)
-            while len(results) > MOTIONS_KEPT:
+            while len(results) > most:
                 results.pop(next(iter(results)))
             results[key] = value
 
@@ -276,7 +285,8 @@ class Experiment:
         return kept
 
     def _longest_interval(self, spec: Spec) -> int:
-        return longest_interval(spec, sharp=self.sharp, coarse=self.is_draft)
+        of_motion = int(GRID_PERIOD_SHARE * self.evidence.period * NS)
+        return longest_interval(spec, of_motion, sharp=self.sharp, coarse=self.is_draft)
 
     @property
     def _quarter_sample_ns(self) -> int:

@@ -24,22 +24,28 @@ from rthm_analysis.diagnosis.criteria.replay import (
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, modes
 from rthm_analysis.diagnosis.replay.motor import drive_speed
 from rthm_core.clock import NS
+from rthm_core.effects.laws import has_inertia
 
 if TYPE_CHECKING:
     from rthm_core.compiled import Floats, Integers
     from rthm_core.spec import Spec
 
 
-def longest_interval(spec: Spec, *, sharp: bool, coarse: bool) -> int:
-    """Longest interval of the grid in ns; shorter where it is `sharp` and a wire remembers its path."""
-    fastest_motor = drive_speed(spec) if _remembers(spec) or _moves(spec) else 0.0
-    if not fastest_motor:
-        return LONGEST_GRID_INTERVAL_NS
+def longest_interval(spec: Spec, of_motion: int, *, sharp: bool, coarse: bool) -> int:
+    """Longest interval of the grid in ns: `of_motion` where that is longer and nothing is faster in itself;
+    shorter where it is `sharp` and a wire remembers its path.
+    """
+    longest = shortest = LONGEST_GRID_INTERVAL_NS
     if _remembers(spec):
-        angle = SHARP_GRID_RADIANS if sharp else TURN_GRID_RADIANS
+        angle, shortest = SHARP_GRID_RADIANS if sharp else TURN_GRID_RADIANS, 0
+    elif _moves(spec):
+        angle, shortest = DRAFT_GRID_RADIANS if coarse else TURN_GRID_RADIANS, 0
+    elif of_motion <= longest or _changes(spec):
+        return longest
     else:
-        angle = DRAFT_GRID_RADIANS if coarse else TURN_GRID_RADIANS
-    return min(LONGEST_GRID_INTERVAL_NS, int(angle / fastest_motor * NS))
+        angle, longest = TURN_GRID_RADIANS, of_motion
+    fastest_motor = drive_speed(spec)
+    return max(shortest, min(longest, int(angle / fastest_motor * NS))) if fastest_motor else longest
 
 
 def can_be_sharper(spec: Spec) -> bool:
@@ -97,3 +103,8 @@ def _moves(spec: Spec) -> bool:
     transmission = spec.actuator.transmission if spec.actuator else None
     pulley = transmission is not None and transmission.moves
     return pulley or any(e.block == "wire" and e.law.states for e in spec.effects)
+
+
+def _changes(spec: Spec) -> bool:
+    """Whether a law changes with time by itself, as a tone does; steps end where a mass changes."""
+    return any("t" in e.law.depends_on and not has_inertia(e.law) for e in spec.effects)

@@ -95,7 +95,7 @@ def windows(
     duration = evidence.longest
     length = None
     if short:
-        length = longer * SHORT_WINDOW_PERIODS * period(evidence)
+        length = longer * SHORT_WINDOW_PERIODS * evidence.period
     elif _drifts(spec, duration):
         length = min(longer * _shortest(evidence, duration), duration)
     instants = [np.arange(a, b, length) if length else np.full(1, a) for a, b in evidence.spans]
@@ -107,7 +107,7 @@ def windows(
             *spec.plant.initial_velocity,
         ]
     runs = Windows(start.astype(np.int64), state, length)
-    of_motion = period(evidence)
+    of_motion = evidence.period
     if known_start or evidence.driven_by != "force" or not of_motion > 0.0:
         return runs
     return refined(evidence, spec, runs, of_motion)
@@ -123,14 +123,7 @@ def _drifts(spec: Spec, duration: float) -> bool:
 
 def _shortest(evidence: Evidence, duration: float) -> float:
     shortest = WINDOW_FEWEST_SAMPLES * float(evidence.time[-1]) / evidence.time.size
-    return float(min(max(SHORTEST_WINDOW_PERIODS * period(evidence), shortest), duration))
-
-
-def period(evidence: Evidence) -> float:
-    """Mean period of the recorded motion, s."""
-    position = np.nan_to_num(evidence.measured[:, 0])
-    rate = evidence.rates(position)
-    return 2.0 * np.pi * float(position.std()) / max(float(rate.std()), 1e-300)
+    return float(min(max(SHORTEST_WINDOW_PERIODS * evidence.period, shortest), duration))
 
 
 def _step(evidence: Evidence) -> float:
@@ -141,7 +134,7 @@ def state_at(evidence: Evidence, spec: Spec, sample: int) -> Floats:
     """Position and velocity at a sample, from parabolas through its neighbours in the same recording."""
     assert spec.plant is not None
     dofs = spec.plant.dofs
-    width = min(START_HALF_WIDTH, max(2, int(START_PERIOD_SHARE * period(evidence) / _step(evidence))))
+    width = min(START_HALF_WIDTH, max(2, int(START_PERIOD_SHARE * evidence.period / _step(evidence))))
     here = next(one for one in reversed(evidence.recordings) if one.start <= sample)
     high = min(max(sample + width + 1, here.start + START_FEWEST_SAMPLES), here.stop)
     low = max(min(sample - width, high - START_FEWEST_SAMPLES), here.start)

@@ -12,7 +12,6 @@ from rthm_analysis.diagnosis.replay.evidence import MOTION
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.mechanics import Mechanics, mechanics, state_matrix, wire_forces
 from rthm_analysis.diagnosis.replay.model import EffectInstance
-from rthm_analysis.diagnosis.replay.windows import period
 from rthm_analysis.diagnosis.search.scene import seen_in
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.effects.registry import ranked
@@ -41,7 +40,7 @@ def harmonic_starts(
     count = TONE_PADDING * even.size
     omega = 2.0 * np.pi * np.fft.rfftfreq(count, step)
     band = (omega > 2.0 * np.pi / time[-1]) & (
-        omega < max(TONE_HIGHEST, TONE_HIGHEST_TO_MOTION * 2.0 * np.pi / period(evidence))
+        omega < max(TONE_HIGHEST, TONE_HIGHEST_TO_MOTION * 2.0 * np.pi / evidence.period)
     )
     spectra = []
     for column in residual.T:

@@ -15,11 +15,11 @@ from rthm_core.spec import Spec, apply
 from .test_diagnosis_between import MASS, recorded, two_dofs
 
 ARM, WEIGHT = 0.5, 4.0
-"""Of the rig: the mass that couples a cart with what turns on it, kg m, and the weight's largest moment, N m."""
+"""Of the rig: the mass that couples a cart with its pole, kg m, and the largest moment of the weight, N m."""
 
 
 def cart_and_pole(seed: int) -> Evidence:
-    """A cart on a spring and a pole on it, ``m(y) = ARM cos(2 y)``; their own masses are those of the plant."""
+    """A cart on a spring with a pole, ``m(y) = ARM cos(2 y)``; their own masses are those of the plant."""
 
     def forces(x: np.ndarray, v: np.ndarray) -> tuple[float, float]:
         return 2.0 * ARM * float(np.sin(2.0 * x[1])) * v[1] ** 2, -WEIGHT * float(np.sin(2.0 * x[1]))

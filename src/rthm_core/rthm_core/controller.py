@@ -13,6 +13,7 @@ import numpy as np
 from rthm_core.compensation import compensation
 from rthm_core.compensators import HIGHEST_ORDER, Compensation, compensated
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
+from rthm_core.lent import lent
 from rthm_core.substructure import as_built, interface
 
 if TYPE_CHECKING:
@@ -107,17 +108,17 @@ def control(controller, now, position_part, force_part):  # type: ignore[no-unty
 
 @compiled_in_place
 def _latch_state(controller: ControllerState, stamp: int, position: Floats, velocity: Floats) -> None:
-    latch_state(controller, stamp, position, velocity)
+    latch_state(lent(controller), stamp, position, velocity)
 
 
 @compiled_in_place
 def _latch_force(controller: ControllerState, stamp: int, force: Floats) -> None:
-    latch_force(controller, stamp, force)
+    latch_force(lent(controller), stamp, force)
 
 
 @compiled_in_place
 def _command(controller: ControllerState, now: int, out: Floats, force: Floats) -> None:
-    compensated(controller, now, out, force)
+    compensated(lent(controller), now, out, force)
     for i in range(out.size):
         out[i] += force[i] / controller.stiffness[i]
 

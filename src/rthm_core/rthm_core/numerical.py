@@ -13,6 +13,7 @@ import numpy as np
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place
 from rthm_core.errors import InputError
 from rthm_core.kept import kept_without_timing
+from rthm_core.lent import lent
 from rthm_core.linear import LinearSystem, linear_system, step_linear
 from rthm_core.loads import Loads, load, load_derivatives, smooth_until, together
 from rthm_core.substructure import as_built, held_dynamics, interface, substructure
@@ -121,12 +122,12 @@ def interface_force(numerical, motion, out):  # type: ignore[no-untyped-def]
 
 @compiled_in_place
 def _advance(numerical: Numerical, to_ns: int) -> None:
-    advance_numerical(numerical, to_ns)
+    advance_numerical(lent(numerical), to_ns)
 
 
 @compiled_in_place
 def _force(numerical: Numerical, out: Floats) -> None:
-    interface_force(numerical, numerical.held, out)
+    interface_force(lent(numerical), numerical.held, out)
 
 
 class NumericalSide:
@@ -179,4 +180,4 @@ class NumericalSide:
 
 @compiled_in_place
 def _loads_now(numerical: Numerical) -> None:
-    begin_numerical(numerical)
+    begin_numerical(lent(numerical))

@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled, copy_into
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into
 from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
+from rthm_core.lent import lent
 from rthm_core.numerical import Numerical, begin_numerical
 from rthm_core.physical.advance import Physical, present_rate, set_command
 from rthm_core.physical.laws import FRICTION, PARTITION, POSITION, VELOCITY
@@ -155,10 +156,10 @@ def _write(balance, dy, row):  # type: ignore[no-untyped-def]
         row[TERM_COUNT + 1 + n1 + n2 + i] = rate
 
 
-@compiled
+@compiled_in_place
 def account(balance: Balance, events: Events, rows: Floats) -> None:
     """Carry the energy balance over `events`; row i of `rows` (s, `row_width`) is written at sample i."""
-    dy = np.empty(balance.physical.state.y.size)
+    balance, dy = lent(balance), balance.ledger.dy
     _bear(balance, events.load[0])
     for e in range(events.time.size):
         i = events.index[e]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Floats, Integers, called, compiled_in_place, inlined
+from rthm_core.lent import lent
 from rthm_core.linear import step_linear
 from rthm_core.loads import load_derivatives, smooth_until
 from rthm_core.physical.drive import RATE, conditioned, motor_position, motor_velocity
@@ -223,12 +224,13 @@ def present_rate(physical, dy):  # type: ignore[no-untyped-def]
 @compiled_in_place
 def advance_to(physical: Physical, to_ns: int) -> None:
     """Advance to an instant (compiled face)."""
-    advance_physical(physical, to_ns)
+    advance_physical(lent(physical), to_ns)
 
 
 @compiled_in_place
 def command_and_advance(physical: Physical, at_ns: int, command: Floats) -> None:
     """Advance to an instant and give the motors a command there (compiled face)."""
+    physical = lent(physical)
     advance_physical(physical, at_ns)
     set_command(physical, command)
 
@@ -236,5 +238,6 @@ def command_and_advance(physical: Physical, at_ns: int, command: Floats) -> None
 @compiled_in_place
 def advance_and_sample(physical: Physical, stamp: int, out: Floats) -> None:
     """Advance to an instant and measure everything there (compiled face)."""
+    physical = lent(physical)
     advance_physical(physical, stamp)
     sample_physical(physical, stamp, out)

@@ -11,6 +11,7 @@ from rthm_core.engine.linear.loop import Exosystem, exosystem, with_loads
 from rthm_core.engine.nonlinear.loop import alone
 from rthm_core.engine.nonlinear.run import rows_alone
 from rthm_core.exponential import exponentials
+from rthm_core.lent import lent
 from rthm_core.physical.advance import Physical, advance_physical, listed_loads, present_rate
 
 
@@ -31,7 +32,7 @@ class Motion(NamedTuple):
 @compiled_in_place
 def _follow(side: Physical, instants: Integers, rate: Floats, motion: Motion) -> None:
     """Motion at ascending instants in ns, by advancing to each; `rate` (ny,) is scratch."""
-    n = motion.x.shape[1]
+    side, n = lent(side), motion.x.shape[1]
     for row in range(instants.size):
         advance_physical(side, instants[row])
         present_rate(side, rate)

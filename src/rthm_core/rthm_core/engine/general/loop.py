@@ -10,6 +10,7 @@ from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy
 from rthm_core.controller import ControllerState, control, latch_force, latch_state
 from rthm_core.energy import total_energy
 from rthm_core.engine.general.ledger import Ledger, advance_counting
+from rthm_core.lent import lent
 from rthm_core.numerical import Numerical, advance_numerical, interface_force
 from rthm_core.physical.advance import Physical, advance_physical, present_force, set_command
 from rthm_core.physical.laws import DOF
@@ -121,7 +122,7 @@ def _output(loop, row):  # type: ignore[no-untyped-def]
 @compiled_in_place
 def run(loop: Loop, events: Events, out: Floats, first_row: int) -> None:
     """Execute `events` in order; row r of the outputs goes to ``out[r - first_row]``."""
-    counting = loop.ledger.on
+    loop, counting = lent(loop), loop.ledger.on
     for e in range(events.time.size):
         t, what = events.time[e], events.what[e]
         if counting and what != COMMAND:

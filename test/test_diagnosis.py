@@ -98,6 +98,7 @@ def test_dry_friction_beside_a_cubic_spring_is_not_taken_for_that_of_stribeck(tm
     assert all(other["distinguishable"] for other in said["alternatives"])
 
 
+@pytest.mark.long
 def test_a_motor_of_second_order_that_is_quick_is_not_called_a_delay(tmp_path: Path) -> None:
     case = make_case(3945819810880683029, (("motor", "second_order"),), 0.02, tmp_path, duration=30.0)
     said = diagnosed(case)

@@ -26,7 +26,7 @@ from rthm_core.clock import NS
 from rthm_core.spec import shipped_spec
 
 pytestmark = [pytest.mark.graph, pytest.mark.usefixtures("nothing_left")]
-OFTEN = ("nan", "controller-stopped", "operator-service", "operator-heartbeat")
+OFTEN = ("nan", "operator-service", "operator-heartbeat")
 """Faults that are made in every run of the tests; the others take long."""
 
 

@@ -30,7 +30,9 @@ def test_nothing_is_missing_where_no_velocity_tells_how_the_motion_began(draw: D
     assert diagnose(read_recording(bag_of(draw, spec, path)), spec).verdict == "match"
 
 
-@pytest.mark.parametrize("draw", [PULLS, SLACKENS], ids=lambda one: one.kind)
+@pytest.mark.parametrize(
+    "draw", [pytest.param(PULLS, marks=pytest.mark.long), SLACKENS], ids=lambda one: one.kind
+)
 def test_what_dominates_lets_the_motion_be_bounded(draw: Draw) -> None:
     spec = spec_of(draw)
     motion = simulate(spec, DURATION, 0.01, energies=False).plant_position

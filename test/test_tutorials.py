@@ -21,7 +21,7 @@ PAGES = [
     ROOT / "README.md",
     *(page for page in sorted((ROOT / "docs" / "tutorials").glob("*.md")) if page != HOSTS),
     pytest.param(ROOT / "docs" / "how-to" / "answers.md", marks=pytest.mark.long),
-    ROOT / "docs" / "how-to" / "compare-tests.md",
+    pytest.param(ROOT / "docs" / "how-to" / "compare-tests.md", marks=pytest.mark.long),
     ROOT / "docs" / "how-to" / "test-a-component.md",
 ]
 LARGEST_PICTURE = 150_000

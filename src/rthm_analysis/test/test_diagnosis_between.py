@@ -113,6 +113,7 @@ def test_a_law_of_no_library_between_two_dofs_is_told_as_its_formula() -> None:
     assert product in ("v * x**2", "x**2 * v")
 
 
+@pytest.mark.long
 def test_each_entry_of_a_matrix_is_as_uncertain_as_the_spec_says() -> None:
     off = STIFFNESS * np.array([[1.04, 0.97], [0.97, 0.95]])
     seen = recorded(lambda x, v: between(-0.06 * np.tanh(1e4 * (v[0] - v[1]))))

@@ -42,7 +42,7 @@ def diagnosed(seen: Evidence, spec: Spec) -> Diagnosis:
     return joined([physical_part(diagnose_physical(seen, spec, np.empty(0), lambda said: None))], spec)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_numbers_of_a_coupling_and_of_a_force_that_are_off_are_told_within_their_spread(seed: int) -> None:
     found = diagnosed(cart_and_pole(seed), stated(0.9 * ARM, 1.1 * WEIGHT))
     assert found.verdict == "retuned" and not found.physics

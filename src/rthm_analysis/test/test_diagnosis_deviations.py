@@ -34,6 +34,7 @@ def lagging(evidence: Evidence) -> Evidence:
     return replace(evidence, load=force(evidence.time) + LAG * force(evidence.time, 1))
 
 
+@pytest.mark.long
 def test_the_lag_of_a_force_is_told_and_taken_out() -> None:
     seen = lagging(plain())
     lag = deviation(found(seen))
@@ -78,6 +79,7 @@ def test_a_share_of_a_force_that_acts_on_another_dof_is_told_and_added() -> None
     assert np.abs(mended.evidence.load - acting.load).max() < 0.02 * np.abs(acting.load).max()
 
 
+@pytest.mark.long
 def test_a_sensor_that_reads_a_share_of_another_dof_is_told_and_put_right() -> None:
     spec, moved = of_two_dofs()
     share = np.zeros((4, 4))

@@ -94,7 +94,7 @@ DELAYS = ("timing.tau1", "timing.tau2", "timing.tau3", "timing.tau4")
 CLOCKS = ("timing.td1", "timing.td2", "timing.td3")
 
 
-@pytest.mark.parametrize("name", ["paper", "three_mass"])
+@pytest.mark.parametrize("name", ["paper", pytest.param("three_mass", marks=pytest.mark.long)])
 @pytest.mark.parametrize("keys", [DELAYS, CLOCKS, (*DELAYS, *CLOCKS)], ids=["delays", "clocks", "both"])
 @pytest.mark.parametrize("sample", [0.0034, 0.37], ids=["often", "seldom"])
 def test_loops_with_times_of_their_own_move_like_each_alone(name, keys, sample):

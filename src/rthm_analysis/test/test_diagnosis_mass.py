@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rthm_analysis.diagnosis.missing.curves import CurveFit, free_curves
-from rthm_analysis.diagnosis.missing.describe import described, told
+from rthm_analysis.diagnosis.missing.describe import described, plainest, told
 from rthm_analysis.diagnosis.missing.formulas import shown_by
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.side import diagnose_physical
@@ -39,6 +39,14 @@ def test_a_mass_that_changes_is_told_with_its_change(mass, last: float) -> None:
 
 def test_a_mass_that_is_another_throughout_does_not_change() -> None:
     one = _told(recorded(mass=lambda t, x: 1.05 * MASS))
+    assert one is None or not one.feature.of_mass
+
+
+def test_a_mass_that_changes_at_once_is_told_by_no_curve_but_lets_its_kind_be_tried() -> None:
+    seen = recorded(mass=lambda t, x: MASS + (0.06 if t > 0.3 else 0.0))
+    curves = free_curves(left_of(seen, train=seen.trained))
+    shown, one = plainest(curves), told(curves)
+    assert shown is not None and shown.feature.of_mass
     assert one is None or not one.feature.of_mass
 
 

@@ -22,6 +22,10 @@ MOST_LOST = 0.9
 PLACES = 12
 """Instants within a recording at which a fit may begin."""
 
+EARLY = 0.1
+"""Part of the time to the first of them at which a fit may begin, too: what changes so soon is nearly another
+mass throughout."""
+
 SPANS = (0.1, 0.3)
 """Parts of a recording that a change takes where a fit of a slow one may begin."""
 
@@ -78,9 +82,8 @@ class MassChange(Joining):
         first, last = float(signals.time[0]), float(signals.time[-1])
         apart = (last - first) / PLACES
         for share in (0.0, *SPANS):
-            for at in np.arange(
-                first + (0.5 if share else 1.0) * apart, last - share * (last - first), apart
-            ):
+            later = np.arange(first + (0.5 if share else 1.0) * apart, last - share * (last - first), apart)
+            for at in (*([] if share else [first + EARLY * apart]), *later):
                 values = {"change": _trial(signals), "at": float(at), "within": share * (last - first)}
                 fixed = () if share else ("within",)
                 yield Guess(values, ("change",), signed=True, fixed=fixed, scales={"at": apart})

@@ -46,8 +46,13 @@ def is_confirmed(one: CurveFit) -> bool:
 
 
 def told(curves: list[CurveFit]) -> CurveFit | None:
-    """Curve that is told: over the fewest variables that explain as much as any; None where unconfirmed."""
-    confirmed = [one for one in curves if is_confirmed(one) and not _is_steady_mass(one)]
+    """Curve that is told: the plainest, but for masses that hardly change; None where unconfirmed."""
+    return plainest([one for one in curves if not _is_steady_mass(one)])
+
+
+def plainest(curves: list[CurveFit]) -> CurveFit | None:
+    """Curve over the fewest variables that explain as much as any; None where unconfirmed."""
+    confirmed = [one for one in curves if is_confirmed(one)]
     if not confirmed:
         return None
     best = max(confirmed, key=_gain_beyond_position)

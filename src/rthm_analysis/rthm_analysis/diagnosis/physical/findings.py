@@ -9,7 +9,7 @@ from rthm_analysis.diagnosis.criteria.verdict import (
     RETUNED_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.enumerated import enumerated
-from rthm_analysis.diagnosis.missing.describe import described, told
+from rthm_analysis.diagnosis.missing.describe import described, plainest, told
 from rthm_analysis.diagnosis.physical.composing import compose_best
 from rthm_analysis.diagnosis.physical.confirming import (
     because,
@@ -173,7 +173,8 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
         if not any(one.in_train for one in judged.left_over):
             return judged, unconfirmed(judged)
         free = told(judged.told_missing.curves)
-        if free is not None and (shown := with_shown_kind(judged, free)) is not None:
+        plain = plainest(judged.told_missing.curves)
+        if plain is not None and (shown := with_shown_kind(judged, plain)) is not None:
             return shown, _beside_shown(shown)
         of_mass = free is not None and free.feature.of_mass and is_foretold(free)
         rests = judged.physical.evidence.comes_to_rest

@@ -44,10 +44,7 @@ def _begun(physical: Physical) -> Iterator[Deviation]:
     evidence, plant = physical.evidence, physical.spec.plant
     assert plant is not None
     yield ForceLag.begun(evidence)
-    if len(plant.dofs) > 1:
-        yield ForceLeak.of(evidence, plant.dofs)
-    if (crosstalk := Crosstalk.of(evidence)).pairs:
-        yield crosstalk
+    yield from (one for one in (ForceLeak.of(evidence, plant.dofs), Crosstalk.of(evidence)) if one.pairs)
 
 
 def _fitted(physical: Physical, one: Deviation, runs: Windows, predicted: Floats) -> Deviation | None:

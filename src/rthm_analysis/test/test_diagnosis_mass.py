@@ -74,8 +74,13 @@ def test_a_stiffness_that_changes_is_no_mass() -> None:
             "mass_change",
             {"change": 0.15, "at": 4.0, "within": 3.0},
         ),
+        (
+            lambda t, x: MASS + (0.06 if t > 0.712 else 0.0),
+            "mass_change",
+            {"change": 0.06, "at": 0.712},
+        ),
     ],
-    ids=["drops off", "is scooped", "joins slowly"],
+    ids=["drops off", "is scooped", "joins slowly", "joins early"],
 )
 def test_a_mass_that_changes_is_an_effect_of_the_patched_spec(mass, kind: str, truth) -> None:  # type: ignore[no-untyped-def]
     seen = recorded(mass=mass, duration=15.0)

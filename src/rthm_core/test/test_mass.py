@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rthm_core.compiled import compiled
+from rthm_core.effects.guess import instants
 from rthm_core.engine import simulate
 from rthm_core.errors import InputError
 from rthm_core.physical.advance import present_rate
@@ -121,3 +122,13 @@ def test_more_than_there_is_cannot_leave() -> None:
     assert np.isfinite(simulate(having(alone(), leak=leak), 3.9, 0.01).plant_position).all()
     with pytest.raises(InputError, match="duration 5 s is not allowed"):
         simulate(having(alone(), leak=leak), 5.0, 0.01)
+
+
+def test_fits_begin_where_the_motion_is_and_after_it() -> None:
+    time = np.linspace(0.0, 60.0, 6001)
+    steady = instants(time, np.sin(40.0 * time))
+    np.testing.assert_allclose(np.diff(steady), 5.0, atol=0.1)
+    decaying = instants(time, np.exp(-time) * np.sin(40.0 * time))
+    assert (decaying[0], decaying[-1]) == (0.0, 60.0) and np.all(np.diff(decaying) > 0.0)
+    assert np.count_nonzero(decaying < 2.0) >= 6 and np.count_nonzero(decaying > 2.0) >= 6
+    np.testing.assert_allclose(np.diff(instants(time, np.zeros(6001))), 5.0)

@@ -8,6 +8,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+INSTANTS = 12
+"""Parts into which the instants divide a recording at which a fit of what begins may begin."""
+
 TRIAL_FORCE = 0.02
 """Force of an effect in its trial replay, as a part of the force that drives the dof."""
 
@@ -129,3 +132,18 @@ class Guess:
 def rms(signal: Any) -> float:
     """Root mean square."""
     return float(np.sqrt(np.mean(np.square(signal)))) if signal.size else 0.0
+
+
+def instants(time: Any, a: Any, parts: int = INSTANTS) -> Any:
+    """Instants (parts + 1,) that divide a recording into parts of equal weight: half of it is time, half the
+    squared acceleration. Where the motion dies away they follow it, and some are in the rest all the same.
+
+    Parameters
+    ----------
+    time, a : (s,) arrays
+        s and m/s^2.
+    parts : int
+    """
+    power = np.cumsum(np.square(a))
+    share = (time - time[0]) / (time[-1] - time[0]) + power / (power[-1] or 1.0)
+    return np.interp(np.linspace(share[0], share[-1], parts + 1), share, time)

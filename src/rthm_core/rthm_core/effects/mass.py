@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rthm_core.effects.declaration import EffectParameter
-from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
+from rthm_core.effects.guess import INSTANTS, TRIAL_FORCE, Guess, Signals, instants, rms
 from rthm_core.effects.laws import PlantLaw
 from rthm_core.effects.possible import Seen, Values
 from rthm_core.effects.registry import register
@@ -19,14 +19,11 @@ from rthm_core.effects.registry import register
 MOST_LOST = 0.9
 """Share of the mass of a dof up to which a fit may take it away."""
 
-PLACES = 12
-"""Instants within a recording at which a fit may begin."""
-
 EARLY = 0.1
-"""Part of the time to the first of them at which a fit may begin, too: what changes so soon is nearly another
-mass throughout."""
+"""Part of the time to the first of the instants at which a fit may begin at which it may begin, too: what
+changes so soon is nearly another mass throughout."""
 
-SPANS = (0.1, 0.3)
+SPANS = (1, 3)
 """Parts of a recording that a change takes where a fit of a slow one may begin."""
 
 
@@ -79,14 +76,20 @@ class MassChange(Joining):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """At once, and slowly, at instants all over the recording."""
-        first, last = float(signals.time[0]), float(signals.time[-1])
-        apart = (last - first) / PLACES
-        for share in (0.0, *SPANS):
-            later = np.arange(first + (0.5 if share else 1.0) * apart, last - share * (last - first), apart)
-            for at in (*([] if share else [first + EARLY * apart]), *later):
-                values = {"change": _trial(signals), "at": float(at), "within": share * (last - first)}
-                fixed = () if share else ("within",)
-                yield Guess(values, ("change",), signed=True, fixed=fixed, scales={"at": apart})
+        at, change = instants(signals.time, signals.a), _trial(signals)
+        parts = np.diff(at)
+
+        def guess(begin: float, within: float, apart: float) -> Guess:
+            values = {"change": change, "at": begin, "within": within}
+            return Guess(
+                values, ("change",), signed=True, fixed=() if within else ("within",), scales={"at": apart}
+            )
+
+        yield guess(at[0] + EARLY * parts[0], 0.0, parts[0])
+        yield from (guess(begin, 0.0, apart) for begin, apart in zip(at[1:], parts, strict=True))
+        for span in SPANS:
+            for begin, end, apart in zip(at[:-span], at[span:], parts, strict=False):
+                yield guess(begin + 0.5 * apart, end - begin, apart)
 
     @staticmethod
     def inertia(x, v, z, t, p, mode):  # type: ignore[no-untyped-def]
@@ -119,10 +122,11 @@ class GrowingMass(Joining):
     @classmethod
     def guesses(cls, signals: Signals) -> Iterator[Guess]:
         """From the beginning on, and from instants in the first half."""
-        rate, last = _trial(signals) / float(signals.time[-1]), float(signals.time[-1])
+        rate = _trial(signals) / float(signals.time[-1])
         yield Guess({"rate": rate, "at": 0.0}, ("rate",), signed=True, fixed=("at",))
-        for at in np.arange(1, PLACES // 2) * last / PLACES:
-            values, scales = {"rate": rate, "at": float(at)}, {"at": last / PLACES}
+        at = instants(signals.time, signals.a)
+        for begin, apart in zip(at[1 : INSTANTS // 2], np.diff(at), strict=False):
+            values, scales = {"rate": rate, "at": float(begin)}, {"at": apart}
             yield Guess(values, ("rate",), signed=True, scales=scales)
 
     @staticmethod

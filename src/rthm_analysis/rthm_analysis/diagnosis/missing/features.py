@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.criteria.missing import (
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_core.compiled import Floats, Integers
 from rthm_core.effects.formula import evaluated
+from rthm_core.effects.guess import instants
 
 NOTHING = np.empty(0)
 
@@ -185,7 +186,7 @@ def features(at: Along) -> Iterator[Feature]:
     yield feature("v t", Curve("v", "t", slow), Curve("sign(v)", "t", slow))
     yield feature("x t", Curve("x", "t", line), straight=True)
     yield feature("v t", Curve("v", "t", line), Curve("sign(v)", "t", line), straight=True)
-    for in_time in (slow, line):
+    for in_time in (instants(t, at.a, TIME_CURVE_KNOTS - 1), line):
         of_mass = Curve("a", "t", in_time)
         yield Feature(("a", "t"), with_mass, (of_mass,), in_time is line, judges=False)
     if np.any(load):

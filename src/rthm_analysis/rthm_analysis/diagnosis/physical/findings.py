@@ -37,7 +37,7 @@ from rthm_analysis.diagnosis.physical.plainer_terms import with_plainer_terms
 from rthm_analysis.diagnosis.physical.push import LEFT_OUT
 from rthm_analysis.diagnosis.physical.remainder import Remainder
 from rthm_analysis.diagnosis.physical.rounding import rounded_section, rounded_sensors
-from rthm_analysis.diagnosis.physical.shown_kinds import with_shown_kind
+from rthm_analysis.diagnosis.physical.shown_kinds import with_changed_mass, with_shown_kind
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.unconfirmed import unconfirmed
 from rthm_analysis.diagnosis.physical.unforeseen import is_foretold, unforeseen
@@ -164,6 +164,7 @@ def _helps(judged: Judgement) -> bool:
 
 def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
     """The force that is left, described, and a formula of it in the model where one was earned."""
+    judged = with_changed_mass(judged) or judged
     if not (judged.settled or judged.is_driven_wrong):
         if not judged.earned and wires_are_off(judged.physical):
             composed = compose_wires(judged)

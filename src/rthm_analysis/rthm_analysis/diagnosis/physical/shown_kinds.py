@@ -1,8 +1,10 @@
-"""Kinds that are looked for where a free curve shows them: a mass that changes, over the acceleration."""
+"""Kinds that are looked for where a free curve shows them: a mass that changes, over the acceleration; it is
+also tried where another mass throughout, or what imitates one, is told and leaves something.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection
 from dataclasses import replace
 from typing import TypeVar
 
@@ -19,6 +21,7 @@ from rthm_analysis.diagnosis.missing.curves import CurveFit
 from rthm_analysis.diagnosis.physical.fewer import judged_of
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
+from rthm_analysis.diagnosis.replay.entries import entry_of
 from rthm_analysis.diagnosis.search.judging import (
     FittedCandidate,
     best_of_labels,
@@ -40,39 +43,72 @@ def with_shown_kind(judged: Judgement, curve: CurveFit) -> Judgement | None:
     """The model with the best kind that is shown by a variable of a free curve, beside what was earned
     before, judged; None where there is no such kind, or it is not earned.
     """
-    physical, base = judged.physical, judged.told_fit
-    starts = list(_starts(physical, curve, base))
-    tried = _tried(physical, base, starts) if starts else []
-    if not tried or not better(tried[0], base):
+    selection, base = judged.physical.selection, judged.told_fit
+    starts = _starts(judged.physical, curve.site, curve.feature.depends_on, base)
+    tried = _tried(judged.physical, base, starts)
+    return _with(judged, selection.base, selection.rounds if judged.earned else [], tried) if tried else None
+
+
+def with_changed_mass(judged: Judgement) -> Judgement | None:
+    """The model with a mass that changes, judged, where it is nearer than what is told: another mass
+    throughout, or a kind that imitates one. None where what is told leaves nothing but noise.
+    """
+    physical = judged.physical
+    base, place = physical.nominal, _place_of_mass(judged)
+    if place is None or not any(one.in_train for one in judged.left_over):
         return None
-    before = physical.selection.rounds if judged.earned else []
-    selection = replace(physical.selection, best=tried[0].fitted, rounds=[*before, tried])
-    after = judged_of(replace(physical, selection=selection))
+    tried = _tried(physical, base, _starts(physical, place, ("a",), base))
+    return _with(judged, base, [], tried) if tried and better(tried[0], judged.told_fit) else None
+
+
+def _place_of_mass(judged: Judgement) -> str | None:
+    """Dof of which another mass was told, or an effect that imitates others, and nothing else; None where
+    there is no such dof.
+    """
+    selection, plant = judged.physical.selection, judged.physical.spec.plant
+    changed = [entry_of(one.key) for one in selection.base.model.parameters]
+    if judged.earned:
+        one, *others = (tried[0].label for tried in selection.rounds)
+        alone = selection.imitates and not (others or changed)
+        return one[2] if alone and one[0] == "plant" else None
+    if len(changed) != 1 or changed[0] is None or plant is None:
+        return None
+    name, dof = changed[0]
+    return plant.dofs[dof] if name == "plant.mass" else None
+
+
+def _with(
+    judged: Judgement, base: Fitted, before: list[list[FittedCandidate]], tried: list[FittedCandidate]
+) -> Judgement | None:
+    """The model with the first of some fitted kinds behind others, judged; None where it is not earned."""
+    selection = replace(judged.physical.selection, base=base, best=tried[0].fitted, rounds=[*before, tried])
+    after = judged_of(replace(judged.physical, selection=selection))
     return after if after.earned else None
 
 
-def _starts(physical: Physical, curve: CurveFit, base: Fitted) -> Iterator[InitialGuess]:
-    """Where fits of these kinds begin on the dof of a curve, which has one of them at most; none between two
-    dofs.
+def _starts(physical: Physical, place: str, variables: Collection[str], base: Fitted) -> list[InitialGuess]:
+    """Where fits of the kinds begin that are shown by some variables, on a dof which has one of them at most;
+    none between two dofs.
     """
-    if place_keys(curve.site)[1] is not None:
-        return
+    if place_keys(place)[1] is not None:
+        return []
     spec, fitting = base.model.spec, physical.fitting
     there = {(one.law.shown_by, one.place) for one in spec.effects}
     motion = fitting.experiment.motion(spec, fitting.windows)
-    scene = dof_scene(spec, fitting.experiment.evidence, motion, curve.site)
-    for variable in curve.feature.depends_on:
-        if (variable, curve.site) not in there:
-            for law in ranked("plant", shown_by=variable):
-                yield from guessed(law, "plant", curve.site, scene, scene.seen)
+    scene = dof_scene(spec, fitting.experiment.evidence, motion, place)
+    asked = [variable for variable in variables if (variable, place) not in there]
+    laws = (law for variable in asked for law in ranked("plant", shown_by=variable))
+    return [one for law in laws for one in guessed(law, "plant", place, scene, scene.seen)]
 
 
 def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list[FittedCandidate]:
-    """Fits of the training part, the best of each kind, best first.
+    """Fits of the training part, the best of each kind that is better than none, best first.
 
     What begins at once and what takes its time are fitted to the end: the one that is nearer at first need
     not be the law.
     """
+    if not starts:
+        return []
     fitting = physical.fitting
     fitting.progress(f"refining {', '.join(dict.fromkeys(one.added.kind for one in starts))}")
     fitting.budget.allow(SHOWN_KIND_BUDGET)
@@ -90,7 +126,7 @@ def _tried(physical: Physical, base: Fitted, starts: list[InitialGuess]) -> list
     found = best_of_labels([finished_by_itself(fitting, _elsewhere(fitting, one)) for one in firsts])
     if found:
         fitting.reduced_chi2 = reduced_chi2(fitting, found[0].fitted)
-    return found
+    return found if found and better(found[0], base) else []
 
 
 def _elsewhere(fitting: Fitting, one: FittedCandidate) -> FittedCandidate:

@@ -20,6 +20,9 @@ FINISHED_CHI2 = 1.02
 """Reduced chi-squared above which something may be left: the fit of an effect goes on before more is looked
 for."""
 
+SUFFICIENT_LEFT_SHARE = 0.05
+"""Share of the mismatch that a plain kind may leave in a draft that then tries none of many short steps."""
+
 RELEVANT_SHARE_OF_FIRST = 0.03
 """Share of the first mismatch that an effect must explain where no model reaches the noise."""
 

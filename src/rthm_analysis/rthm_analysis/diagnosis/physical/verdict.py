@@ -309,8 +309,8 @@ class Judgement:
     def _is_enough_at_noise(self) -> bool:
         """Whether effects remove what there is of a mismatch, and leave no curve that they should have been.
 
-        Several, and what can imitate others, have certain values; several that can imitate others, or are
-        terms of one curve, leave nothing.
+        Several, and what can imitate others, have certain values, but for one that remembers what nothing
+        else does; several that can imitate others, or are terms of one curve, leave nothing.
         """
         selection = self.physical.selection
         if self.mismatch > MISMATCH_SHARE_OF_ERROR and (
@@ -318,7 +318,7 @@ class Judgement:
         ):
             return False
         if len(selection.rounds) == 1:
-            return not (selection.imitates and self._is_vague)
+            return not (selection.imitates and self._is_vague) or self._remembers
         return not (self._is_vague or self._leaves_some)
 
     @property

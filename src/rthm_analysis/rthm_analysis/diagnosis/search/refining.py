@@ -11,6 +11,7 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.fitting import FIT_GAIN, POOR_FIT_CHI2
 from rthm_analysis.diagnosis.criteria.search import (
+    FINISHED_CHI2,
     FINISHING_GAIN,
     FINISHING_STEPS,
     HEAT_ERROR_RATIO,
@@ -19,6 +20,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     NEAR_NOISE_CHI2,
     RELEVANT_SHARE_OF_FIRST,
     STARTING_SIZE_SHARES,
+    SUFFICIENT_LEFT_SHARE,
 )
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import Model
@@ -47,7 +49,8 @@ def refined(
     quick, slow = ([one for one in promising if one.start.added.law.kinked == way] for way in (False, True))
     begun = partial(_begun_fits, fitting, fitted, known)
     tried = _in_heats(fitting, known, begun(quick, []))
-    if slow and not any(_suffices(fitting, one) for one in tried):
+    enough = _sufficient_chi2(fitting, fitted)
+    if slow and not any(_suffices(fitting, one, enough) for one in tried):
         tried = _in_heats(fitting, known, [*tried, *begun(slow, tried)])
     meaningful = [one for one in tried if _meaningful(one)]
     ordered = _simplest_first(fitting, best_of_labels(meaningful), fitted)
@@ -93,9 +96,18 @@ def _in_heats(fitting: Fitting, known: Floats, tried: list[FittedCandidate]) -> 
     return tried
 
 
-def _suffices(fitting: Fitting, tried: FittedCandidate) -> bool:
+def _sufficient_chi2(fitting: Fitting, before: Fitted) -> float:
+    """Reduced chi-squared below which a plain kind leaves no room for others.
+
+    What a draft may leave for being coarse is the whole of a mismatch that is small itself.
+    """
+    of_mismatch = 1.0 + SUFFICIENT_LEFT_SHARE * (reduced_chi2(fitting, before) - 1.0)
+    return min(noise_and_no_more(fitting), max(FINISHED_CHI2, of_mismatch))
+
+
+def _suffices(fitting: Fitting, tried: FittedCandidate, enough: float) -> bool:
     """Whether a plain kind leaves noise and no more."""
-    return not tried.law.flexible and reduced_chi2(fitting, tried.fitted) < noise_and_no_more(fitting)
+    return not tried.law.flexible and reduced_chi2(fitting, tried.fitted) < enough
 
 
 def unfitted(start: InitialGuess, fitted: Fitted, model: Model) -> FittedCandidate:

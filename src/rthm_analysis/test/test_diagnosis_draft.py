@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.fitting.fitting import Fitting
+from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.noise import white_noise
 from rthm_analysis.diagnosis.physical import drafting
 from rthm_analysis.diagnosis.physical.beginning import Baseline
@@ -16,6 +18,7 @@ from rthm_analysis.diagnosis.physical.explaining import is_behind
 from rthm_analysis.diagnosis.replay.experiment import Experiment
 from rthm_analysis.diagnosis.replay.model import Model
 from rthm_analysis.diagnosis.replay.windows import Windows, windows
+from rthm_analysis.diagnosis.search import refining
 from rthm_analysis.diagnosis.search.choosing import choose, never
 from rthm_analysis.diagnosis.search.judging import Selection, reduced_chi2
 from rthm_core.physical.side import first_command
@@ -113,3 +116,15 @@ def test_a_sensor_that_lags_takes_one_replay() -> None:
     plain.predicted(PAPER, runs)
     lagging.predicted(having("sensor.velocity", "lag", time_constant=0.01), runs)
     assert len(lagging._motions) == len(plain._motions) == 1
+
+
+@pytest.mark.parametrize(
+    ("draft", "before", "enough"), [(True, 100.0, 1.2), (True, 2.6, 1.08), (False, 100.0, 1.02)]
+)
+def test_a_plain_kind_suffices_in_a_draft_of_a_small_mismatch_only_where_it_leaves_little_of_it(
+    monkeypatch: pytest.MonkeyPatch, draft: bool, before: float, enough: float
+) -> None:
+    monkeypatch.setattr(refining, "reduced_chi2", lambda fitting, fitted: fitted)
+    fitting = SimpleNamespace(experiment=SimpleNamespace(is_draft=draft))
+    found = refining._sufficient_chi2(cast("Fitting", fitting), cast("Fitted", before))
+    assert found == pytest.approx(enough)

@@ -118,6 +118,16 @@ def test_no_more_changes_of_a_model_are_told_than_are_looked_for(monkeypatch: py
     assert earned(plant(damping=0.2), "plant.damping[0]")
 
 
+@pytest.mark.parametrize("remembers", [False, True])
+def test_what_imitates_is_named_with_values_that_are_not_told_where_only_its_memory_explains(
+    monkeypatch: pytest.MonkeyPatch, remembers: bool
+) -> None:
+    for name, said in (("mismatch", 0.0), ("_is_vague", True), ("_remembers", remembers)):
+        monkeypatch.setattr(Judgement, name, said)
+    physical = SimpleNamespace(selection=SimpleNamespace(rounds=[0], imitates=True))
+    assert Judgement(cast("Physical", physical), {})._is_enough_at_noise is remembers
+
+
 def test_what_shows_in_the_unseen_part_alone_is_told_as_unconfirmed() -> None:
     part = part_of(recorded(lambda t, x, v: -40.0 * max(x - 0.05, 0.0) if t > 19.0 else 0.0))
     assert not part.physics and not part.effects

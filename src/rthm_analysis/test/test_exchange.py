@@ -300,6 +300,47 @@ def test_a_table_in_degrees_below_title_lines_says_what_was_understood(tmp_path:
     assert turn.words.startswith("position x1 is Theta in deg: -0.524 to 0.524 rad")
 
 
+@pytest.mark.parametrize(
+    ("head", "times"),
+    [
+        ("Messung;Stand 3;\nDatum;12.03.2026;\nZeit [s];Weg [mm];Note", "0,0 0,1 0,2"),
+        ("Rate,500,\nTime,Weg,Note\ns,mm,", "0.0 0.1 0.2"),
+        ("t_ms,Weg [mm],Note", "0 100 200"),
+        ("Elapsed [ms],Weg [mm],Note", "0 100 200"),
+        ("timestamp,Weg [mm],Note", "23:59:59.8 23:59:59.9 00:00:00.0"),
+        (
+            "timestamp,Weg [mm],Note",
+            "2026-03-31T23:59:59.8Z 2026-03-31T23:59:59.9Z 2026-04-01T01:00:00.0+01:00",
+        ),
+        ("Datum;Weg [mm];Note", "31.03.2026T23:59:59,8 31.03.2026T23:59:59,9 1.4.2026T0:00:00,0"),
+        ("Date,Weg [mm],Note", "3/31/2026T23:59:59.8 3/31/2026T23:59:59.9 4/1/2026T0:00:00.0"),
+    ],
+    ids=["titles", "units", "name with unit", "unit alone", "midnight", "iso", "days first", "month first"],
+)
+def test_tables_are_read_as_laboratories_write_them(tmp_path: Path, head: str, times: str) -> None:
+    """Titles as wide as the table, remarks beside the numbers, and time in any form."""
+    separator, decimal = (";", ",") if ";" in head else (",", ".")
+    moved, notes = [0.5, 1.5, -2.5], ["", "here it knocked", ""]
+    texts = [f"{value}".replace(".", decimal) for value in moved]
+    rows = [separator.join(row) for row in zip(times.split(), texts, notes, strict=True)]
+    file = table(tmp_path / "a.csv", "\n".join([head, *rows]) + "\n")
+    (found,) = import_files([file], tmp_path / "bag", wanted(["position:x1=Weg"]))
+    plant = read_recording(found.bag).plant
+    np.testing.assert_allclose(plant.position[:, 0], 1e-3 * np.array(moved))
+    assert np.diff(plant.stamp_ns).tolist() == [NS // 10] * 2
+    with pytest.raises(InputError, match="Note has no numbers"):
+        import_files([file], tmp_path / "other", wanted(["position:x1=Note"]))
+
+
+def test_names_may_be_numbers_and_a_time_that_is_none_is_named(tmp_path: Path) -> None:
+    file = table(tmp_path / "a.csv", "t,1,2\n0,5,6\n1,7,8\n")
+    (found,) = import_files([file], tmp_path / "bag", wanted(["position:x1=2"]))
+    assert read_recording(found.bag).plant.position[:, 0].tolist() == [6.0, 8.0]
+    file = table(tmp_path / "b.csv", "t,y\n10:00:00,5\n10:00:61,late\n10:00:0x,6\n")
+    with pytest.raises(InputError, match="line 4, column t: '10:00:0x' is not a time of day"):
+        import_files([file], tmp_path / "other", wanted(["position:x1=y"]))
+
+
 def test_a_slow_sensor_is_seen_in_a_table(tmp_path: Path) -> None:
     x = np.repeat(np.random.default_rng(1).normal(size=500), 4)
     file = table(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from rthm_analysis.exchange.columns import Columns
 from rthm_analysis.exchange.mapping import Wanted
-from rthm_analysis.exchange.units import factor
+from rthm_analysis.exchange.units import FACTORS, factor
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
 
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from rthm_core.compiled import Flags, Floats, Integers
 
 USUAL_NAMES = ("t", "time", "zeit", "temps", "timestamp", "stamp", "seconds")
+
+_WITH_UNIT = re.compile(r"(?P<name>.+)[ _](?P<unit>s|ms|us|ns)")
+
 UNEVEN = 0.01
 """Part of the period by which steps may differ and still count as even."""
 
@@ -65,7 +69,23 @@ def no_column(columns: Columns, name: str) -> InputError:
 
 
 def _usual(columns: Columns) -> str | None:
-    return next((name for name in columns.values if name.lower() in USUAL_NAMES), None)
+    """The column of the time: one with a usual name, as ``t_ms``, else the only one in a unit of time."""
+    usual = next((name for name in columns.values if _base(name) in USUAL_NAMES), None)
+    timed = [name for name in columns.values if columns.units.get(name) in FACTORS["s"]]
+    return usual or (timed[0] if len(timed) == 1 else None)
+
+
+def _base(name: str) -> str:
+    """A name in small letters, without a unit of time behind it."""
+    found = _WITH_UNIT.fullmatch(name.lower())
+    return found["name"] if found else name.lower()
+
+
+def _unit_of(columns: Columns, name: str) -> str:
+    """Unit of time that a file states, in a heading or behind a usual name; else s."""
+    found = _WITH_UNIT.fullmatch(name.lower())
+    behind = found["unit"] if found and found["name"] in USUAL_NAMES else "s"
+    return columns.units.get(name, behind)
 
 
 def _even(period: float, count: int) -> Integers:
@@ -75,7 +95,7 @@ def _even(period: float, count: int) -> Integers:
 
 def _absolute(columns: Columns, wanted: Wanted, name: str) -> tuple[Integers, list[str]]:
     values, notes = columns.values[name], []
-    unit = wanted.units.get("time") or columns.units.get(name, "s")
+    unit = wanted.units.get("time") or _unit_of(columns, name)
     if wanted.time is None:
         notes.append(f"the column {name} is taken as the time in {unit}.")
     if unit == "ns" and values.dtype == np.int64:

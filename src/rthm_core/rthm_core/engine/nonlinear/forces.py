@@ -17,39 +17,58 @@ from rthm_core.physical.laws import (
 
 
 @inlined
+def wire_force(wires, wire, u, x, v, k, parameters):  # type: ignore[no-untyped-def]
+    """Force of a wire of stiffness `k` between its motor's side at `u` and its dof."""
+    force = k * (u - x)
+    for row in range(wires.laws.shape[0]):
+        if wires.laws[row, 1] == wire:
+            force = wire_law_force(
+                wires.laws[row, 0], u, x, v, k, force, parameters[row, :0], parameters[row]
+            )
+    return force
+
+
+@inlined
+def drive_side(wires, wire, y):  # type: ignore[no-untyped-def]
+    """Position of the motor's side of a wire; y is [y, held]."""
+    u = 0.0
+    for j in range(wires.drive.shape[1]):
+        u += wires.drive[wire, j] * y[j]
+    return u
+
+
+@inlined
 def wire_forces(nonlinear, y, out):  # type: ignore[no-untyped-def]
     """Forces of the wires that are not linear, into the last elements of `out`; y is [y, held]."""
     wires = nonlinear.wires
     first = out.size - wires.dof.size
     for wire in range(wires.dof.size):
-        u, x, v = 0.0, y[wires.dof[wire]], y[wires.dof[wire] + nonlinear.n]
-        for j in range(wires.drive.shape[1]):
-            u += wires.drive[wire, j] * y[j]
-        k = wires.stiffness[wire]
-        force = k * (u - x)
-        for row in range(wires.laws.shape[0]):
-            if wires.laws[row, 1] == wire:
-                code, p = wires.laws[row, 0], wires.parameters[row]
-                force = wire_law_force(code, u, x, v, k, force, y[:0], p)
-        out[first + wire] = force
+        u, x, v = drive_side(wires, wire, y), y[wires.dof[wire]], y[wires.dof[wire] + nonlinear.n]
+        out[first + wire] = wire_force(wires, wire, u, x, v, wires.stiffness[wire], wires.parameters)
+
+
+@inlined
+def law_forces(nonlinear, row, own, y, t, mode, p, out):  # type: ignore[no-untyped-def]
+    """Force of a law, into its place of `out`, and rates of its own states, into those from `own` on."""
+    laws = nonlinear.laws
+    states = laws.numbers[row, STATES]
+    out[row] = 0.0
+    for i in range(own, own + states):
+        out[i] = 0.0
+    if laws.numbers[row, PARTITION] != FRICTION or mode != 0:
+        dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
+        x, v = y[dof], y[nonlinear.n + dof]
+        out[row] = plant_force(code, x, v, y[z : z + states], t, p, mode)
+        if states:
+            plant_rate(code, x, v, y[z : z + states], t, p, mode, out[own : own + states])
 
 
 @inlined
 def forces(nonlinear, y, t, modes, out):  # type: ignore[no-untyped-def]
     """Forces of the laws, rates of their own states, and forces of the wires, at time `t` (s)."""
-    laws, n = nonlinear.laws, nonlinear.n
+    laws = nonlinear.laws
     own = laws.numbers.shape[0]
     for row in range(laws.numbers.shape[0]):
-        states = laws.numbers[row, STATES]
-        out[row] = 0.0
-        for i in range(own, own + states):
-            out[i] = 0.0
-        if laws.numbers[row, PARTITION] != FRICTION or modes[row] != 0:
-            dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
-            p = laws.parameters[row]
-            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row])
-            if states:
-                rates = out[own : own + states]
-                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row], rates)
-        own += states
+        law_forces(nonlinear, row, own, y, t, modes[row], laws.parameters[row], out)
+        own += laws.numbers[row, STATES]
     wire_forces(nonlinear, y, out)

@@ -12,7 +12,7 @@ from rthm_core.compiled import inlined, whole
 from rthm_core.engine.nonlinear.steps import ORDERS
 from rthm_core.engine.tangents.polynomial import FIT, STAGES
 from rthm_core.engine.tangents.slopes import find_slopes
-from rthm_core.simd import numbers, put_numbers
+from rthm_core.simd import element, numbers, put_element, put_numbers
 
 
 @inlined
@@ -24,7 +24,7 @@ def force_tangents(nonlinear, tangents, ask, z, t, modes, dz, groups):  # type: 
         for group in range(len(groups)):
             total = numbers(beside, (force, group))
             for i in range(places.size):
-                total += numbers(dz, (places[i], group)) * slopes[force, i]
+                total += numbers(dz, (element(places, (i,)), group)) * element(slopes, (force, i))
             put_numbers(dz, (first + force, group), total)
 
 
@@ -39,14 +39,14 @@ def _equations(  # type: ignore[no-untyped-def]
         for column in range(STAGES * g):
             total = 1.0 if column == row else 0.0
             for i in range(count):
-                total -= slopes[force, i] * influence[stage * count + i, column]
-            matrix[row, column] = total
+                total -= element(slopes, (force, i)) * element(influence, (stage * count + i, column))
+            put_element(matrix, (row, column), total)
         for group in range(len(groups)):
             known = numbers(beside, (force, group))
             for i in range(count):
-                known += numbers(felt, (stage * count + i, group)) * slopes[force, i]
+                known += numbers(felt, (stage * count + i, group)) * element(slopes, (force, i))
             for i in range(count, places.size):
-                known += numbers(dz, (places[i], group)) * slopes[force, i]
+                known += numbers(dz, (element(places, (i,)), group)) * element(slopes, (force, i))
             put_numbers(right, (row, group), known)
 
 
@@ -65,17 +65,19 @@ def solve_in_place(matrix, right, groups):  # type: ignore[no-untyped-def]
     """
     size = matrix.shape[0]
     for i in range(size):
-        inverse = matrix[i, i] = 1.0 / matrix[i, i]
+        inverse = 1.0 / element(matrix, (i, i))
+        put_element(matrix, (i, i), inverse)
         for row in range(i + 1, size):
-            factor = matrix[row, i] * inverse
+            factor = element(matrix, (row, i)) * inverse
             for column in range(i + 1, size):
-                matrix[row, column] -= factor * matrix[i, column]
+                rest = element(matrix, (row, column)) - factor * element(matrix, (i, column))
+                put_element(matrix, (row, column), rest)
             _less(right, row, i, factor, groups)
     for i in range(size - 1, -1, -1):
         for column in range(i + 1, size):
-            _less(right, i, column, matrix[i, column], groups)
+            _less(right, i, column, element(matrix, (i, column)), groups)
         for group in range(len(groups)):
-            put_numbers(right, (i, group), numbers(right, (i, group)) * matrix[i, i])
+            put_numbers(right, (i, group), numbers(right, (i, group)) * element(matrix, (i, i)))
 
 
 @inlined
@@ -116,7 +118,7 @@ def solve_forces(  # type: ignore[no-untyped-def]
     first, slopes, beside, asked = own.now.size - g, ask.slopes, ask.beside, ask.places
     for stage in range(STAGES):
         for i in range(places.size):
-            y[places[i]] = motion[stage * places.size + i]
+            put_element(y, (element(places, (i,)),), motion[stage * places.size + i])
         find_slopes(nonlinear, tangents, ask, y, t + third * (stage + 1), modes, groups)
         _equations(slopes, beside, asked, stage, influence[slot], felt, dwhole, matrix, found, groups)
     solve_in_place(matrix, found, groups)

@@ -13,12 +13,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Flags, Floats, Integers, inlined, whole
-from rthm_core.engine.nonlinear.forces import drive_side, law_forces, wire_force
+from rthm_core.engine.nonlinear.forces import drive_side, wire_force
 from rthm_core.engine.nonlinear.loop import Nonlinear
 from rthm_core.engine.tangents.changes import TANGENT_STEP, Tangents
 from rthm_core.lent import given, lent
-from rthm_core.physical.laws import CODE, FRICTION, PARTITION, PLACE, STATE, STATES, law_of
-from rthm_core.simd import everywhere, numbers, put_numbers, simd_empty
+from rthm_core.physical.laws import (
+    CODE,
+    FRICTION,
+    PARTITION,
+    PLACE,
+    STATE,
+    STATES,
+    law_of,
+    plant_force,
+    plant_rate,
+)
+from rthm_core.simd import element, everywhere, numbers, put_element, put_numbers, simd_empty
 
 LEAST_PART, LEAST_SIZE = 1e-3, 1e-7
 """Least size that something which is changed counts as: a part of the largest that was seen of it, and that
@@ -28,8 +38,8 @@ of what was none.
 WIRE_STEP = 1e-4
 """Step of an end of a wire, relative to its elongation, which is a small difference of two positions."""
 
-OF_MOTION, OF_PARAMETER = range(2)
-"""Whether a law is asked about its motion or a parameter."""
+OF_POSITION, OF_VELOCITY, OF_STATE, OF_PARAMETER = range(4)
+"""What a law is asked about: what its dof does, its own states, and its numbers."""
 
 AT_DRIVE, AT_DOF, BY_SPEED, BY_STIFFNESS, BY_PARAMETER = range(5)
 """What a wire is asked about: where its ends are, the velocity of its dof, and its numbers."""
@@ -43,8 +53,8 @@ class Slopes(NamedTuple):
     places : (F,) array
         Places in [y, held] of what they depend on; first come those that the laws feel.
     laws : (., 4) array
-        Row of a law, `OF_MOTION` or `OF_PARAMETER`, the place or the parameter, and where the place stands
-        among `places`.
+        Row of a law, what it is asked about, the place or the parameter, and where the place stands among
+        `places`.
     wires : (., 4) array
         A wire, what it is asked about, and row and number of a parameter of its laws; for its drive, whether
         parameters change that.
@@ -126,11 +136,11 @@ def _of_law(nonlinear: Nonlinear, row: int, moved: Flags, at: dict[int, int]) ->
     """What a law is asked about, of whose parameters some are `moved`."""
     numbers = nonlinear.laws.numbers[row].tolist()
     law, dof, own = law_of(numbers[CODE]), numbers[PLACE], numbers[STATE]
-    for name, place in (("x", dof), ("v", dof + nonlinear.n)):
+    for name, what, place in (("x", OF_POSITION, dof), ("v", OF_VELOCITY, dof + nonlinear.n)):
         if _takes((law.force, law.rate), name):
-            yield row, OF_MOTION, place, at[place]
+            yield row, what, place, at[place]
     for place in range(own, own + numbers[STATES]):
-        yield row, OF_MOTION, place, at[place]
+        yield row, OF_STATE, place, at[place]
     for parameter in np.flatnonzero(moved).tolist():
         yield row, OF_PARAMETER, parameter, 0
 
@@ -167,50 +177,67 @@ def _size(value, seen):  # type: ignore[no-untyped-def]
 @inlined
 def _law(nonlinear, change, ask, found, beside, e, y, t, mode, groups):  # type: ignore[no-untyped-def]
     """What changes by one of the things that laws are asked about."""
-    laws, answers, parameters = nonlinear.laws, ask.answers, ask.parameters
-    row, kind, index, column = ask.laws[e, 0], ask.laws[e, 1], ask.laws[e, 2], ask.laws[e, 3]
-    states, own, p = laws.numbers[row, STATES], ask.own[row], parameters[row]
-    changed = y if kind == OF_MOTION else p
-    value = changed[index]
-    step = TANGENT_STEP * (_size(value, ask.seen[index]) if kind == OF_MOTION else abs(value))
-    step = step if step != 0.0 else TANGENT_STEP
+    rows, answers, laws = nonlinear.laws.numbers, ask.answers, ask.laws
+    row, what = element(laws, (e, 0)), element(laws, (e, 1))
+    index, column = element(laws, (e, 2)), element(laws, (e, 3))
+    code, dof, own = element(rows, (row, CODE)), element(rows, (row, PLACE)), element(ask.own, (row,))
+    first, states, p = element(rows, (row, STATE)), element(rows, (row, STATES)), ask.parameters[row]
+    x, v, by_x, by_v = element(y, (dof,)), element(y, (dof + nonlinear.n,)), 0.0, 0.0
+    z = y[first : first + states]
+    value = element(p, (index,)) if what == OF_PARAMETER else element(y, (index,))
+    size = abs(value) if what == OF_PARAMETER else _size(value, element(ask.seen, (index,)))
+    step = TANGENT_STEP * (size if size > 0.0 else 1.0)
     for side in range(2):
-        changed[index] = value + step if side == 0 else value - step
-        law_forces(nonlinear, row, own, y, t, mode, p, answers[side])
-    changed[index] = value
+        by = step if side == 0 else -step
+        if what == OF_POSITION:
+            by_x = by
+        elif what == OF_VELOCITY:
+            by_v = by
+        elif what == OF_STATE:
+            put_element(y, (index,), value + by)
+        else:
+            put_element(p, (index,), value + by)
+        put_element(answers, (side, row), plant_force(code, x + by_x, v + by_v, z, t, p, mode))
+        if states:
+            plant_rate(code, x + by_x, v + by_v, z, t, p, mode, answers[side, own : own + states])
+    if what == OF_STATE:
+        put_element(y, (index,), value)
+    elif what == OF_PARAMETER:
+        put_element(p, (index,), value)
     half = 0.5 / step
-    slope = half * (answers[0, row] - answers[1, row])
-    if kind == OF_MOTION:
-        found[row, column] += slope
-        for force in range(own, own + states):
-            found[force, column] += half * (answers[0, force] - answers[1, force])
-    else:
-        _add(beside, row, slope, change, (row, index), groups)
-        for force in range(own, own + states):
-            slope = half * (answers[0, force] - answers[1, force])
+    for i in range(states + 1):
+        force = row if i == 0 else own + i - 1
+        slope = half * (element(answers, (0, force)) - element(answers, (1, force)))
+        if what == OF_PARAMETER:
             _add(beside, force, slope, change, (row, index), groups)
+        else:
+            put_element(found, (force, column), element(found, (force, column)) + slope)
 
 
 @inlined
 def _by_drive(wires, tangents, places, found, beside, wire, moves, force, slope, y, groups):  # type: ignore[no-untyped-def]
     """What a force changes by where its wire is driven, and where parameters have it `moves`, by these."""
     for j in range(places.size):
-        found[force, j] += slope * wires.drive[wire, places[j]]
+        place = element(places, (j,))
+        change = slope * element(wires.drive, (wire, place))
+        put_element(found, (force, j), element(found, (force, j)) + change)
         if moves:
-            _add(beside, force, slope * y[places[j]], tangents.drive, (wire, places[j]), groups)
+            _add(beside, force, slope * element(y, (place,)), tangents.drive, (wire, place), groups)
 
 
 @inlined
 def _wire(nonlinear, tangents, ask, found, beside, e, y, groups):  # type: ignore[no-untyped-def]
     """What changes by one of the things that wires are asked about."""
     wires, n, p = nonlinear.wires, nonlinear.n, ask.wire_parameters
-    wire, what, row, index = ask.wires[e, 0], ask.wires[e, 1], ask.wires[e, 2], ask.wires[e, 3]
-    u, x, v = drive_side(wires, wire, y), y[wires.dof[wire]], y[wires.dof[wire] + n]
-    k, force = wires.stiffness[wire], found.shape[0] - wires.dof.size + wire
+    wire, what = element(ask.wires, (e, 0)), element(ask.wires, (e, 1))
+    row, index = element(ask.wires, (e, 2)), element(ask.wires, (e, 3))
+    dof, k = element(wires.dof, (wire,)), element(wires.stiffness, (wire,))
+    u, x, v = drive_side(wires, wire, y), element(y, (dof,)), element(y, (dof + n,))
+    force = found.shape[0] - wires.dof.size + wire
     longest = ask.elongation[wire] = max(ask.elongation[wire], abs(u - x))
     step, value = WIRE_STEP * _size(u - x, longest), 0.0
     if what == BY_SPEED:
-        step = TANGENT_STEP * _size(v, ask.seen[wires.dof[wire] + n])
+        step = TANGENT_STEP * _size(v, element(ask.seen, (dof + n,)))
     elif what == BY_STIFFNESS:
         step = TANGENT_STEP * k
     elif what == BY_PARAMETER:
@@ -255,10 +282,12 @@ def find_slopes(nonlinear, tangents, ask, y, t, modes, groups):  # type: ignore[
         for group in range(len(groups)):
             put_numbers(beside, (force, group), everywhere(0.0))
     for j in range(places.size):
-        seen[places[j]] = max(seen[places[j]], abs(y[places[j]]))
+        place = element(places, (j,))
+        put_element(seen, (place,), max(element(seen, (place,)), abs(element(y, (place,)))))
     for e in range(ask.laws.shape[0]):
-        row = ask.laws[e, 0]
-        if partitions[row, PARTITION] != FRICTION or modes[row] != 0:
-            _law(nonlinear, tangents.parameters, ask, found, beside, e, y, t, modes[row], groups)
+        row = element(ask.laws, (e, 0))
+        mode = element(modes, (row,))
+        if element(partitions, (row, PARTITION)) != FRICTION or mode != 0:
+            _law(nonlinear, tangents.parameters, ask, found, beside, e, y, t, mode, groups)
     for e in range(ask.wires.shape[0]):
         _wire(nonlinear, tangents, ask, found, beside, e, y, groups)

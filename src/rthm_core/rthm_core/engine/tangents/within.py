@@ -27,7 +27,6 @@ from rthm_core.engine.tangents.implicit import begin_polynomial, force_tangents,
 from rthm_core.engine.tangents.kernel import move, see_tangents
 from rthm_core.engine.tangents.polynomial import STAGES, find_influence, make_changes, through_series
 from rthm_core.engine.tangents.steps import copy_numbers
-from rthm_core.lent import given, lent
 from rthm_core.physical.switching import next_mode
 from rthm_core.simd import everywhere, numbers, put_numbers
 
@@ -72,7 +71,7 @@ def _feel(nonlinear, own, system, change, length, half, whole):  # type: ignore[
                 put_numbers(own.felt, (stage * nonlinear.felt.size + i, group), tangent)
 
 
-@inlined
+@whole
 def follow(  # type: ignore[no-untyped-def]
     nonlinear, steps, tangents, changes, work, own, number, slot, half, t, length, motion, groups, pairs
 ):
@@ -165,13 +164,6 @@ def advance_beside(  # type: ignore[no-untyped-def]
     """Advance z over length `k`, from time `t` (s) on, and its tangents in a half of ``own.halves``; returns
     the half in which they are then.
     """
-    nonlinear, steps, packed = lent(given(nonlinear)), lent(given(steps)), lent(given(packed))
-    tangents, changes, work, own = (
-        lent(given(tangents)),
-        lent(given(changes)),
-        lent(given(work)),
-        lent(given(own)),
-    )
     size, lengths, kinds = nonlinear.systems.shape[1], steps.lengths, steps.lengths.size
     whole, first, lanes = lengths[k], z.size - work.force.size, own.halves.shape[1] * own.width
     halvings, done, switches = halvings_of(lengths, packed, k, 0, work.pace[0]), 0.0, 0

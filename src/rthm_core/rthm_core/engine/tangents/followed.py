@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, inlined
+from rthm_core.compiled import Floats, Integers, called, compiled_in_place, inlined, unrolled
 from rthm_core.engine.nonlinear.advance import Work
 from rthm_core.engine.nonlinear.arc import begin_arc, count_within, end_arc, part_of
 from rthm_core.engine.nonlinear.forces import wire_forces
@@ -77,6 +77,7 @@ def _within(  # type: ignore[no-untyped-def]
         own.now[j] = lane_of(own.lanes, j, own.width, (1 - half) * size + motion)
 
 
+@unrolled
 @compiled_in_place
 def run_followed(
     nonlinear: Nonlinear,

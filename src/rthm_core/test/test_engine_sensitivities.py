@@ -1,5 +1,7 @@
 """Sensitivities of a trajectory against differences of whole simulations, which know nothing of tangents."""
 
+import time
+
 import numpy as np
 import pytest
 from benchmarks.engine.ours import CUBIC, FRICTION, HARDENING, STRIBECK, chain
@@ -156,6 +158,21 @@ def test_a_switch_moves_with_the_friction_that_causes_it():
         last = found.by_parameter[name]
         assert last.plant_position[-1, 0] == pytest.approx(expected, rel=1e-5)
         assert last.plant_velocity[-1, 0] == 0.0
+
+
+@pytest.mark.parametrize("which", ["falling friction", "friction and spring", "hardening wire"])
+def test_all_derivatives_take_a_few_simulations(which):
+    """About four on a quiet machine; differences take twice as many as there are numbers."""
+    calls = simulate, sensitivities
+    times = []
+    for _ in range(8):
+        begins = []
+        for call in calls:
+            begins.append(time.process_time())
+            call(LOOPS[which], 20.0, sample=0.0012, energies=False)
+        begins.append(time.process_time())
+        times.append((begins[2] - begins[1]) / (begins[1] - begins[0]))
+    assert np.median(times[1:]) < 9.0
 
 
 def test_loops_without_tangents_are_differenced():

@@ -48,27 +48,21 @@ def wire_forces(nonlinear, y, out):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def law_forces(nonlinear, row, own, y, t, mode, p, out):  # type: ignore[no-untyped-def]
-    """Force of a law, into its place of `out`, and rates of its own states, into those from `own` on."""
-    laws = nonlinear.laws
-    states = laws.numbers[row, STATES]
-    out[row] = 0.0
-    for i in range(own, own + states):
-        out[i] = 0.0
-    if laws.numbers[row, PARTITION] != FRICTION or mode != 0:
-        dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
-        x, v = y[dof], y[nonlinear.n + dof]
-        out[row] = plant_force(code, x, v, y[z : z + states], t, p, mode)
-        if states:
-            plant_rate(code, x, v, y[z : z + states], t, p, mode, out[own : own + states])
-
-
-@inlined
 def forces(nonlinear, y, t, modes, out):  # type: ignore[no-untyped-def]
     """Forces of the laws, rates of their own states, and forces of the wires, at time `t` (s)."""
-    laws = nonlinear.laws
+    laws, n = nonlinear.laws, nonlinear.n
     own = laws.numbers.shape[0]
     for row in range(laws.numbers.shape[0]):
-        law_forces(nonlinear, row, own, y, t, modes[row], laws.parameters[row], out)
-        own += laws.numbers[row, STATES]
+        states = laws.numbers[row, STATES]
+        out[row] = 0.0
+        for i in range(own, own + states):
+            out[i] = 0.0
+        if laws.numbers[row, PARTITION] != FRICTION or modes[row] != 0:
+            dof, z, code = laws.numbers[row, PLACE], laws.numbers[row, STATE], laws.numbers[row, CODE]
+            p = laws.parameters[row]
+            out[row] = plant_force(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row])
+            if states:
+                rates = out[own : own + states]
+                plant_rate(code, y[dof], y[n + dof], y[z : z + states], t, p, modes[row], rates)
+        own += states
     wire_forces(nonlinear, y, out)

@@ -1,8 +1,10 @@
 """Sensitivities of a trajectory against differences of whole simulations, which know nothing of tangents."""
 
+import time
+
 import numpy as np
 import pytest
-from benchmarks.engine.ours import chain
+from benchmarks.engine.ours import CUBIC, FRICTION, HARDENING, STRIBECK, chain
 
 from rthm_core.engine import sensitivities, simulate
 from rthm_core.engine.tangents.entries import in_blocks
@@ -26,12 +28,32 @@ def rubbing(force, **changes):
     return apply(shipped_spec("paper"), {"effects": effects, "guide": guide} | changes)
 
 
+def having(**parts):
+    effects = [name for name, value in parts.items() if isinstance(value, dict)]
+    return apply(shipped_spec("paper"), {"effects": effects} | parts)
+
+
 LOOPS = {
     "linear": shipped_spec("paper"),
     "friction": rubbing(0.05),
     "friction behind motor poles": rubbing(0.05, **{"actuator.motor_poles": [400.0, 2000.0]}),
     "stick and slip": rubbing(0.6, **{"load.plant": WAVE}),
     "jitter": rubbing(0.05, shaky=SHAKY),
+    "falling friction": having(guide=STRIBECK),
+    "friction and spring": having(guide=FRICTION, spring=CUBIC),
+    "spring that jitters": having(spring=CUBIC, shaky=SHAKY),
+    "hardening wire": having(wire=HARDENING),
+    "hardening wire behind motor poles": having(wire=HARDENING, **{"actuator.motor_poles": [400.0, 2000.0]}),
+    "stop": having(
+        stop={
+            "block": "plant",
+            "dof": "x1",
+            "kind": "end_stop",
+            "position": 0.05,
+            "stiffness": 40.0,
+            "damping": 0.5,
+        }
+    ),
 }
 
 
@@ -48,7 +70,9 @@ def difference(spec, name, value, duration, sample, part=1e-5):
 def test_tangents_agree_with_differences(which):
     spec, duration, sample = LOOPS[which], 6.0, 0.0017
     values = {"plant.mass": 1.2, "numerical.stiffness": 6.0, "actuator.stiffness": 40.0}
-    values |= {"guide.force": spec.effects[0].parameters["force"]} if spec.effects else {}
+    for one in spec.effects:
+        if not one.block.startswith("link"):
+            values |= {f"{one.name}.{number}": value for number, value in one.numbers.items()}
     found = sensitivities(spec, duration, list(values), sample)
     assert found.tangents
     plain = simulate(spec, duration, sample)
@@ -56,7 +80,8 @@ def test_tangents_agree_with_differences(which):
     for term, work in plain.energies.items():
         assert np.abs(found.trajectory.energies[term] - work).max() < 1e-10, term
     for name, value in values.items():
-        expected = difference(spec, name, value, duration, sample)
+        part = 1e-5 if value > 0.1 else 1e-4  # runs are right to 1e-12 m, which steps must stand out from
+        expected = difference(spec, name, value, duration, sample, part)
         for signal in SIGNALS:
             apart = np.abs(getattr(found.by_parameter[name], signal) - expected[signal])
             # a row between the two instants of a switch sees a jump in one of the two runs only
@@ -135,9 +160,24 @@ def test_a_switch_moves_with_the_friction_that_causes_it():
         assert last.plant_velocity[-1, 0] == 0.0
 
 
-def test_laws_without_tangents_are_differenced():
+@pytest.mark.parametrize("which", ["falling friction", "friction and spring", "hardening wire"])
+def test_all_derivatives_take_a_few_simulations(which):
+    """About four on a quiet machine; differences take twice as many as there are numbers."""
+    calls = simulate, sensitivities
+    times = []
+    for _ in range(8):
+        begins = []
+        for call in calls:
+            begins.append(time.process_time())
+            call(LOOPS[which], 20.0, sample=0.0012, energies=False)
+        begins.append(time.process_time())
+        times.append((begins[2] - begins[1]) / (begins[1] - begins[0]))
+    assert np.median(times[1:]) < 9.0
+
+
+def test_loops_without_tangents_are_differenced():
     spring = {"block": "plant", "dof": "x1", "kind": "cubic_stiffness", "coefficient": 8.0}
-    spec = apply(shipped_spec("paper"), {"effects": ["spring"], "spring": spring})
+    spec = apply(shipped_spec("paper"), {"effects": ["spring"], "spring": spring, "noise.position": 1e-5})
     found = sensitivities(spec, 2.0, ["spring.coefficient"], 0.01)
     assert not found.tangents
     expected = difference(spec, "spring.coefficient", 8.0, 2.0, 0.01, part=1e-4)["plant_position"]

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from rthm_core.clock import to_ns
-from rthm_core.compiled import Floats, Integers
-from rthm_core.engine.linear.blocks import Rows, joined
-from rthm_core.engine.linear.kernel import ROW_COUNT
-from rthm_core.engine.linear.preparation import filled
-from rthm_core.engine.nonlinear.kernel import Looks
-from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
-from rthm_core.engine.nonlinear.run import Portion, State, looks_of, plan, start_state
+from rthm_core.engine.linear.blocks import Rows
 from rthm_core.engine.simulate import checked_step, simulate
-from rthm_core.engine.tangents.advance import Scratch, TangentWork, scratch
-from rthm_core.engine.tangents.changes import Placement, Tangents, stencil, tangents
-from rthm_core.engine.tangents.entries import PAIRS, TRIPLES, by_blocks, look, look_entries, step_entries
-from rthm_core.engine.tangents.kernel import Layout, TangentSteps, run_tangents
+from rthm_core.engine.tangents.changes import stencil
+from rthm_core.engine.tangents.run import prepared, run
 from rthm_core.engine.trajectory import Trajectory, of_rows
 from rthm_core.errors import InputError
 from rthm_core.kept import kept
-from rthm_core.simd import WIDTH, simd_copy
 from rthm_core.spec import parameters
 
 if TYPE_CHECKING:
@@ -56,7 +44,8 @@ class Sensitivities:
         `t` is the time of the rows.
     tangents : bool
         Whether they were computed beside the trajectory, or by differences of whole simulations, which is
-        what remains where laws are neither linear nor dry friction, or samples are noisy.
+        what remains where laws have mass or depend on a load or on instants, wires have kinks, or samples are
+        noisy.
     """
 
     trajectory: Trajectory
@@ -144,100 +133,15 @@ def _checked(spec: Spec, names: tuple[str, ...]) -> tuple[str, ...]:
     return names
 
 
-class _Prepared(NamedTuple):
-    """A loop, its start and what is seen of it, its derivatives and where they are; memory for those of its
-    steps, and scratch.
-    """
-
-    loop: NonlinearLoop
-    start: State
-    looks: Looks
-    changes: Tangents
-    placement: Placement
-    steps: dict[int, _Memory]
-    scratch: Scratch
-
-
-class _Memory(NamedTuple):
-    """Memory for the changes of steps; where the signals of a row are written, None: in their order."""
-
-    steps: TangentSteps
-    places: Integers | None
-
-
-@kept
-def _prepared(spec: Spec, names: tuple[str, ...], step: int, energies: bool) -> _Prepared | None:
-    """What the kernel needs for rows every `step` ns; None where it does not know the loop."""
-    loop = nonlinear_loop(spec, energies=energies)
-    if loop is None or not loop.nonlinear.steady or loop.linear.sensors is not None:
-        return None
-    found = tangents(spec, loop, names)
-    if found is None:
-        return None
-    start, memory = start_state(loop, 0, 0), scratch(found[0].systems.shape)
-    return _Prepared(loop, start, looks_of(loop), *found, {}, memory)
-
-
-def _steps(one: _Prepared, slots: int) -> _Memory:
-    """Memory for the changes of so many steps."""
-    if slots not in one.steps:
-        loop, changes = one.loop, one.changes
-        rows, moved = _of_rows(loop, changes)
-        order = by_blocks(loop, changes, rows, moved)
-        steps = TangentSteps(
-            step_entries(loop, changes, slots),
-            np.zeros(slots, dtype=np.int64),
-            look(loop, changes, rows[order], moved[:, order], slots, TRIPLES),
-            look(loop, changes, loop.sample, changes.sample, slots, PAIRS),
-            look_entries(loop.reference, changes.reference),
-        )
-        beyond = np.arange(rows.shape[0], rows.shape[0] + loop.linear.k_tot.size)
-        places = np.concatenate([np.argsort(order), beyond])
-        one.steps[slots] = _Memory(steps, None if np.all(np.diff(places) == 1) else places)
-    return one.steps[slots]
-
-
-def _of_rows(loop: NonlinearLoop, changes: Tangents) -> tuple[Floats, Floats]:
-    """What is seen for a row [x1, v1, F, x2, v2], and its transposed changes."""
-    d, plant = loop.sample.shape[1], loop.motion.size - loop.linear.numerical.y.size
-    before, behind = np.split(np.eye(d)[loop.motion], [plant])
-    moved = np.zeros((d, loop.motion.size + loop.force.shape[0], *changes.force.shape[2:]))
-    moved[:, plant : plant + loop.force.shape[0]] = changes.force
-    return np.vstack([before, loop.force, behind]), moved
-
-
-def _begun(start: State) -> State:
-    """A start that a run may change; scratch is that of every run."""
-    work = start.work._replace(modes=start.work.modes.copy(), sums=simd_copy(start.work.sums))
-    memory = start.memory._replace(count=start.memory.count.copy())
-    return State(start.z.copy(), work, memory)
-
-
-def _tangent_work(one: _Prepared, samples: int, references: int) -> TangentWork:
-    """Tangents at the start of a test that looks back on so many samples and references."""
-    changes, (_, _, d, *groups) = one.changes, one.changes.systems.shape
-    halves = simd_copy(np.zeros((2, d, *groups)))
-    halves[:, : changes.start.shape[0]] = changes.start
-    return TangentWork(
-        halves,
-        halves.reshape(-1),
-        simd_copy(filled(changes.first_sample, samples)).reshape(-1),
-        simd_copy(filled(changes.first_reference, references)).reshape(-1),
-        *one.scratch,
-    )
-
-
 def _beside(
     spec: Spec, names: tuple[str, ...], end: int, step: int, *, energies: bool
 ) -> Sensitivities | None:
     """Sensitivities by tangents; None where there are none."""
-    one = _prepared(spec, names, step, energies)
-    found = None if one is None else plan(spec, one.loop, end, step, energies=energies, span=end + 1)
+    one = prepared(spec, names, step, energies)
+    found = None if one is None else run(spec, one, end, step, energies=energies)
     if one is None or found is None:
         return None
-    state, own = _begun(one.start), _tangent_work(one, found.samples, found.references)
-    beside, work = joined([_block(one, portion, state, own, len(names)) for portion in found.portions])
-    m, n = one.loop.linear.k_tot.size, one.loop.linear.numerical.y.size
+    (beside, work), m, n = found, one.loop.linear.k_tot.size, one.loop.linear.numerical.y.size
     plant = beside.shape[1] - n - m
     parts = beside[:, :plant], beside[:, plant : plant + n], beside[:, plant + n :]
     every = of_rows(spec, Rows(*parts, work), step)
@@ -252,41 +156,6 @@ def _beside(
 def _of_one(every: Trajectory, place: int) -> Trajectory:
     """Tangents for one parameter, or last the motion; all have the parameters along their last axis."""
     return Trajectory(every.t, **{name: getattr(every, name)[..., place] for name in SIGNALS})
-
-
-def _block(
-    one: _Prepared, portion: Portion, state: State, own: TangentWork, parameters: int
-) -> tuple[Floats, Floats]:
-    """Rows of a portion (rows, signals, parameters), the last of which are the signals themselves, and work;
-    without the last row, which is beyond it: a full block would end the run.
-    """
-    loop, memory, rows = one.loop, _steps(one, portion.steps.filled.size), portion.rows + 1
-    work = np.empty((rows if loop.forms.size else 0, loop.forms.shape[0]))
-    shape = (rows, memory.steps.row.rows.shape[0] + loop.linear.k_tot.size, parameters + 1)
-    size, groups = math.prod(shape), one.changes.start.shape[1]
-    beside = np.empty(size + WIDTH)
-    like = tuple((0,) * (abreast * groups) for abreast in (1, PAIRS, TRIPLES))
-    state.memory.count[ROW_COUNT] = 0
-    run_tangents(
-        loop.nonlinear,
-        portion.steps,
-        state.work,
-        one.looks,
-        portion.operations,
-        state.memory.count,
-        state.z,
-        portion.passes,
-        rows,
-        work,
-        one.changes,
-        memory.steps,
-        own,
-        Layout(parameters + 1, one.placement.before, one.placement.motion),
-        like,
-        beside,
-    )
-    written = beside[:size].reshape(shape)[:-1]
-    return written if memory.places is None else written[:, memory.places], work[:-1]
 
 
 def _difference(spec: Spec, name: str, duration: float, sample: float) -> Trajectory:

@@ -168,7 +168,7 @@ def begin_step(nonlinear, z, t, modes):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _try(nonlinear, packed, work, slot, z, t, length):  # type: ignore[no-untyped-def]
+def try_step(nonlinear, packed, work, slot, z, t, length):  # type: ignore[no-untyped-def]
     """Step of `length` from `z` to ``work.end``; whether it is good enough."""
     size = nonlinear.systems.shape[1]
     for j in range(size, z.size):
@@ -222,7 +222,7 @@ def count_work(nonlinear, tables, number, k, products, before, sums):  # type: i
 
 
 @inlined
-def _count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[no-untyped-def]
+def count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[no-untyped-def]
     """Add the work over a whole length from its table; whether there is one."""
     if halvings or nonlinear.steady or not tables.shape[0]:
         return False
@@ -232,7 +232,7 @@ def _count_step(nonlinear, tables, work, number, k, halvings):  # type: ignore[n
 
 
 @inlined
-def _halvings(lengths, packed, k, fewest, limit):  # type: ignore[no-untyped-def]
+def halvings_of(lengths, packed, k, fewest, limit):  # type: ignore[no-untyped-def]
     """How often length `k` is halved, at least `fewest` times, to be no longer than `limit`; as often as
     there are halves at most.
     """
@@ -240,6 +240,24 @@ def _halvings(lengths, packed, k, fewest, limit):  # type: ignore[no-untyped-def
     while halvings < most and lengths[k + halvings * packed.whole] > limit:
         halvings += 1
     return halvings
+
+
+@inlined
+def shorter(lengths, packed, k, halvings, length, pace):  # type: ignore[no-untyped-def]
+    """Halvings of length `k`, -1: any other length, and length of a step after one that was no good."""
+    fewest, most = halvings + 1, lengths.size // packed.whole - 1
+    halvings = halvings_of(lengths, packed, k, fewest, pace) if 0 < fewest <= most else -1
+    return halvings, lengths[k + halvings * packed.whole] if halvings >= 0 else 0.5 * length
+
+
+@inlined
+def following(lengths, packed, k, halvings, length, left, pace):  # type: ignore[no-untyped-def]
+    """Likewise for one that follows a good one, of no more than what is left of length `k`."""
+    if halvings < 0:
+        return halvings, min(left, 2.0 * length)
+    limit = min(left * (1.0 + REST_OF_ROUNDING), pace)
+    halvings = halvings_of(lengths, packed, k, max(halvings - 1, 0), limit)
+    return halvings, lengths[k + halvings * packed.whole]
 
 
 @whole
@@ -252,22 +270,20 @@ def advance(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped
     nonlinear, steps = lent(given(nonlinear)), lent(given(steps))
     packed, work = lent(given(packed)), lent(given(work))
     size, lengths, kinds = nonlinear.systems.shape[1], steps.lengths, steps.lengths.size
-    whole, most = lengths[k], kinds // packed.whole - 1
-    halvings, done, switches = _halvings(lengths, packed, k, 0, work.pace[0]), 0.0, 0
+    whole = lengths[k]
+    halvings, done, switches = halvings_of(lengths, packed, k, 0, work.pace[0]), 0.0, 0
     length = lengths[k + halvings * packed.whole]
     while done < whole:
         number = begin_step(nonlinear, z, t + done, work.modes)
         slot = number * kinds + k + halvings * packed.whole if halvings >= 0 else packed.filled.size - 1
         prepare(nonlinear, steps, packed, number, slot, length)
-        if not _try(nonlinear, packed, work, slot, z, t + done, length) and length > SHORTEST_STEP:
-            fewest = halvings + 1
-            halvings = _halvings(lengths, packed, k, fewest, work.pace[0]) if 0 < fewest <= most else -1
-            length = lengths[k + halvings * packed.whole] if halvings >= 0 else 0.5 * length
+        if not try_step(nonlinear, packed, work, slot, z, t + done, length) and length > SHORTEST_STEP:
+            halvings, length = shorter(lengths, packed, k, halvings, length, work.pace[0])
             continue
         law, share, terms = -1, 1.0, 0
         if switches < MOST_SWITCHES:
             law, share, terms = first_left(nonlinear, work, number, z, length)
-        if law >= 0 or not _count_step(nonlinear, steps.work_tables, work, number, k, halvings):
+        if law >= 0 or not count_step(nonlinear, steps.work_tables, work, number, k, halvings):
             end_step(nonlinear, work, number, z, law, share, terms, length)
         if law >= 0:
             hold = product(nonlinear.holds[number, law], work.end)
@@ -282,10 +298,5 @@ def advance(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyped
             continue
         if whole - done <= REST_OF_ROUNDING * whole:
             break
-        if halvings < 0:
-            length = min(whole - done, 2.0 * length)
-        else:
-            limit = min((whole - done) * (1.0 + REST_OF_ROUNDING), work.pace[0])
-            halvings = _halvings(lengths, packed, k, max(halvings - 1, 0), limit)
-            length = lengths[k + halvings * packed.whole]
+        halvings, length = following(lengths, packed, k, halvings, length, whole - done, work.pace[0])
     forces(nonlinear, z, t + whole, work.modes, z[z.size - work.force.size :])

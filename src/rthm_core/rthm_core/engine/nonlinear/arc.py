@@ -87,7 +87,7 @@ def begin_arc(nonlinear, steps, packed, work, z, k, t):  # type: ignore[no-untyp
 
 
 @inlined
-def _part(whole, g, share, part):  # type: ignore[no-untyped-def]
+def part_of(whole, g, share, part):  # type: ignore[no-untyped-def]
     """What describes a leading `share` of an arc over which `g` forces are polynomials."""
     row, factor = whole.size - (ORDERS - 1) * g, share
     for j in range(row):
@@ -107,7 +107,7 @@ def within_arc(nonlinear, steps, packed, work, number, k, span):  # type: ignore
     if nonlinear.steady:
         wide_product(packed.seen, slot, work.whole, work.seen)
     else:
-        _part(work.whole, work.force.size, steps.lengths[span] / steps.lengths[k], work.part)
+        part_of(work.whole, work.force.size, steps.lengths[span] / steps.lengths[k], work.part)
         wide_product(packed.seen, slot, work.part, work.seen)
 
 

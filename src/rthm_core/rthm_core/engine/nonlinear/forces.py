@@ -17,21 +17,34 @@ from rthm_core.physical.laws import (
 
 
 @inlined
+def wire_force(wires, wire, u, x, v, k, parameters):  # type: ignore[no-untyped-def]
+    """Force of a wire of stiffness `k` between its motor's side at `u` and its dof."""
+    force = k * (u - x)
+    for row in range(wires.laws.shape[0]):
+        if wires.laws[row, 1] == wire:
+            force = wire_law_force(
+                wires.laws[row, 0], u, x, v, k, force, parameters[row, :0], parameters[row]
+            )
+    return force
+
+
+@inlined
+def drive_side(wires, wire, y):  # type: ignore[no-untyped-def]
+    """Position of the motor's side of a wire; y is [y, held]."""
+    u = 0.0
+    for j in range(wires.drive.shape[1]):
+        u += wires.drive[wire, j] * y[j]
+    return u
+
+
+@inlined
 def wire_forces(nonlinear, y, out):  # type: ignore[no-untyped-def]
     """Forces of the wires that are not linear, into the last elements of `out`; y is [y, held]."""
     wires = nonlinear.wires
     first = out.size - wires.dof.size
     for wire in range(wires.dof.size):
-        u, x, v = 0.0, y[wires.dof[wire]], y[wires.dof[wire] + nonlinear.n]
-        for j in range(wires.drive.shape[1]):
-            u += wires.drive[wire, j] * y[j]
-        k = wires.stiffness[wire]
-        force = k * (u - x)
-        for row in range(wires.laws.shape[0]):
-            if wires.laws[row, 1] == wire:
-                code, p = wires.laws[row, 0], wires.parameters[row]
-                force = wire_law_force(code, u, x, v, k, force, y[:0], p)
-        out[first + wire] = force
+        u, x, v = drive_side(wires, wire, y), y[wires.dof[wire]], y[wires.dof[wire] + nonlinear.n]
+        out[first + wire] = wire_force(wires, wire, u, x, v, wires.stiffness[wire], wires.parameters)
 
 
 @inlined

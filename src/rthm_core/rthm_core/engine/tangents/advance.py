@@ -15,7 +15,7 @@ from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_st
 from rthm_core.engine.nonlinear.steps import fill, terms_of, through
 from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
-from rthm_core.physical.laws import PLACE
+from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION
 from rthm_core.physical.switching import next_mode
 from rthm_core.simd import everywhere, numbers, put_numbers, simd_copy, simd_empty
 
@@ -58,8 +58,8 @@ class Scratch(NamedTuple):
 
     Attributes
     ----------
-    rate : (N,) array
-        Of y just before a law switches.
+    rate : (d,) array
+        Of [y, held, g] just before a law switches.
     shift : (Q, 8) array
         How much later it switches, s per unit of each parameter.
     one, other : Term
@@ -81,7 +81,7 @@ def scratch(shape: tuple[int, ...]) -> Scratch:
     _, n, d, *groups = shape
     zero = simd_copy(np.zeros((d, *groups)))
     return Scratch(
-        np.zeros(n),
+        np.zeros(d),
         simd_empty(*groups),
         Term(np.zeros(n), simd_empty(n, *groups)),
         Term(np.zeros(n), simd_empty(n, *groups)),
@@ -107,48 +107,73 @@ def begin_tangents(nonlinear, work, tangents, z, dz):  # type: ignore[no-untyped
 
 
 @inlined
-def _shift(nonlinear, tangents, number, law, mode, z, dz, rate, shift):  # type: ignore[no-untyped-def]
+def _guard(nonlinear, tangents, number, law, mode, slope, sign, z, dz, group):  # type: ignore[no-untyped-def]
+    """Tangents of what vanishes where a law leaves its mode, with this `slope` over time; `sign`: of the
+    force that holds its dof.
+    """
+    partition, place = nonlinear.laws.numbers[law, PARTITION], nonlinear.laws.numbers[law, PLACE]
+    if partition == POSITION:
+        passed = min(mode, 1) if slope > 0.0 else max(mode - 1, 0)
+        return numbers(dz, (place, group)) - numbers(tangents.thresholds, (law, passed, group))
+    if mode != 0:
+        return numbers(dz, (place + nonlinear.n, group))
+    holds = nonlinear.holds[number, law]
+    guard = numbers(tangents.breakaway, (law, group)) * -sign
+    for j in range(z.size):
+        guard += holds[j] * numbers(dz, (j, group)) + numbers(tangents.holds, (number, law, j, group)) * z[j]
+    return guard
+
+
+@inlined
+def _slope(nonlinear, number, law, mode, rate):  # type: ignore[no-untyped-def]
+    """Rate of the same, from those of [y, held, g]."""
+    partition, place = nonlinear.laws.numbers[law, PARTITION], nonlinear.laws.numbers[law, PLACE]
+    if partition == POSITION:
+        return rate[place]
+    return rate[place + nonlinear.n] if mode != 0 else product(nonlinear.holds[number, law], rate)
+
+
+@inlined
+def shift_of(nonlinear, tangents, number, law, mode, z, dz, rate, shift):  # type: ignore[no-untyped-def]
     """How much later a law leaves its mode, for each parameter."""
-    velocity, holds, size = (
-        nonlinear.laws.numbers[law, PLACE] + nonlinear.n,
-        nonlinear.holds[number, law],
-        rate.size,
-    )
-    slope, sign = rate[velocity], 1.0
-    if mode == 0:
-        slope, sign = 0.0, 1.0 if product(holds, z) > 0.0 else -1.0
-        for j in range(size):
-            slope += holds[j] * rate[j]
+    slope = _slope(nonlinear, number, law, mode, rate)
+    sign = 1.0 if product(nonlinear.holds[number, law], z) > 0.0 else -1.0
     for group in range(dz.shape[1]):
-        guard = numbers(dz, (velocity, group))
-        if mode == 0:
-            guard = numbers(tangents.breakaway, (law, group)) * -sign
-            for j in range(z.size):
-                change = numbers(tangents.holds, (number, law, j, group))
-                guard += holds[j] * numbers(dz, (j, group)) + change * z[j]
+        guard = _guard(nonlinear, tangents, number, law, mode, slope, sign, z, dz, group)
         put_numbers(shift, (group,), guard / -slope if slope != 0.0 else everywhere(0.0))
+
+
+@inlined
+def rates(nonlinear, number, z, rate):  # type: ignore[no-untyped-def]
+    """Rate of y, into the leading elements of `rate`."""
+    for i in range(nonlinear.systems.shape[1]):
+        rate[i] = product(nonlinear.systems[number, i], z)
+
+
+@inlined
+def jump(nonlinear, following, law, mode, z, dz, rate, shift):  # type: ignore[no-untyped-def]
+    """Let the tangents jump where a law goes over into a mode, and the set that sticks is the `following`."""
+    for i in range(nonlinear.systems.shape[1]):
+        change = rate[i] - product(nonlinear.systems[following, i], z)
+        for group in range(shift.shape[0]):
+            put_numbers(dz, (i, group), numbers(dz, (i, group)) + change * numbers(shift, (group,)))
+    if mode == 0 and nonlinear.laws.numbers[law, PARTITION] == FRICTION:  # at rest, whatever the parameter
+        for group in range(shift.shape[0]):
+            put_numbers(dz, (nonlinear.laws.numbers[law, PLACE] + nonlinear.n, group), everywhere(0.0))
 
 
 @inlined
 def _cross(nonlinear, work, tangents, own, number, law, z, dz, t):  # type: ignore[no-untyped-def]
     """Let a law switch at `t`, where it leaves its mode, and the tangents jump."""
-    first, size = z.size - nonlinear.input_matrix.shape[1], nonlinear.systems.shape[1]
-    for i in range(size):
-        own.rate[i] = product(nonlinear.systems[number, i], z)
+    first = z.size - nonlinear.input_matrix.shape[1]
+    rates(nonlinear, number, z, own.rate)
     mode = work.modes[law]
-    _shift(nonlinear, tangents, number, law, mode, z, dz, own.rate, own.shift)
+    shift_of(nonlinear, tangents, number, law, mode, z, dz, own.rate, own.shift)
     hold = product(nonlinear.holds[number, law], z)
     work.modes[law] = next_mode(nonlinear.laws, nonlinear.n, law, mode, z, hold)
     following = begin_step(nonlinear, z, t, work.modes)
     _forces(tangents.forces, work.modes, first, dz)
-    for i in range(size):
-        jump = own.rate[i] - product(nonlinear.systems[following, i], z)
-        for group in range(own.shift.shape[0]):
-            put_numbers(dz, (i, group), numbers(dz, (i, group)) + jump * numbers(own.shift, (group,)))
-    if work.modes[law] == 0:  # at rest, whatever the parameter
-        for group in range(own.shift.shape[0]):
-            velocity = nonlinear.laws.numbers[law, PLACE] + nonlinear.n
-            put_numbers(dz, (velocity, group), everywhere(0.0))
+    jump(nonlinear, following, law, work.modes[law], z, dz, own.rate, own.shift)
 
 
 @inlined

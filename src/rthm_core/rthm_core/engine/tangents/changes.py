@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from rthm_core.compiled import Flags, Floats, Integers
-from rthm_core.engine.nonlinear.loop import NonlinearLoop, nonlinear_loop
+from rthm_core.engine.nonlinear.loop import Nonlinear, NonlinearLoop, nonlinear_loop
 from rthm_core.errors import InputError
 from rthm_core.kept import kept
 from rthm_core.physical.laws import CODE, FRICTION, PARTITION, law_of
@@ -40,8 +40,11 @@ class Tangents(NamedTuple):
     ----------
     systems, holds : (S, N, d, Q, 8), (S, L, d, Q, 8) arrays
     forces : (L, 3, Q, 8) array
-        Force of each law in its modes -1, 0 and 1.
-    breakaway : (L, Q, 8) array
+        Force of each law in its modes -1, 0 and 1; zero where any depends on the motion.
+    breakaway, thresholds : (L, Q, 8), (L, 2, Q, 8) arrays
+    parameters : (L, 8, Q, 8) array
+    drive, stiffness, wire_parameters : (W, N + M, Q, 8), (W, Q, 8), (R, 8, Q, 8) arrays
+        Of `Wires`.
     sample, force, reference : (N + M, ., Q, 8) arrays
         Of the transposed matrices.
     bias, k_tot : (2 m, Q, 8), (m, Q, 8) arrays
@@ -53,6 +56,11 @@ class Tangents(NamedTuple):
     holds: Floats
     forces: Floats
     breakaway: Floats
+    thresholds: Floats
+    parameters: Floats
+    drive: Floats
+    stiffness: Floats
+    wire_parameters: Floats
     sample: Floats
     force: Floats
     reference: Floats
@@ -176,8 +184,13 @@ def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
     return (
         nonlinear.systems,
         nonlinear.holds,
-        _forces(nonlinear.laws.numbers, nonlinear.laws.parameters),
+        _forces(nonlinear),
         nonlinear.laws.breakaway,
+        np.nan_to_num(nonlinear.laws.thresholds, posinf=0.0, neginf=0.0),
+        nonlinear.laws.parameters,
+        nonlinear.wires.drive,
+        nonlinear.wires.stiffness,
+        nonlinear.wires.parameters,
         loop.sample.T,
         loop.force.T,
         loop.reference.T,
@@ -189,10 +202,11 @@ def _arrays(loop: NonlinearLoop) -> tuple[Floats, ...]:
     )
 
 
-def _forces(numbers: Integers, parameters: Floats) -> Floats:
-    """Force (L, 3) in the modes -1, 0 and 1 of laws that are constant in each."""
+def _forces(nonlinear: Nonlinear) -> Floats:
+    """Force (L, 3) in the modes -1, 0 and 1 of laws that are constant in each; zero where any is not."""
+    numbers, parameters = nonlinear.laws.numbers, nonlinear.laws.parameters
     found = np.zeros((numbers.shape[0], 3))
-    for row, (law, p) in enumerate(zip(numbers, parameters, strict=True)):
+    for row, (law, p) in enumerate(zip(numbers, parameters, strict=True) if nonlinear.steady else ()):
         of_mode: Any = law_of(law[CODE]).force
         for mode in (-1, 1):
             found[row, mode + 1] = of_mode(0.0, 0.0, [], 0.0, p, mode)

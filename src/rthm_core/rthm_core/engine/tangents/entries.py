@@ -104,11 +104,11 @@ def in_blocks(pattern: Flags, widest: int) -> tuple[Integers, Integers]:
 
 def step_entries(loop: NonlinearLoop, changes: Tangents, slots: int) -> Entries:
     """Room for the matrices (N, d) of so many steps, which are made when they are needed."""
-    pattern, touched = _of_steps(loop, changes)
+    pattern, touched = of_steps(loop, changes)
     return entries(pattern, touched, slots, in_blocks(pattern, PAIRS)[1])
 
 
-def _of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
+def of_steps(loop: NonlinearLoop, changes: Tangents) -> tuple[Flags, Flags]:
     """Pattern (N, d) of steps, and which groups (N, Q) change their rows."""
     systems = np.abs(loop.nonlinear.systems).sum(axis=0) + np.abs(changes.systems).sum(axis=(0, 3, 4))
     reached, n = reach(systems), systems.shape[0]
@@ -139,7 +139,7 @@ def by_blocks(loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Float
 
 def _of_look(loop: NonlinearLoop, changes: Tangents, rows: Floats, moved: Floats) -> tuple[Flags, Flags]:
     """Pattern (R, d) of what is seen after a step, and which groups (R, Q) change its rows."""
-    (step, touched), n = _of_steps(loop, changes), loop.nonlinear.systems.shape[1]
+    (step, touched), n = of_steps(loop, changes), loop.nonlinear.systems.shape[1]
     changed = np.any(moved != 0.0, axis=3)
     through = (rows != 0.0) | changed.any(axis=2).T
     beneath = through[:, :n].astype(int)

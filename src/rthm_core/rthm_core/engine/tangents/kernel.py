@@ -52,20 +52,20 @@ class Layout(NamedTuple):
 
 
 @written_out
-def _lane(lanes, row, width, motion):  # type: ignore[no-untyped-def]
+def lane_of(lanes, row, width, motion):  # type: ignore[no-untyped-def]
     """Element of the motion whose tangents these are."""
     return lanes[np.uint64(row * width + motion)]
 
 
 @written_out
-def _move(source, begin, target, to, count):  # type: ignore[no-untyped-def]
+def move(source, begin, target, to, count):  # type: ignore[no-untyped-def]
     """Copy so many numbers, which are whole SIMD values."""
     for i in range(0, count, WIDTH):
         put_numbers_from(target, to + i, numbers_from(source, begin + i))
 
 
 @called
-def _seen(entries, slot, z, lanes, at, out, to, groups, pairs):  # type: ignore[no-untyped-def]
+def see_tangents(entries, slot, z, lanes, at, out, to, groups, pairs):  # type: ignore[no-untyped-def]
     """Tangents of what one of several matrices makes of z, into the flat `out` from place `to` on."""
     entries = given(entries)
     for block in range(entries.rows.shape[0]):
@@ -77,7 +77,7 @@ def _seen(entries, slot, z, lanes, at, out, to, groups, pairs):  # type: ignore[
 
 
 @written_out
-def _add(bias, lanes, begin):  # type: ignore[no-untyped-def]
+def add_bias(bias, lanes, begin):  # type: ignore[no-untyped-def]
     """Add the tangents of a bias."""
     for i in range(bias.shape[0]):
         for group in range(bias.shape[1]):
@@ -86,12 +86,12 @@ def _add(bias, lanes, begin):  # type: ignore[no-untyped-def]
 
 
 @written_out
-def _command(k_tot, change, counting, motion, own, used, asked, to, width):  # type: ignore[no-untyped-def]
+def put_command(k_tot, change, counting, motion, own, used, asked, to, width):  # type: ignore[no-untyped-def]
     """Tangents of a command from a sample and a reference: of its two parts where work is counted."""
     m = k_tot.size
     for i in range(m):
         compliance = 1.0 / k_tot[i]
-        part = _lane(own.references, asked * m + i, width, motion) * compliance
+        part = lane_of(own.references, asked * m + i, width, motion) * compliance
         for lane in range(0, width, WIDTH):
             sample = numbers_from(own.samples, (used * 2 * m + i) * width + lane)
             reference = numbers_from(own.references, (asked * m + i) * width + lane)
@@ -128,7 +128,7 @@ def _write_seen(  # type: ignore[no-untyped-def]
 
 
 @written_out
-def _write(  # type: ignore[no-untyped-def]
+def write(  # type: ignore[no-untyped-def]
     look, slot, z, own, at, asked, layout, m, row, beside, groups, pairs, triples
 ):
     """Write a row, seen through the matrix in a slot and last F_d in use, and its tangents."""
@@ -218,7 +218,7 @@ def run_tangents(
     held, inputs, as_it_is = d - nonlinear.weight.size - 2 * m, (d - size) * width, changes.filled.size
     at, to, number, arc, single = 0, d * width, -1, -1, True
     begin_tangents(nonlinear, work, tangents, z, own.halves[0])
-    _move(own.lanes, at + size * width, own.lanes, to + size * width, inputs)
+    move(own.lanes, at + size * width, own.lanes, to + size * width, inputs)
     for p in range(passes):
         later, until = min(p, 1), -1
         for e in range(operations.what.size):
@@ -231,10 +231,10 @@ def run_tangents(
             while trying >= 0:
                 number, arc = set_of(nonlinear.bits, work.modes), trying
                 slot = _slot(nonlinear, steps, tangents, changes, own, number, arc)
-                _seen(changes.steps, slot, z, own.lanes, at, own.lanes, to, groups, pairs)
+                see_tangents(changes.steps, slot, z, own.lanes, at, own.lanes, to, groups, pairs)
                 copy_into(work.end, z)
                 for j in range(size):
-                    work.end[j] = _lane(own.lanes, j, width, to + motion)
+                    work.end[j] = lane_of(own.lanes, j, width, to + motion)
                 good, trying = _goes_on(nonlinear, work, number, z), -1
                 if good:
                     until = e if single else last
@@ -251,7 +251,7 @@ def run_tangents(
                 add_moments(looks.forms, work.moments, work.sums)
                 for j in range(d):
                     own.lanes[at + j * width + motion] = z[j]
-                _move(own.lanes, at + size * width, own.lanes, to + size * width, inputs)
+                move(own.lanes, at + size * width, own.lanes, to + size * width, inputs)
             elif k >= 0 and not within:
                 at, to = to, at
                 copy_into(z, work.end)
@@ -264,26 +264,28 @@ def run_tangents(
             asked = (r - element(operations.reference, (e,))) & r_mask
             if what == REFERENCE:
                 begin = held * width
-                _move(own.samples, used * 2 * m * width, own.lanes, at + begin, 2 * m * width)
-                _move(own.lanes, at + begin, own.lanes, to + begin, 2 * m * width)
+                move(own.samples, used * 2 * m * width, own.lanes, at + begin, 2 * m * width)
+                move(own.lanes, at + begin, own.lanes, to + begin, 2 * m * width)
                 for i in range(2 * m):
-                    z[held + i] = _lane(own.samples, used * 2 * m + i, width, motion)
+                    z[held + i] = lane_of(own.samples, used * 2 * m + i, width, motion)
                 ring = (r & r_mask) * m * width
-                _seen(changes.reference, 0, z, own.lanes, at, own.references, ring, groups, pairs)
+                see_tangents(changes.reference, 0, z, own.lanes, at, own.references, ring, groups, pairs)
                 r += 1
             elif what == MOTOR:
                 begin = size * width
-                _command(looks.k_tot, tangents.k_tot, counting, motion, own, used, asked, at + begin, width)
-                _move(own.lanes, at + begin, own.lanes, to + begin, (held - size) * width)
+                put_command(
+                    looks.k_tot, tangents.k_tot, counting, motion, own, used, asked, at + begin, width
+                )
+                move(own.lanes, at + begin, own.lanes, to + begin, (held - size) * width)
                 for i in range(size, held):
-                    z[i] = _lane(own.lanes, i, width, at + motion)
+                    z[i] = lane_of(own.lanes, i, width, at + motion)
             elif what == SAMPLE:
                 ring = (s & s_mask) * 2 * m * width
-                _seen(changes.sample.pairs, slot, z, own.lanes, at, own.samples, ring, groups, pairs)
-                _add(tangents.bias, own.samples, ring)
+                see_tangents(changes.sample.pairs, slot, z, own.lanes, at, own.samples, ring, groups, pairs)
+                add_bias(tangents.bias, own.samples, ring)
                 s += 1
             elif what == OUTPUT:
-                _write(changes.row, slot, z, own, at, asked, layout, m, row, beside, groups, pairs, triples)
+                write(changes.row, slot, z, own, at, asked, layout, m, row, beside, groups, pairs, triples)
                 if counting and within:
                     count_work(nonlinear, tables, number, span, work.products, work.before, work.sums)
                     write_work_within(work.sums, counted, row)
@@ -293,5 +295,5 @@ def run_tangents(
                 if row == rows:
                     break
     if at:
-        _move(own.lanes, at, own.lanes, 0, d * width)
+        move(own.lanes, at, own.lanes, 0, d * width)
     count[0], count[1], count[2] = s, r, row

@@ -93,7 +93,7 @@ def of_block(entries, slot, block, z, lanes, at, groups, like):  # type: ignore[
 
 
 @inlined
-def _term(system, change, share, z, dz, out):  # type: ignore[no-untyped-def]
+def next_term(system, change, share, z, dz, out):  # type: ignore[no-untyped-def]
     """Next term of the series of y, and its tangents, into `out`, from the leading elements of z and dz."""
     for i in range(system.shape[0]):
         total = 0.0
@@ -111,9 +111,9 @@ def _term(system, change, share, z, dz, out):  # type: ignore[no-untyped-def]
 def by_series(system, change, length, terms, z, dz, one, other, out):  # type: ignore[no-untyped-def]
     """Tangents (N, Q, 8) after a step of `length` (s), by the series; `one` and `other` are scratch."""
     copy_numbers(dz, out, out.shape[0])
-    _term(system, change, length, z, dz, one)
+    next_term(system, change, length, z, dz, one)
     for k in range(1, terms):
-        _term(system, change, length / (k + 1), one.y, one.dy, other)
+        next_term(system, change, length / (k + 1), one.y, one.dy, other)
         for i in range(out.shape[0]):
             for group in range(out.shape[1]):
                 put_numbers(out, (i, group), numbers(out, (i, group)) + numbers(one.dy, (i, group)))

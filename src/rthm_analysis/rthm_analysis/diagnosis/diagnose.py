@@ -23,6 +23,7 @@ from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecide
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
 from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.wandering import wandering
 from rthm_analysis.diagnosis.replay.joint import one_after_the_other
 from rthm_analysis.diagnosis.result import Described, Diagnosis, Fault, Part
 from rthm_analysis.recording import Recording
@@ -95,6 +96,7 @@ def diagnose_together(
         several = [look_alone(*one, say) for one in zip(recordings, specs, strict=True)]
     except WrongSpecError as wrong:
         return _stopped(spec, wrong.faults, wrong.notes)
+    several = _steady(several, say)
     physical = _physical(several, say)
     pushes: list[Described] = []
     for _ in range(PUSH_SEARCHES):
@@ -121,6 +123,15 @@ def diagnose_together(
     say("planning the next test")
     words, planned, gain = _next(found, physical, spec, patched_spec(parts, spec))
     return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
+
+
+def _steady(several: Sequence[Alone], say: Callable[[str], None]) -> list[Alone]:
+    """The same without the error of a sensor whose zero wanders, where there is one recording."""
+    if len(several) > 1:
+        return list(several)
+    (one,) = several
+    wander = wandering(one.evidence, as_run(one.parts, one.spec), say)
+    return [one if wander is None else one.without(wander)]
 
 
 def _physical(several: Sequence[Alone], say: Callable[[str], None]) -> Physical:

@@ -21,6 +21,7 @@
 ``delays``       which channel is late
 ``hum``          hum of the mains
 ``bend``         sensors that are not linear
+``wander``       a sensor whose zero wanders
 ``belonging``    a spec of another test
 ``other_loop``   delays, periods and computing blocks of another test
 ``mending``      all of it, in order

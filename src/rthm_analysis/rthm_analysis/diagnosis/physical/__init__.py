@@ -12,6 +12,8 @@
 ``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
+``wandering``    a position that all other signals contradict
+``shown_elsewhere``  what its error would be in them
 ``drifting_clocks`` a motion that comes later and later after the known force
 ``deviating``     what is wrong with a whole recording: lags and leaks
 ``fewer_terms``  terms that a formula does not need

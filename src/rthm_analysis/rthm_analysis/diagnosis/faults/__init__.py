@@ -14,6 +14,7 @@
 ``rectified``    magnitudes in place of signals
 ``plant``        mass and stiffness that known forces ask for
 ``known_loads``  sign and unit in a plain recording
+``sensor_gains``  positions and velocities that read too much
 ``scaling``      signs, units and swaps in words
 ``drift``        clocks that drift apart
 ``spectra``      cross spectra

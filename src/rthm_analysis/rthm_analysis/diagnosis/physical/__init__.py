@@ -12,6 +12,7 @@
 ``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
+``gains_told``   sensors that read too much or too little
 ``wandering``    a position that all other signals contradict
 ``shown_elsewhere``  what its error would be in them
 ``drifting_clocks`` a motion that comes later and later after the known force

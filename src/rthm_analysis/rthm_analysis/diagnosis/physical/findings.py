@@ -22,7 +22,7 @@ from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_f
 from rthm_analysis.diagnosis.physical.fewer_terms import with_fewer_terms
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
-from rthm_analysis.diagnosis.physical.inseparable import elsewhere, gains, inseparable
+from rthm_analysis.diagnosis.physical.inseparable import all_alike, elsewhere, gains, inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.kinds_beside import each_by_itself, with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
@@ -128,6 +128,7 @@ def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
             *inseparable(physics),
             *elsewhere(physics, alternatives),
             *(gains(physics, force) if physical.evidence.driven_by == "force" else ()),
+            *(all_alike(retuned) if keeps and physical.evidence.is_forced else ()),
             *offsets(physical, runs["explained"].predicted),
             *loud(physical),
             *([LEFT_OUT] if pushes else []),

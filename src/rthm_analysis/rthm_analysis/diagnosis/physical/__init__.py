@@ -17,6 +17,7 @@
 ``shown_elsewhere``  what its error would be in them
 ``drifting_clocks`` a motion that comes later and later after the known force
 ``deviating``     what is wrong with a whole recording: lags and leaks
+``fewer_kinds``  kinds that are not needed beside a formula
 ``fewer_terms``  terms that a formula does not need
 ``plainer_terms``  numbers that a term does not need
 ``foreseeing``    how far ahead a model tells a motion

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rthm_analysis.diagnosis.diagnose import diagnose
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.findings import physical_part
 from rthm_analysis.diagnosis.physical.shown_elsewhere import forces_on, is_denied, moved_elsewhere
 from rthm_analysis.diagnosis.physical.wandering import wandering
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_analysis.diagnosis.search.replacing import is_seen
+from rthm_analysis.exchange.bag import write_bag
+from rthm_analysis.recording import Recording, Table, read_recording
+from rthm_analysis.recording.cdr import FIELDS
 from rthm_core.spec import Spec
 from rthm_core.substructure import substructure
+from rthm_core.topics import PLANT_STATE
 
 from .test_diagnosis_between import NOISE, STIFFNESS, Law, recorded, two_dofs
 
@@ -99,3 +105,25 @@ def test_a_link_that_changes_its_length_is_told_beside_the_sensor() -> None:
 def test_an_effect_that_may_be_zero_beside_what_is_left_is_not_seen(misfit: float, is_told: bool) -> None:
     best = diagnose_physical(positions(lambda x, v: (0.0, 0.05)), two_dofs(), np.empty(0), lambda said: None)
     assert is_seen(best.selection.best, 0, misfit) is is_told
+
+
+def bag(path: Path, seen: Evidence) -> Recording:
+    """Both positions, the velocity of the first dof and the known forces."""
+    first, second, speed = seen.measured.T
+    none = np.full((seen.stamps_ns.size, 2), np.nan)
+    known = {
+        "position": np.column_stack([first, second]),
+        "velocity": np.column_stack([speed, none[:, 1]]),
+        "effort": seen.load,
+    }
+    columns = {field: known.get(field, none) for field in FIELDS}
+    stamps = seen.stamps_ns
+    write_bag(path, {PLANT_STATE: Table(stamps, stamps, stamps, ("x1", "x2"), **columns)}, {}, "")
+    return read_recording(path)
+
+
+def test_a_recording_with_a_zero_that_wanders_is_explained_by_it_alone(tmp_path: Path) -> None:
+    error = 20.0 * NOISE[0] * np.sin(2.0 * np.pi * TIME / 9.0 + 0.5)
+    found = diagnose(bag(tmp_path / "bag", positions(off=error)), two_dofs())
+    assert found.verdict == "explained" and [one.kind for one in found.faults] == ["wander"]
+    assert not (found.physics or found.described or found.retuned)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rthm_analysis.diagnosis.physical.inseparable import elsewhere, gains, inseparable
+from rthm_analysis.diagnosis.physical.inseparable import all_alike, elsewhere, gains, inseparable
 from rthm_analysis.diagnosis.physical.parts_of_force import with_parts
-from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Value
+from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Retuned, Value
 
 
 def _found(kind: str, place: str = "x1", **sizes: float) -> Physics:
@@ -124,3 +124,30 @@ def test_what_is_ruled_out_or_no_answer_by_itself_is_not_told(
     named: list[Physics], other: Alternative
 ) -> None:
     assert not list(elsewhere(named, [other]))
+
+
+@pytest.mark.parametrize(
+    ("formula", "is_said"),
+    [
+        ("-0.315 * sign(v) * (25 < t) + 0.05 * load", True),
+        ("0.05 * load - 0.315 * sign(v) * (25 < t)", True),
+        ("-5e-05 * load + 0.2 * v", True),
+        ("0.05 * load**2 - 0.315 * sign(v)", False),
+        ("0.05 * load * v", False),
+    ],
+)
+def test_a_part_that_goes_with_the_load_may_be_a_gain_beside_larger_forces(
+    formula: str, is_said: bool
+) -> None:
+    left = replace(_left("v", "t", "load", size=3.0), formula=formula)
+    assert bool(list(gains([], [left]))) is is_said
+
+
+@pytest.mark.parametrize(("stiffness", "is_said"), [(95.2, True), (100.0, False), (94.0, False)])
+def test_values_that_are_all_off_by_one_factor_may_be_a_gain(stiffness: float, is_said: bool) -> None:
+    retuned = {
+        "plant.mass": Retuned(1.0, 0.952, 1e-4),
+        "plant.damping": Retuned(2.0, 1.9042, 1e-3),
+        "plant.stiffness": Retuned(100.0, stiffness, 1e-2),
+    }
+    assert bool(list(all_alike(retuned))) is is_said

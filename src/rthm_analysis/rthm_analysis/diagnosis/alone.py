@@ -13,6 +13,8 @@ from rthm_analysis.diagnosis.faults.deviations import Deviation
 from rthm_analysis.diagnosis.faults.drift import Drift
 from rthm_analysis.diagnosis.faults.moments import Moment
 from rthm_analysis.diagnosis.faults.other_loop import find_other_loop
+from rthm_analysis.diagnosis.faults.sensor_gains import SensorGain
+from rthm_analysis.diagnosis.faults.wander import Wander
 from rthm_analysis.diagnosis.joining import as_run
 from rthm_analysis.diagnosis.links import diagnose_links
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence, gather
@@ -60,9 +62,16 @@ class Alone:
         """The same with channels that come late by so many seconds."""
         return replace(self, mended=self.mended.moved_back(late)).judged_by_motion()
 
-    def without(self, deviation: Drift | Deviation) -> Alone:
+    def without(self, deviation: Drift | Deviation | Wander) -> Alone:
         """The same without what the whole recording deviates by."""
         return replace(self, mended=self.mended.without(deviation))
+
+    def with_gains(self, gains: Sequence[SensorGain]) -> Alone:
+        """The same with the true values of sensors that read too much or too little."""
+        evidence = self.mended.evidence
+        for one in gains:
+            evidence = one.corrected(evidence)
+        return replace(self, mended=replace(self.mended, evidence=evidence))
 
     def without_moments(self, moments: Sequence[Moment]) -> Alone:
         """The same without the moments in which something pushed the plant, or its sensors were off."""

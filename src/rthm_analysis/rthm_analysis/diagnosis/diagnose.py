@@ -13,16 +13,19 @@ from rthm_analysis.diagnosis.criteria.readings import PUSH_SEARCHES
 from rthm_analysis.diagnosis.criteria.verdict import FEWEST_RECORDED_SAMPLES
 from rthm_analysis.diagnosis.experiment.next_test import Found, Next, next_experiment
 from rthm_analysis.diagnosis.experiment.rivals import rivals_of
+from rthm_analysis.diagnosis.faults.sensor_gains import find_gains
 from rthm_analysis.diagnosis.joining import as_run, joined, patched_spec
 from rthm_analysis.diagnosis.names import check_names, check_one_rig
 from rthm_analysis.diagnosis.physical.bent_sensors import bent_sensors, straight_or_curved
 from rthm_analysis.diagnosis.physical.deviating import deviation
 from rthm_analysis.diagnosis.physical.drifting_clocks import drifting_clocks
 from rthm_analysis.diagnosis.physical.findings import physical_part
+from rthm_analysis.diagnosis.physical.gains_told import gains_told
 from rthm_analysis.diagnosis.physical.late_sensors import late_sensors, undecided
 from rthm_analysis.diagnosis.physical.own_zeros import diagnose_several
 from rthm_analysis.diagnosis.physical.pushed import pushed
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.physical.wandering import wandering
 from rthm_analysis.diagnosis.replay.joint import one_after_the_other
 from rthm_analysis.diagnosis.result import Described, Diagnosis, Fault, Part
 from rthm_analysis.recording import Recording
@@ -95,6 +98,8 @@ def diagnose_together(
         several = [look_alone(*one, say) for one in zip(recordings, specs, strict=True)]
     except WrongSpecError as wrong:
         return _stopped(spec, wrong.faults, wrong.notes)
+    gains = find_gains(several[0].evidence, as_run(several[0].parts, spec)) if len(several) == 1 else []
+    several = _steady([one.with_gains(gains) for one in several], say)
     physical = _physical(several, say)
     pushes: list[Described] = []
     for _ in range(PUSH_SEARCHES):
@@ -115,12 +120,21 @@ def diagnose_together(
         several = [one.straightened(bends) for one in several]
         physical = _physical(several, say)
     notes = (*undecided(lateness), *straight_or_curved(bent))
-    parts = [software_part(several), Part(notes=notes), physical_part(physical, pushes)]
+    parts = [software_part(several), Part(notes=notes), gains_told(gains), physical_part(physical, pushes)]
     say("putting it into words")
     found = joined(parts, spec)
     say("planning the next test")
     words, planned, gain = _next(found, physical, spec, patched_spec(parts, spec))
     return replace(found, next_experiment=words, next_experiment_spec=planned, next_experiment_gain=gain)
+
+
+def _steady(several: Sequence[Alone], say: Callable[[str], None]) -> list[Alone]:
+    """The same without the error of a sensor whose zero wanders, where there is one recording."""
+    if len(several) > 1:
+        return list(several)
+    (one,) = several
+    wander = wandering(one.evidence, as_run(one.parts, one.spec), say)
+    return [one if wander is None else one.without(wander)]
 
 
 def _physical(several: Sequence[Alone], say: Callable[[str], None]) -> Physical:

@@ -64,10 +64,10 @@ class Fault:
         Where it shows: that of the sensor or link; ``plant`` for a load and for a spec of another rig.
     kind : str
         ``sign``, ``unit``, ``swapped``, ``channel_delay``, ``stuck``, ``spikes``, ``dropout``, ``hum``,
-        ``rectified``, ``saturation``, ``nonlinear`` (of a sensor), ``clock_drift``, ``offset`` (that differs
-        from recording to recording), ``wrong_parameter`` (of timing or compensator), ``wrong_spec``,
-        ``stray`` (of what was recorded for a moment), ``force_lag``, ``force_leak``,
-        ``crosstalk``.
+        ``rectified``, ``saturation``, ``nonlinear`` (of a sensor), ``wander`` (of its zero),
+        ``clock_drift``, ``offset`` (that differs from recording to recording), ``wrong_parameter`` (of
+        timing or compensator), ``wrong_spec``, ``stray`` (of what was recorded for a moment),
+        ``force_lag``, ``force_leak``, ``crosstalk``.
     channel : str
         ``x1.velocity``, ``a1.effort``, ``timing.tau1``, ``actuator.compensator``.
     words : str

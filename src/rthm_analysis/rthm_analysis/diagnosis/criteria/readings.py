@@ -32,6 +32,24 @@ BENT_GAIN = 0.5
 BENT_REPEATING_SHARE = 1e-3
 """Share of what a smooth curve leaves, and of all, that an error which repeats explains where it is told."""
 
+WANDER_KNOT_PERIODS = 1.0
+"""Periods of the motion between the knots of a curve over time that follows no motion."""
+
+WANDER_SHARE = 0.8
+"""Share of an error beyond the noise that such a curve explains where the zero of its sensor wanders: of a
+random walk all but some hundredths; of an error that goes with the motion next to nothing."""
+
+WANDER_ROUNDS = 2
+"""Times that uncertain values are fitted beside such a curve and the curve beside them: slow and fast parts
+of a signal hardly touch each other."""
+
+WANDER_STEADY_SHARE = 0.2
+"""Range of an error over its largest size up to which it is said to be off, and not to wander."""
+
+WANDER_LEAST_RESPONSE = 1e-3
+"""Squared response of a position to a force, over the largest of all, below which the force is not told from
+the position: next to an antiresonance any noise would be a large force."""
+
 LOUD_RATIO = 3.0
 """Noise over that of the spec from which it is told: several times more than any estimate is off."""
 

@@ -228,3 +228,25 @@ white noise keeps 97 % of its third differences where it is moved by half a samp
 
 UNEVEN_SAMPLES_SHARE = 0.01
 """Spread of the intervals between samples, over their length, up to which these are even."""
+
+# Sensors of the motion that read too much or too little, by each other and the known force.
+
+GAIN_LEAST_CHANGE, GAIN_LARGEST_CHANGE = 2e-3, 0.3
+"""Change of a reading by a factor between which it is asked for: smaller ones may be the smoothing, and
+larger ones are a unit or another rig."""
+
+GAIN_UNRELATED_SHARE = 0.02
+"""Share of the squared change of a factor up to which a velocity may not go with the rate of its position: a
+lag, a delay or a bend that changes sizes as much changes phases or shapes by far more."""
+
+GAIN_DECIDED_SHARE = 0.25
+"""Share of that change within which the known force has to say which of two signals is right; and up to which
+mass and stiffness may be uncertain."""
+
+GAIN_UNSURE_STDS = 3.0
+"""Stated standard deviations of mass or stiffness, beside that change, by which the known force may be off
+where they are too uncertain to say which."""
+
+GAIN_STRETCHES = 8
+"""Stretches of time with a friction and a drag of their own: what begins to rub takes no more than one of
+them with it."""

@@ -34,5 +34,8 @@ SLIGHT_CHANGE = 1e-3
 AT_BOUND_SHARE = 1e-3
 """Distance from a bound, as a share of it, at which a value has run into it."""
 
+ALIKE_STDS, ALIKE_CHANGE = 3.0, 1e-3
+"""Standard deviations, and change of a factor, within which mass, damping and stiffness are off alike."""
+
 DRIVING_STDS = 3.0
 """Standard deviations below zero from which a damping or a stiffness is said to be so."""

@@ -14,6 +14,7 @@
 ``rectified``    magnitudes in place of signals
 ``plant``        mass and stiffness that known forces ask for
 ``known_loads``  sign and unit in a plain recording
+``sensor_gains``  positions and velocities that read too much
 ``scaling``      signs, units and swaps in words
 ``drift``        clocks that drift apart
 ``spectra``      cross spectra
@@ -21,6 +22,7 @@
 ``delays``       which channel is late
 ``hum``          hum of the mains
 ``bend``         sensors that are not linear
+``wander``       a sensor whose zero wanders
 ``belonging``    a spec of another test
 ``other_loop``   delays, periods and computing blocks of another test
 ``mending``      all of it, in order

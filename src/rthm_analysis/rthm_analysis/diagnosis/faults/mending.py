@@ -28,6 +28,7 @@ from rthm_analysis.diagnosis.faults.scaling import FACTORS
 from rthm_analysis.diagnosis.faults.several_dofs import find_positions
 from rthm_analysis.diagnosis.faults.spikes import find_spikes
 from rthm_analysis.diagnosis.faults.stuck import find_stuck
+from rthm_analysis.diagnosis.faults.wander import Wander
 from rthm_analysis.diagnosis.replay.evidence import Channel, Evidence
 from rthm_analysis.diagnosis.result import Fault
 from rthm_analysis.recording import Recording
@@ -67,7 +68,7 @@ class Mended:
         evidence, faults = moved_back(self.evidence, late)
         return replace(self, evidence=evidence, faults=(*self.faults, *faults))
 
-    def without(self, deviation: Drift | Deviation) -> Mended:
+    def without(self, deviation: Drift | Deviation | Wander) -> Mended:
         """The same without what the whole recording deviates by."""
         faults = (*self.faults, deviation.fault(self.evidence))
         return replace(self, evidence=deviation.corrected(self.evidence), faults=faults)

@@ -12,8 +12,12 @@
 ``leaves_noise``  whether a fit leaves nothing but noise
 ``late_sensors`` lags that are delays
 ``bent_sensors`` sensors that are not linear
+``gains_told``   sensors that read too much or too little
+``wandering``    a position that all other signals contradict
+``shown_elsewhere``  what its error would be in them
 ``drifting_clocks`` a motion that comes later and later after the known force
 ``deviating``     what is wrong with a whole recording: lags and leaks
+``fewer_kinds``  kinds that are not needed beside a formula
 ``fewer_terms``  terms that a formula does not need
 ``plainer_terms``  numbers that a term does not need
 ``foreseeing``    how far ahead a model tells a motion

@@ -31,6 +31,8 @@ IMITATES = "it can imitate others, and with it, too, more than the noise is left
 
 VALUES_NOT_TOLD = "beside the others the recording does not tell its values"
 
+MAY_BE_ZERO = "beside what is left the recording does not tell it from zero"
+
 SLIGHT = (
     "it matters little in the unseen data, and its values are not well known: the others may leave as much"
 )
@@ -88,6 +90,11 @@ def without_vague(physical: Physical) -> tuple[Physical, tuple[Refused, ...]]:
     """The same without effects whose values are not told beside the others, and why they went."""
     physical, vague = certain_only(physical)
     return physical, tuple(because(label, VALUES_NOT_TOLD) for label in vague)
+
+
+def without_unseen(physical: Physical, indices: Sequence[int]) -> tuple[Physical, tuple[Refused, ...]]:
+    """The same without effects none of whose values is told from zero, and why they went."""
+    return _without(physical, indices, MAY_BE_ZERO)
 
 
 def without_slight(physical: Physical, shares: Sequence[float]) -> tuple[Physical, tuple[Refused, ...]]:

@@ -12,6 +12,7 @@ from rthm_analysis.diagnosis.physical.confirming import (
     without_needless,
     without_rivalled,
     without_slight,
+    without_unseen,
     without_vague,
 )
 from rthm_analysis.diagnosis.physical.judged import simulate_all
@@ -25,6 +26,13 @@ def with_fewer(physical: Physical, judged: Judgement) -> tuple[Physical, Judgeme
     refused: tuple[Refused, ...] = ()
     if judged.names and not physical.selection.formulas:
         physical, judged, refused = _without_doubtful(physical, judged)
+    while judged.names and not physical.selection.formulas and judged.unseen:
+        count = len(physical.selection.rounds)
+        physical, unseen = without_unseen(physical, judged.unseen)
+        if len(physical.selection.rounds) == count:
+            break
+        refused = (*refused, *unseen)
+        judged = judged_of(physical)
     if judged.names and not judged.at_noise and not physical.selection.imitates:
         physical, needless = without_needless(physical)
         refused = (*refused, *needless)

@@ -19,10 +19,11 @@ from rthm_analysis.diagnosis.physical.curves import force_curve
 from rthm_analysis.diagnosis.physical.detection import detection_limits
 from rthm_analysis.diagnosis.physical.driven import drives_earned, motors_read_wrong, wires_are_off
 from rthm_analysis.diagnosis.physical.fewer import judged_of, negligible, with_fewer
+from rthm_analysis.diagnosis.physical.fewer_kinds import with_fewer_kinds
 from rthm_analysis.diagnosis.physical.fewer_terms import with_fewer_terms
 from rthm_analysis.diagnosis.physical.fits import channel_of, fits_of, free_runs, recording_fits
 from rthm_analysis.diagnosis.physical.formulated import formulated
-from rthm_analysis.diagnosis.physical.inseparable import elsewhere, gains, inseparable
+from rthm_analysis.diagnosis.physical.inseparable import all_alike, elsewhere, gains, inseparable
 from rthm_analysis.diagnosis.physical.judged import nrmse, simulate_all
 from rthm_analysis.diagnosis.physical.kinds_beside import each_by_itself, with_kinds
 from rthm_analysis.diagnosis.physical.locating import when
@@ -63,6 +64,8 @@ from rthm_analysis.diagnosis.search.judging import FittedCandidate, distinguisha
 from rthm_analysis.diagnosis.words import bare, physics_words
 from rthm_core.spec import apply
 
+STOOD_FOR = "beside the formula it is hardly needed, and a slightly other formula may do what it did"
+
 ABOVE_NOISE = "it does little in the unseen data, and more than the noise is left beside it"
 
 DRIVEN = (
@@ -86,7 +89,9 @@ def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
     physical, refused = confirmed(physical)
     physical, judged, fewer = with_fewer(physical, judged_of(physical))
     refused = (*refused, *fewer)
+    found = judged
     judged, force = _with_force(judged)
+    refused = (*refused, *_stood_for(found, judged))
     force = (*motors_formulated(judged.physical), *force)
     if judged.is_driven_wrong or motors_read_wrong(judged.physical):
         force = (*force, *motors_described(judged.physical))
@@ -128,6 +133,7 @@ def physical_part(physical: Physical, pushes: Sequence[Described] = ()) -> Part:
             *inseparable(physics),
             *elsewhere(physics, alternatives),
             *(gains(physics, force) if physical.evidence.driven_by == "force" else ()),
+            *(all_alike(retuned) if keeps and physical.evidence.is_forced else ()),
             *offsets(physical, runs["explained"].predicted),
             *loud(physical),
             *([LEFT_OUT] if pushes else []),
@@ -188,9 +194,19 @@ def _with_force(judged: Judgement) -> tuple[Judgement, tuple[Described, ...]]:
                 return judged, ()
             curve = () if free is None else (described(free, when(judged), beside=judged.earned),)
             return judged, curve if is_foretold(free) else unforeseen(judged) or curve
-    judged = with_names(with_plainer_terms(with_fewer_terms(judged)))
+    judged = with_names(with_plainer_terms(with_fewer_kinds(with_fewer_terms(judged))))
     formula = judged.earned and judged.physical.selection.formulas
     return judged, tuple(formulated(judged)) if formula else ()
+
+
+def _stood_for(before: Judgement, judged: Judgement) -> tuple[Refused, ...]:
+    """Kinds that had been earned and are not told beside a formula."""
+    selection = judged.physical.selection
+    if not (before.earned and judged.earned and selection.formulas):
+        return ()
+    kept = {tried[0].label for tried in selection.rounds}
+    had = (tried[0].label for tried in before.physical.selection.rounds if not tried[0].law.written)
+    return tuple(because(label, STOOD_FOR) for label in had if label not in kept)
 
 
 def _beside_shown(judged: Judgement) -> tuple[Described, ...]:

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Mapping
 
+from rthm_analysis.diagnosis.criteria.words import ALIKE_CHANGE, ALIKE_STDS
 from rthm_analysis.diagnosis.numbers import bare
-from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Value
+from rthm_analysis.diagnosis.result import Alternative, Described, Physics, Retuned, Value
 from rthm_analysis.diagnosis.words import block_words
 from rthm_core.effects import effect
+
+LOAD_TERM = re.compile(r"(^|[+-] )-?[\d.e+-]+ \* load( [+-] |$)")
+"""Of a formula: what goes with the known load alone."""
+
+WITH_LOAD = (
+    "A part of a force that goes with the known load is the same as another gain of the load cell, or of all "
+    "sensors of the motion, where the other forces are larger by as much: this recording does not tell "
+    "which. Put a known force on the load cell, and move the rig by a known distance."
+)
 
 
 def inseparable(physics: Iterable[Physics]) -> Iterator[str]:
@@ -33,7 +44,8 @@ def inseparable(physics: Iterable[Physics]) -> Iterator[str]:
 
 
 def gains(physics: Iterable[Physics], forces: Iterable[Described]) -> Iterator[str]:
-    """A force that goes with the known load, in a rig in which nothing else was found: the same as a gain.
+    """A force that goes with the known load, alone or beside others that are larger by as much: the same as a
+    gain.
 
     Parameters
     ----------
@@ -51,12 +63,43 @@ def gains(physics: Iterable[Physics], forces: Iterable[Described]) -> Iterator[s
     if list(physics) or len(every) != 1:
         return
     (force,) = every
-    if force.block == "plant" and "load" in force.depends_on and set(force.depends_on) <= {"load", "t"}:
+    if LOAD_TERM.search(force.formula or "") and set(force.depends_on) != {"load"}:
+        yield WITH_LOAD
+    elif force.block == "plant" and "load" in force.depends_on and set(force.depends_on) <= {"load", "t"}:
         when = " that changes with time" if "t" in force.depends_on else ""
         yield (
             f"In a linear rig a force that goes with the known load is the same as another gain{when} of the "
             "load cell, or of all sensors of the motion: this recording does not tell which. Put a known "
             "force on the load cell, and move the rig by a known distance."
+        )
+
+
+def all_alike(retuned: Mapping[str, Retuned]) -> Iterator[str]:
+    """Mass, damping and stiffness that are all off by one factor, under a known force: the same as a gain.
+
+    Parameters
+    ----------
+    retuned : mapping of Retuned
+        New values of a plant with one dof.
+
+    Yields
+    ------
+    str
+        What is the same, and how to find out.
+    """
+    found = [retuned.get(f"plant.{name}") for name in ("mass", "damping", "stiffness")]
+    known = [one for one in found if one is not None and one.nominal]
+    if len(known) < len(found):
+        return
+    ratios = [one.value / one.nominal for one in known]
+    stds = [one.std / abs(one.nominal) for one in known]
+    reach = max(ALIKE_STDS * max(stds), ALIKE_CHANGE)
+    if max(ratios) - min(ratios) < reach < 0.5 * abs(ratios[0] - 1.0):
+        factor = bare(ratios[0], 4)
+        yield (
+            f"Mass, damping and stiffness are all {factor} times those of the spec, which is the same "
+            "as another gain of the load cell, or of all sensors of the motion: this recording does not tell "
+            "which. Put a known force on the load cell, and move the rig by a known distance."
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -97,7 +98,7 @@ class Judgement:
 
         Its values are so much less sure than noise alone would leave them.
         """
-        return max((1.0, *(one.rms / one.loudness for one in self.left_over)))
+        return _misfit(self.left_over)
 
     @property
     def told(self) -> str:
@@ -202,9 +203,14 @@ class Judgement:
 
     @property
     def _are_seen(self) -> bool:
-        """Whether of each effect the recording tells at least one value."""
-        selection = self.physical.selection
-        return all(is_seen(selection.best, index) for index in range(len(selection.rounds)))
+        """Whether of each effect the recording tells at least one value, as it would be told."""
+        return not self.unseen
+
+    @cached_property
+    def unseen(self) -> list[int]:
+        """Effects of which no value is told from zero, as unsure as what is left makes them."""
+        selection, misfit = self.physical.selection, _misfit(self.left["explained"])
+        return [i for i in range(len(selection.rounds)) if not is_seen(selection.best, i, misfit)]
 
     @property
     def _changes(self) -> int:
@@ -394,3 +400,8 @@ class Judgement:
             f"last, which left {bare(worst)} times the noise: not enough for a name."
         )
         return tuple(Refused(block, kind, words) for block, kind, _ in labels)
+
+
+def _misfit(left: Iterable[Remainder]) -> float:
+    """Largest error on unseen data, over the noise, of what is left of the channels; at least 1."""
+    return max((1.0, *(one.rms / one.loudness for one in left)))

@@ -105,10 +105,12 @@ def is_sure(fitted: Fitted, index: int, share: float) -> bool:
     return all(std <= share * abs(values[key]) for key, std in stds.items())
 
 
-def is_seen(fitted: Fitted, index: int) -> bool:
-    """Whether the data tell any of the main parameters of an added effect."""
+def is_seen(fitted: Fitted, index: int, misfit: float = 1.0) -> bool:
+    """Whether the data tell any of the main parameters of an added effect, where its standard deviations are
+    so many times what noise alone leaves.
+    """
     values, stds = _main(fitted, index)
-    return not values or any(identified({key: values[key]}, {key: stds[key]}) for key in values)
+    return not values or any(identified({key: values[key]}, {key: misfit * stds[key]}) for key in values)
 
 
 def _main(fitted: Fitted, index: int) -> tuple[dict[str, float], dict[str, float]]:

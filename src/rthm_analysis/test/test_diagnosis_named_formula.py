@@ -37,6 +37,12 @@ def test_a_term_has_the_name_of_its_law(formula: str, size: float, kind: str, nu
     assert next(iter(one.added.parameters.values())) == pytest.approx(number, rel=1e-9)
 
 
+def test_a_sine_in_small_motions_is_a_cubic_spring() -> None:
+    one = named("a * (x - sin(x))", a=-12.0)
+    assert one is not None and one.added.kind == "cubic_stiffness"
+    assert one.added.parameters["coefficient"] == pytest.approx(2.0, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("formula", "numbers"),
     [

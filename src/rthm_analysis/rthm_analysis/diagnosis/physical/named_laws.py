@@ -6,7 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.missing import NEARLY_SAME_LAW_CORRELATION, SAME_LAW_CORRELATION
+from rthm_analysis.diagnosis.criteria.missing import (
+    NEARLY_SAME_LAW_CORRELATION,
+    PLAIN_LAWS_ALIKE,
+    SAME_LAW_CORRELATION,
+)
 from rthm_analysis.diagnosis.missing.curves import Regression
 from rthm_analysis.diagnosis.missing.motion import Along
 from rthm_analysis.diagnosis.missing.terms import Term
@@ -16,6 +20,7 @@ from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.compiled import Floats
 from rthm_core.effects.declaration import Effect
+from rthm_core.effects.formula import NUMBERS
 from rthm_core.effects.registry import shipped
 from rthm_core.spec.effect import place_keys
 
@@ -39,10 +44,13 @@ def without_repeated(regression: Regression, model: Model, terms: Iterable[Term]
 def kind_as(model: Model, index: int, at: Along) -> InitialGuess | None:
     """The kind of the library whose force is nearly that of a formula which a model adds to a dof, along its
     motion; None where there is none.
+
+    A formula with a number within it was fitted to be no kind; ``a (x - sin x)`` is one in small motions.
     """
-    dof = model.added[index].place
+    dof, numbers = model.added[index].place, model.added[index].parameters.keys() & {*NUMBERS}
+    alike = PLAIN_LAWS_ALIKE if len(numbers) == 1 else NEARLY_SAME_LAW_CORRELATION
     force = law_forces(model, [index], at.t, at.x, at.v, at.load)
-    kinds = (_kind_of((dof, force), at, model, law, NEARLY_SAME_LAW_CORRELATION) for law in _plain_kinds(dof))
+    kinds = (_kind_of((dof, force), at, model, law, alike) for law in _plain_kinds(dof))
     return next(filter(None, kinds), None)
 
 

@@ -133,9 +133,14 @@ def scaled(spec: Spec) -> dict[str, float]:
     with suppress(NoCompilerError):
         seldom, often = (_c_engine(spec, DURATION, sample)[0] for sample in (1.0, SAMPLE))
     ensembles = {"per_loop": with_masses(spec, DURATION, 1.0), "own_delays": with_delays(spec, DURATION, 1.0)}
-    found |= sensitive(ours.nonlinear(spec)["Coulomb friction"], DURATION, SAMPLE)
     found |= swept()
     return found | per_one(ensembles, seldom) | per_one({"check": stability_checks(spec)}, often)
+
+
+def derivatives(spec: Spec) -> list[dict[str, Any]]:
+    """Sensitivities to all parameters, by what a loop has."""
+    loops = {"the paper's loop": spec, **ours.nonlinear(spec)}
+    return [{"name": name} | sensitive(other, DURATION, SAMPLE) for name, other in loops.items()]
 
 
 def _time(rows: dict[str, Row], calls: dict[str, Callable[[], Any]], rounds: int) -> None:
@@ -161,6 +166,7 @@ def main() -> None:
         "ways": [asdict(row) for row in measured(spec, exact, given.rounds)],
         "beyond": [asdict(row) for row in beyond(spec, given.rounds)],
         "twins": [asdict(row) for row in beside_twins(spec, given.rounds)],
+        "derivatives": derivatives(spec),
         "scale": scaled(spec),
     }
     given.out.mkdir(parents=True, exist_ok=True)

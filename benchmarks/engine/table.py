@@ -34,17 +34,22 @@ plant.
 |---|---|---|---|
 """
 
+DERIVATIVES = """
+`sensitivities` to all parameters, and as a ratio to `simulate` of the same loop: energies counted in both,
+and in neither.
+
+| loop | parameters | with energies | ratio | without | ratio |
+|---|---|---|---|---|---|
+"""
+
 SCALE = """
-Many loops (`simulate_many`), sensitivities (`sensitivities`), a long loop (`simulate_blocks`), and the start
-of the program:
+Many loops (`simulate_many`), a long loop (`simulate_blocks`), and the start of the program:
 
 | what | measured |
 |---|---|
 | one of 1024 loops of {duration:g} s side by side, a row every second | {per_loop}, {ratio} of C |
 | one of 1024 loops of {duration:g} s with delays of their own, a row every second | {own}, {own_ratio} of C |
 | one of 1024 stability checks | {check}, {check_ratio} of {duration:g} s in C |
-| Coulomb friction, `sensitivities` to {parameters} parameters | {counted}, {counted_ratio} of `simulate` |
-| the same, energies counted in neither | {sensitive}, {sensitive_ratio} of `simulate` |
 | an hour of the loop with energies, in blocks | {hour} CPU, {added:.0f} MB more at the peak |
 | `rthm simulate` for {duration:g} s, first use after installation (compiles) | {first} CPU |
 | `rthm simulate` for {duration:g} s, every later start | {later} CPU |
@@ -81,6 +86,11 @@ def markdown(found: dict[str, Any]) -> str:
         text += (
             f"| {row['name']} | {_time(row['cpu'])} | {_number(row['ratio'])} | {_number(row['error'])} |\n"
         )
+    text += DERIVATIVES
+    for row in found["derivatives"]:
+        counted = f"{_time(row['counting_sensitive'])} | {_number(row['counting_sensitive_ratio'])}"
+        plain = f"{_time(row['sensitive'])} | {_number(row['sensitive_ratio'])}"
+        text += f"| {row['name']} | {row['parameters']} | {counted} | {plain} |\n"
     scale = found["scale"]
     return text + SCALE.format(
         duration=found["duration"],
@@ -90,11 +100,6 @@ def markdown(found: dict[str, Any]) -> str:
         own_ratio=_number(scale.get("own_delays_ratio")),
         check=_time(scale["check"]),
         check_ratio=_number(scale.get("check_ratio")),
-        parameters=scale["parameters"],
-        sensitive=_time(scale["sensitive"]),
-        sensitive_ratio=_number(scale["sensitive_ratio"]),
-        counted=_time(scale["counting_sensitive"]),
-        counted_ratio=_number(scale["counting_sensitive_ratio"]),
         hour=_time(scale["hour"]),
         added=scale["hour_added_mb"],
         first=_time(scale["first_start"]),

@@ -12,9 +12,10 @@ from rthm_analysis.diagnosis.fitting.cores import Cores
 from rthm_analysis.diagnosis.fitting.wires_alone import WiresAlone
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.replay.motor import motor_motion
+from rthm_analysis.diagnosis.search import refining
 from rthm_analysis.diagnosis.search.beside_wire import one_by_one, selected_from_wire
 from rthm_analysis.diagnosis.search.choosing import choose
-from rthm_analysis.diagnosis.search.judging import looked_for, reduced_chi2
+from rthm_analysis.diagnosis.search.judging import FittedCandidate, looked_for, reduced_chi2
 from rthm_analysis.diagnosis.search.refining import fit_further, refined, unfitted
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate
 from rthm_analysis.diagnosis.search.starts import InitialGuess
@@ -123,6 +124,26 @@ def test_an_effect_that_never_acts_explains_nothing() -> None:
     known = fitting.known(fitted)
     assert refined(fitting, fitted, known, promised[:1]) == []
     assert [one.start for one in refined(fitting, fitted, known, promised)] == [acts]
+
+
+def test_a_memory_whose_fit_has_just_begun_is_no_worse_than_one_that_misses_the_noise() -> None:
+    true = {"gain": 3.0, "frequency": 4.0, "damping_ratio": 0.3}
+    fitting = fitting_of(having("plant", "fluid_memory", **true), 11)
+    fitted = fitting.fit(Model(PAPER))
+
+    def begun(kind: str, **values: float) -> FittedCandidate:
+        start = InitialGuess(EffectInstance("plant", kind, "x1", values), tuple(values), (), dict(values))
+        return unfitted(start, fitted, start.added_to(fitted.model))
+
+    known = fitting.known(fitted)
+    hidden = begun("hidden_mode", mass=0.1, frequency=4.0, damping_ratio=0.3)
+    hidden = fit_further(fitting, hidden, known, 20)
+    memory = fit_further(fitting, begun("fluid_memory", gain=0.5, frequency=3.0, damping_ratio=0.5), known, 1)
+    assert memory.fitted.squares > hidden.fitted.squares
+    assert reduced_chi2(fitting, hidden.fitted) > NEAR_NOISE_CHI2
+    *_, longer = refining._beside_an_imitator(fitting, known, [memory, hidden])
+    assert longer.label == memory.label and reduced_chi2(fitting, longer.fitted) < NEAR_NOISE_CHI2
+    assert refining._beside_an_imitator(fitting, known, [hidden, longer]) == [hidden, longer]
 
 
 def test_a_motor_of_limited_rate_keeps_its_mean_where_it_arrives_between_two_points_of_the_grid() -> None:

@@ -100,6 +100,9 @@ HEAT_ERROR_RATIO = 10.0
 HEAT_ERROR_SHARE_OF_NOISE = 0.1
 """Share of the noise by which any candidate may be beyond it and is still fitted."""
 
+IMITATORS_FITTED = 2
+"""Other kinds that can imitate others which are fitted longer where the best one does not reach the noise."""
+
 STARTING_SIZE_SHARES = (1.0, 0.5, 0.25, 0.1)
 """Shares of a candidate's estimated size from which its fit may begin."""
 

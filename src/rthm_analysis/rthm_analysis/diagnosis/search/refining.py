@@ -17,6 +17,7 @@ from rthm_analysis.diagnosis.criteria.search import (
     HEAT_ERROR_RATIO,
     HEAT_ERROR_SHARE_OF_NOISE,
     HEATS,
+    IMITATORS_FITTED,
     NEAR_NOISE_CHI2,
     RELEVANT_SHARE_OF_FIRST,
     STARTING_SIZE_SHARES,
@@ -93,7 +94,24 @@ def _in_heats(fitting: Fitting, known: Floats, tried: list[FittedCandidate]) -> 
         further = partial(fit_further, fitting, known=known, steps=steps)
         longer = fitting.each_affordable(further, tried[:most])
         tried = [*longer, *tried[len(longer) :]]
-    return tried
+    return _beside_an_imitator(fitting, known, tried)
+
+
+def _beside_an_imitator(
+    fitting: Fitting, known: Floats, tried: list[FittedCandidate]
+) -> list[FittedCandidate]:
+    """The same, others that imitate as well fitted longer where the best one does and leaves more than noise:
+    it may be one of these, whose fit has not come near yet.
+    """
+    ordered = sorted(tried, key=lambda t: t.fitted.squares)
+    if not ordered or not ordered[0].law.flexible:
+        return tried
+    best, *others = ordered
+    if reduced_chi2(fitting, best.fitted) < NEAR_NOISE_CHI2:
+        return tried
+    rivals = [one for one in best_of_labels(others) if one.law.flexible and one.label != best.label]
+    further = partial(fit_further, fitting, known=known, steps=HEATS[-1][0])
+    return [*tried, *fitting.each_affordable(further, rivals[:IMITATORS_FITTED])]
 
 
 def _sufficient_chi2(fitting: Fitting, before: Fitted) -> float:

@@ -332,6 +332,12 @@ def test_tables_are_read_as_laboratories_write_them(tmp_path: Path, head: str, t
         import_files([file], tmp_path / "other", wanted(["position:x1=Note"]))
 
 
+def test_a_sensor_that_is_silent_at_first_costs_no_row_and_no_name(tmp_path: Path) -> None:
+    file = table(tmp_path / "a.csv", "t,y,z\n0,nan,\n1,,nan\n2,5,6\n3,7,8\n")
+    (found,) = import_files([file], tmp_path / "bag", wanted(["position:x1=y"]))
+    assert read_recording(found.bag).plant.position[:, 0].tolist()[2:] == [5.0, 7.0] and found.samples == 4
+
+
 def test_names_may_be_numbers_and_a_time_that_is_none_is_named(tmp_path: Path) -> None:
     file = table(tmp_path / "a.csv", "t,1,2\n0,5,6\n1,7,8\n")
     (found,) = import_files([file], tmp_path / "bag", wanted(["position:x1=2"]))

@@ -38,8 +38,9 @@ def headings_of(rows: Sequence[Row], decimal: str) -> tuple[list[str], int]:
 def _first_of_numbers(table: Sequence[list[str]], width: int, decimal: str) -> int:
     """Number of rows above the first one of numbers; below the names where there is none.
 
-    A row of numbers has them in most columns that have one in the last row; one that lacks some, and is the
-    first of its width, has names such as 1, 2 and 3 instead.
+    A row of numbers has them, or missing values, in the columns that have one in the last row. With words in
+    a few of these it is one as well, and told to be wrong where it is read; but then the first row of its
+    width has names such as 1, 2 and 3.
     """
     full = [k for k, cells in enumerate(table) if len(cells) == width]
     last = next((table[k] for k in reversed(full) if any(is_known(c, decimal) for c in table[k])), [])
@@ -47,7 +48,7 @@ def _first_of_numbers(table: Sequence[list[str]], width: int, decimal: str) -> i
     for k in full:
         known = sum(is_known(table[k][j], decimal) for j in numeric)
         whole = all(is_value(table[k][j], decimal) for j in numeric)
-        if 2 * known > len(numeric) and (whole or k != full[0]):
+        if (whole and known) or (2 * known > len(numeric) and k != full[0]):
             return k
     return full[0] + 1
 

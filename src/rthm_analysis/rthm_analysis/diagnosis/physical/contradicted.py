@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from rthm_analysis.diagnosis.criteria.noise import (
-    DENIED_SHARE,
-    DENIED_STDS,
-    DENYING_POWER_RATIO,
-    INDEPENDENT_SHARE,
-    SLOW_SAMPLES,
-)
+from rthm_analysis.diagnosis.criteria.noise import DENYING_POWER_RATIO, SLOW_SAMPLES
 from rthm_analysis.diagnosis.physical.remainder import averages
+from rthm_analysis.diagnosis.physical.shown_elsewhere import lacks
 from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.replay.evidence import MOTION, Channel
 from rthm_core.compiled import Floats
@@ -61,9 +56,7 @@ def _denied_by(physical: Physical, predicted: Floats, pair: tuple[int, int], dof
     of_noise = here.size * float(physical.noise.sigma[other]) ** 2 / SLOW_SAMPLES
     if power - 2.0 * usual < DENYING_POWER_RATIO * of_noise:
         return False
-    part = float(there @ shown) / power
-    spread = float(np.sqrt(np.mean(np.square(there - part * shown)) / (INDEPENDENT_SHARE * power)))
-    return abs(part) + DENIED_STDS * spread < DENIED_SHARE
+    return lacks(there, shown)
 
 
 def _dof(physical: Physical, channel: Channel) -> int:

@@ -32,7 +32,7 @@ def _without_needless(judged: Judgement, index: int) -> Judgement:
         return judged
     fewer = judged.of(without, composed=judged.composed)
     numbers = len(physical.selection.best.model.parameters) - len(without.selection.best.model.parameters)
-    gain = _left_out(fewer) - _left_out(judged)
+    gain = without.selection.left_out - physical.selection.left_out
     shown = fewer.squares["explained"] - judged.squares["explained"]
     mismatch = judged.squares["retuned"] - judged.expected
     is_needed = is_beyond_chance(gain, shown, numbers, judged.misfit) and shown > NEGLIGIBLE_SHARE * mismatch
@@ -53,8 +53,3 @@ def is_beyond_chance(gain: float, shown: float, numbers: int, misfit: float) -> 
     """
     least = GAIN_OF_CHANCE + GAIN_PER_PARAMETER * (numbers - 1)
     return gain > least * misfit**2 and shown > CONFIRMING_GAIN * misfit**2
-
-
-def _left_out(judged: Judgement) -> float:
-    left = float(judged.physical.selection.best.left_out.sum())
-    return left if np.isfinite(left) else np.inf

@@ -6,7 +6,6 @@ import numpy as np
 
 from rthm_analysis.diagnosis.criteria.search import GAIN_OF_CHANCE, GAIN_PER_PARAMETER
 from rthm_analysis.diagnosis.physical.above_noise import without_each
-from rthm_analysis.diagnosis.physical.side import Physical
 from rthm_analysis.diagnosis.physical.verdict import Judgement
 
 
@@ -32,14 +31,9 @@ def _without_least(judged: Judgement) -> Judgement | None:
     tried = [one for one in tried if len(one.selection.rounds) < count]
     if not tried:
         return None
-    least = min(tried, key=_left_out)
+    least = min(tried, key=lambda one: one.selection.left_out)
     numbers = len(selection.best.model.parameters) - len(least.selection.best.model.parameters)
-    if not _left_out(least) - _left_out(physical) < GAIN_OF_CHANCE + GAIN_PER_PARAMETER * numbers:
+    if not least.selection.left_out - selection.left_out < GAIN_OF_CHANCE + GAIN_PER_PARAMETER * numbers:
         return None
     fewer = judged.of(least, composed=judged.composed)
     return fewer if fewer.earned and fewer.at_noise else None
-
-
-def _left_out(physical: Physical) -> float:
-    left = float(physical.selection.best.left_out.sum())
-    return left if np.isfinite(left) else np.inf

@@ -68,9 +68,14 @@ def is_denied(shown: Floats, left: Floats, sigma: float) -> bool:
         Its noise.
     """
     shown, left = averages(shown), averages(left)
-    power = float(shown @ shown)
-    if power < DENYING_POWER_RATIO * shown.size * sigma**2 / SLOW_SAMPLES:
+    if float(shown @ shown) < DENYING_POWER_RATIO * shown.size * sigma**2 / SLOW_SAMPLES:
         return False
+    return lacks(left, shown)
+
+
+def lacks(left: Floats, shown: Floats) -> bool:
+    """Whether what is left (a,) of a signal lacks what it would show (a,), both in averages."""
+    power = float(shown @ shown)
     part = float(left @ shown) / power
     spread = float(np.sqrt(np.mean(np.square(left - part * shown)) / (INDEPENDENT_SHARE * power)))
     return abs(part) + DENIED_STDS * spread < DENIED_SHARE

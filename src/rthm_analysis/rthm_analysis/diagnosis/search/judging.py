@@ -99,6 +99,12 @@ class Selection:
         return len(list(takewhile(bool, kinds)))
 
     @property
+    def left_out(self) -> float:
+        """What the best model leaves of data left out of its fit, over the noise; inf if it diverges."""
+        left = float(self.best.left_out.sum())
+        return left if np.isfinite(left) else np.inf
+
+    @property
     def blames_several(self) -> bool:
         """Whether more than one sensor would have to be wrong at once: then what they measure is."""
         return len({tried[0].label[0] for tried in self.rounds if _is_sensor(tried[0].label[0])}) > 1

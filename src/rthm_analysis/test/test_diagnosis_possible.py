@@ -84,6 +84,12 @@ def test_what_a_kind_says_of_its_parameters_is_about_its_parameters(block: str) 
             values = dict.fromkeys(numbers, 1.0)
             asked = set(effect(plainer.kind, block).parameters)
             assert set(plainer.values(values)) == asked and set(plainer.grows) <= numbers
+        for twin in law.twins:
+            own = {name: 2.0 + place for place, name in enumerate(sorted(numbers))}
+            theirs = twin.values(own)
+            assert theirs.keys() == effect(twin.kind, block).parameters.keys()
+            (back,) = (one for one in effect(twin.kind, block).twins if one.kind == law.kind)
+            assert back.values(theirs) == pytest.approx(own)
 
 
 def test_a_kind_is_identified_when_its_main_parameters_are() -> None:

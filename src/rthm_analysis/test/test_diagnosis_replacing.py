@@ -8,7 +8,7 @@ import pytest
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.replay.model import EffectInstance, Model
 from rthm_analysis.diagnosis.search.judging import FittedCandidate, Selection, distinguishable
-from rthm_analysis.diagnosis.search.replacing import compared, plainer, rounds_refitted
+from rthm_analysis.diagnosis.search.replacing import compared, or_twin, plainer, rounds_refitted
 from rthm_analysis.diagnosis.search.starts import InitialGuess
 from rthm_core.spec import Spec, apply
 
@@ -33,6 +33,17 @@ CUBIC = InitialGuess(
 )
 DRAG = InitialGuess(
     EffectInstance("plant", "quadratic_drag", "x1", {"coefficient": 0.5}), ("coefficient",), ("coefficient",)
+)
+
+RESONATOR = InitialGuess(
+    EffectInstance("plant", "hidden_mode", "x1", {"mass": 0.05, "frequency": 3.9, "damping_ratio": 0.05}),
+    ("mass", "frequency", "damping_ratio"),
+    ("mass",),
+)
+WAVES = InitialGuess(
+    EffectInstance("plant", "fluid_memory", "x1", {"gain": 0.8, "frequency": 3.9, "damping_ratio": 0.05}),
+    ("gain", "frequency", "damping_ratio"),
+    ("gain",),
 )
 
 RUBBED = having("plant", "coulomb_friction", force=0.3)
@@ -62,6 +73,23 @@ def kinds(selection: Selection) -> list[str]:
 def test_a_kind_gives_way_to_the_plainer_one_in_it_unless_it_is_needed(true: Spec, kind: str) -> None:
     fitting = fitting_of(true, 1)
     assert kinds(plainer(fitting, choice_of(fitting, (STRIBECK,)))) == [kind]
+
+
+RESONATING = having("plant", "hidden_mode", mass=0.06, frequency=4.0, damping_ratio=0.04)
+RADIATING = having("plant", "fluid_memory", gain=0.9, frequency=4.0, damping_ratio=0.04)
+
+
+@pytest.mark.parametrize("chosen", [RESONATOR, WAVES])
+@pytest.mark.parametrize(("true", "kind"), [(RESONATING, "hidden_mode"), (RADIATING, "fluid_memory")])
+def test_of_two_kinds_of_nearly_the_same_force_the_one_that_predicts_best_is_named(
+    true: Spec, kind: str, chosen: InitialGuess
+) -> None:
+    fitting = fitting_of(true, 4)
+    found = or_twin(fitting, choice_of(fitting, (chosen,)))
+    assert kinds(found) == [kind]
+    assert {one.label[1] for one in found.rounds[0]} == {"hidden_mode", "fluid_memory"}
+    frequency = found.best.model.effect_values(0)["frequency"]
+    assert isinstance(frequency, float) and abs(frequency - 4.0) < 0.02
 
 
 def with_cubic(true: Spec) -> Spec:

@@ -5,7 +5,7 @@ from rthm_core.effects.declaration import Effect, EffectParameter, EffectText
 from rthm_core.effects.guess import Guess, Signals
 from rthm_core.effects.laws import PlantLaw, WireLaw
 from rthm_core.effects.own import load_effects
-from rthm_core.effects.possible import Plainer
+from rthm_core.effects.possible import Plainer, Twin
 from rthm_core.effects.registry import effect, kinds, register
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Plainer",
     "PlantLaw",
     "Signals",
+    "Twin",
     "WireLaw",
     "effect",
     "kinds",

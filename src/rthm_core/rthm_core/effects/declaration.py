@@ -23,7 +23,7 @@ from typing import Any, ClassVar, Literal
 
 from rthm_core.effects.blocks import SENSORS
 from rthm_core.effects.guess import Guess
-from rthm_core.effects.possible import Plainer, Possible, Values, identified
+from rthm_core.effects.possible import Plainer, Possible, Twin, Values, identified
 from rthm_core.quantity import Quantity, Text
 
 EffectParameter = Quantity
@@ -102,6 +102,8 @@ class Effect:
         measured: a fit moves their ratio.
     plainer
         Kinds that it may stand for: the first that predicts unseen data as well takes its place.
+    twins
+        Kinds whose force is nearly the same: that which predicts unseen data best is named.
     flexible
         Whether it has enough freedom to imitate others, so that simpler ones are preferred to it.
     repeats
@@ -141,6 +143,7 @@ class Effect:
     within: ClassVar[Mapping[str, float]] = {}
     along: ClassVar[Mapping[str, str]] = {}
     plainer: ClassVar[tuple[Plainer, ...]] = ()
+    twins: ClassVar[tuple[Twin, ...]] = ()
     flexible: ClassVar[bool] = False
     repeats: ClassVar[bool] = False
     common: ClassVar[bool] = False

@@ -9,7 +9,7 @@ import numpy as np
 from rthm_core.effects.declaration import EffectParameter
 from rthm_core.effects.guess import TRIAL_FORCE, Guess, Signals, rms
 from rthm_core.effects.laws import PlantLaw
-from rthm_core.effects.possible import Plainer, between, in_band, less_than_the_dof, relaxing
+from rthm_core.effects.possible import Plainer, Twin, Values, between, in_band, less_than_the_dof, relaxing
 from rthm_core.effects.registry import register
 
 LARGEST_DAMPING_RATIO = 2.0
@@ -75,6 +75,11 @@ class MaxwellBranch(PlantLaw):
         return (x,)
 
 
+def peak(p: Values) -> dict[str, float]:
+    """Where and how sharply a memory peaks, from its parameters."""
+    return {"frequency": p["frequency"], "damping_ratio": p["damping_ratio"]}
+
+
 @register
 class HiddenMode(PlantLaw):
     """Resonator hung on the dof: a mass that nobody measures."""
@@ -95,6 +100,7 @@ class HiddenMode(PlantLaw):
     repeats = True
     possible = {"mass": less_than_the_dof, "frequency": in_band, "damping_ratio": between(0.0, 1.0)}
     secondary = ("damping_ratio",)
+    twins = (Twin("fluid_memory", lambda p: {"gain": p["mass"] * p["frequency"] ** 2, **peak(p)}),)
     states = 2
     linear = True
     rank = 100
@@ -152,6 +158,7 @@ class FluidMemory(PlantLaw):
             },
         ),
     )
+    twins = (Twin("hidden_mode", lambda p: {"mass": p["gain"] / p["frequency"] ** 2, **peak(p)}),)
     states = 2
     linear = True
     rank = 110

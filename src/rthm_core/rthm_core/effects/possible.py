@@ -116,6 +116,21 @@ class Plainer:
     beyond: Callable[[Values, Values], Iterable[dict[str, float]]] | None = None
 
 
+@dataclass(frozen=True)
+class Twin:
+    """Another kind of the same block whose force is nearly the same: one is tried where the other is found.
+
+    Attributes
+    ----------
+    kind : str
+    values : callable
+        Parameters with which it is most like this one, from those of this one.
+    """
+
+    kind: str
+    values: Callable[[Values], dict[str, float]]
+
+
 def identified(values: Values, stds: Values, within: Values = MappingProxyType({})) -> bool:
     """Whether the standard deviations leave every value its size, or what is asked `within` it."""
     return all(std <= within.get(name, UNSURE) * abs(values[name]) for name, std in stds.items())

@@ -33,7 +33,7 @@ from rthm_analysis.diagnosis.search.promising import (
     tones,
 )
 from rthm_analysis.diagnosis.search.refining import finished, refined
-from rthm_analysis.diagnosis.search.replacing import compared
+from rthm_analysis.diagnosis.search.replacing import compared, or_twin
 from rthm_analysis.diagnosis.search.screening import ScoredCandidate, screen
 from rthm_analysis.diagnosis.search.simplifying import simplified
 from rthm_core.compiled import Floats
@@ -78,6 +78,7 @@ def _going_on(fitting: Fitting, selection: Selection, stop: Callable[[float], bo
         tried[0] = _settled(fitting, selection, tried[0], known)
         selection.rounds.append(tried)
         selection.best = tried[0].fitted
+        selection = or_twin(fitting, selection)
         if stop(fitting.reduced_chi2):
             return selection
         selection = _together(fitting, selection)

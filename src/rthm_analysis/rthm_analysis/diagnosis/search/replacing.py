@@ -23,11 +23,12 @@ from rthm_analysis.diagnosis.search.judging import (
     Selection,
     better,
     distinguishable,
+    in_order,
     merit,
     reduced_chi2,
 )
 from rthm_analysis.diagnosis.search.starts import InitialGuess
-from rthm_core.effects.possible import identified
+from rthm_core.effects.possible import Plainer, Twin, identified
 from rthm_core.errors import InputError
 from rthm_core.quantity import Quantity
 
@@ -79,7 +80,7 @@ def rounds_refitted(fitting: Fitting, selection: Selection) -> Selection:
 def plainer(fitting: Fitting, selection: Selection) -> Selection:
     """Put plainer kinds in the place of others, where they predict unseen data as well."""
     for index, tried in enumerate(selection.rounds):
-        for start in _plainer_starts(tried[0].start, selection.best, index):
+        for start in _starts_as(tried[0].start, selection.best, index, tried[0].law.plainer):
             whole = _fitted_with(fitting, selection, index, start)
             if whole is not None and not better(
                 FittedCandidate(tried[0].start, selection.best, tried[0].error), whole
@@ -87,6 +88,34 @@ def plainer(fitting: Fitting, selection: Selection) -> Selection:
                 selection = _replaced(fitting, selection, index, start, whole)
                 break
     return selection
+
+
+def or_twin(fitting: Fitting, selection: Selection) -> Selection:
+    """The same, or a kind of nearly the same force as the last effect, where it predicts unseen data better.
+
+    Two such kinds differ by less than what is left of either while its values are still far off.
+    """
+    *earlier, (first, *others) = selection.rounds
+    twins = in_order([*_twins(fitting, selection)])
+    if not twins:
+        return selection
+    fitted_again = [one.label for one in twins]
+    others = [one for one in others if one.label not in fitted_again]
+    ahead = merit(twins[0].fitted) < merit(first.fitted) - DISTINGUISHING_GAIN
+    best, *rest = [*twins, first, *others] if ahead else [first, *twins, *others]
+    fitting.reduced_chi2 = reduced_chi2(fitting, best.fitted)
+    return replace(selection, best=best.fitted, rounds=[*earlier, [best, *rest]])
+
+
+def _twins(fitting: Fitting, selection: Selection) -> Iterator[FittedCandidate]:
+    """Fits of such kinds in the place of the last effect, from the values that it has."""
+    index = len(selection.rounds) - 1
+    first = selection.rounds[index][0]
+    for start in _starts_as(first.start, first.fitted, index, first.law.twins):
+        fitting.progress(f"comparing {first.label[1]} with {start.label[1]}")
+        whole = _fitted_with(fitting, selection, index, start)
+        if whole is not None:
+            yield FittedCandidate(start, whole, float(whole.left_out.sum()))
 
 
 def is_identified(fitted: Fitted, index: int) -> bool:
@@ -129,10 +158,12 @@ def _ends(one: EffectInstance, key: str, parameter: Parameter) -> bool:
     return parameter.at_bound and narrower
 
 
-def _plainer_starts(start: InitialGuess, best: Fitted, index: int) -> Iterator[InitialGuess]:
-    """Starts of the plainer kinds that an effect may stand for."""
+def _starts_as(
+    start: InitialGuess, best: Fitted, index: int, kinds: Iterable[Plainer | Twin]
+) -> Iterator[InitialGuess]:
+    """Starts of other kinds from the values that an effect has now."""
     values = {k: v for k, v in best.model.effect_values(index).items() if not isinstance(v, str)}
-    for one in start.added.law.plainer:
+    for one in kinds:
         parameters: dict[str, float | str] = dict(one.values(values))
         added = replace(start.added, kind=one.kind, parameters=parameters)
         scales = {name: abs(float(value)) for name, value in parameters.items()}

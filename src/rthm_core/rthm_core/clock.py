@@ -51,11 +51,6 @@ def to_ns(seconds: float) -> int:
     return round(seconds * NS)
 
 
-def to_seconds(ns: int) -> float:
-    """Seconds, correctly rounded."""
-    return ns / NS
-
-
 @dataclass(frozen=True)
 class Clock:
     """Ticks at ``k * period_ns`` for k = 0, 1, 2, ...; the first tick is the start of the test."""
@@ -75,7 +70,3 @@ class Clock:
     def index_at(self, ns: int) -> int:
         """Newest k with ``tick(k) <= ns``; -1 before the start."""
         return max(ns // self.period_ns, -1)
-
-    def next_after(self, ns: int) -> int:
-        """First tick (ns after the start) that is later than `ns`."""
-        return self.tick(self.index_at(ns) + 1)

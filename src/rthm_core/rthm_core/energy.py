@@ -222,12 +222,6 @@ def cubic_slope(y0, dy0, y1, dy1, h, r):  # type: ignore[no-untyped-def]
 
 
 @compiled_in_place
-def powers_of(bodies: Bodies, at: Moment, out: Floats) -> None:
-    """Powers of one moment (compiled face)."""
-    powers(bodies, at, out)
-
-
-@compiled_in_place
 def total_energy_of(bodies: Bodies, x1: Floats, v1: Floats, x2: Floats, v2: Floats) -> float:
     """Kinetic and potential energy, in J (compiled face)."""
     return total_energy(bodies, x1, v1, x2, v2)  # type: ignore[no-any-return]

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place
+from rthm_core.compiled import Floats, Integers, called
 
 INTERVALS_KEPT = 64
 """How many different intervals are kept as matrices."""
@@ -173,9 +173,3 @@ def step_linear(system, y, inputs, dt):  # type: ignore[no-untyped-def]
             for j in range(q):
                 total += system.kept[slot, i, n + k * q + j] * inputs[k, j]
         y[i] = total
-
-
-@compiled_in_place
-def advance_linear(system: LinearSystem, y: Floats, inputs: Floats, dt: float) -> None:
-    """Advance `y` by `dt` seconds in place (the compiled face of the exact step)."""
-    step_linear(system, y, inputs, dt)

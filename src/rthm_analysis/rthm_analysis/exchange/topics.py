@@ -57,11 +57,6 @@ def state_columns(table: Table, topic: str) -> tuple[dict[str, Column], dict[str
     return values, units
 
 
-def is_topic(stem: str, columns: Columns) -> bool:
-    """Whether columns are those of a topic."""
-    return stem in FILES and STAMP in columns.values
-
-
 def state_table(columns: Columns) -> Table:
     """Table of a topic; InputError when a column has another name than ``x1.position``."""
     stamps = _instants(columns, STAMP)

@@ -28,10 +28,6 @@ if TYPE_CHECKING:
     from rthm_core.spec import Spec
 
 
-USED = {"td1": (PLANT_STATE, ("tau1", "tau2")), "td2": (FORCE_REFERENCE, ("tau3",))}
-"""Samples of a clock, and the links that tell which of them were used."""
-
-
 def other_periods(recording: Recording, spec: Spec) -> dict[str, int]:
     """Periods of the test, in ns, of the clocks ``td1`` to ``td4`` that do not keep to the spec."""
     timing, tables = spec.loop().timing, recording.tables

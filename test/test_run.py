@@ -68,7 +68,9 @@ def children(pid: int) -> list[int]:
 
 def result(run: subprocess.Popen[str], out: Path) -> dict:
     run.wait(60)
-    return json.loads((out.parent / "result.json").read_text())
+    file = out.parent / "result.json"
+    assert file.is_file(), run.communicate()
+    return json.loads(file.read_text())
 
 
 def off_along_recorded_delays(recording: Recording) -> float:

@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, inlined
+from rthm_core.compiled import Floats, inlined, whole
 from rthm_core.engine.nonlinear.advance import MOST_SWITCHES, begin_step, end_step
 from rthm_core.engine.nonlinear.steps import fill, terms_of, through
 from rthm_core.engine.nonlinear.switch import first_left, product
 from rthm_core.engine.tangents.steps import by_series, copy_numbers, fill_change
+from rthm_core.lent import given, lent
 from rthm_core.physical.laws import FRICTION, PARTITION, PLACE, POSITION
 from rthm_core.physical.switching import next_mode
 from rthm_core.simd import everywhere, numbers, put_numbers, simd_copy, simd_empty
@@ -176,9 +177,11 @@ def _cross(nonlinear, work, tangents, own, number, law, z, dz, t):  # type: igno
     jump(nonlinear, following, law, work.modes[law], z, dz, own.rate, own.shift)
 
 
-@inlined
+@whole
 def advance_tangents(nonlinear, steps, work, tangents, own, z, dz, after, k, t):  # type: ignore[no-untyped-def]
     """Advance z and its tangents dz over length `k`, from time `t` (s) on; `after` is scratch."""
+    nonlinear, steps, work = lent(given(nonlinear)), lent(given(steps)), lent(given(work))
+    tangents, own = lent(given(tangents)), lent(given(own))
     size, whole, lengths = nonlinear.systems.shape[1], steps.lengths[k], steps.lengths.size
     first, done, length, switches = z.size - nonlinear.input_matrix.shape[1], 0.0, whole, 0
     while done < whole:

@@ -11,7 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rthm_core.compiled import Floats, Integers, called, compiled_in_place, copy_into, inlined, written_out
+from rthm_core.compiled import (
+    Floats,
+    Integers,
+    called,
+    compiled_in_place,
+    copy_into,
+    inlined,
+    unrolled,
+    written_out,
+)
 from rthm_core.engine.nonlinear.advance import Work, count_work, set_of
 from rthm_core.engine.nonlinear.arc import before_arc, sticks_on
 from rthm_core.engine.nonlinear.event_free import nothing_switches
@@ -184,6 +193,7 @@ def _goes_on(nonlinear, work, number, z):  # type: ignore[no-untyped-def]
     ) and sticks_on(nonlinear, number, work.modes, z, work.end)  # fmt: skip
 
 
+@unrolled
 @compiled_in_place
 def run_tangents(
     nonlinear: Nonlinear,
@@ -209,7 +219,8 @@ def run_tangents(
     has room for `WIDTH` numbers more; work and energy go into `counted`. Tuples `like` are as long as there
     are groups of lanes, and these for two and for three rows.
     """
-    changes, own = lent(changes), lent(own)
+    nonlinear, steps, work = lent(nonlinear), lent(steps), lent(work)
+    tangents, changes, own = lent(tangents), lent(changes), lent(own)
     groups, pairs, triples = like
     width, m, motion, d = len(groups) * WIDTH, looks.k_tot.size, layout.motion, z.size
     s_mask, r_mask = own.samples.size // (2 * m * width) - 1, own.references.size // (m * width) - 1

@@ -8,7 +8,6 @@ import time
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from signal import SIGINT, SIGTERM
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from rthm_bringup.dashboard.cost import Cost, step_back
 from rthm_bringup.dashboard.hub import Hub
 from rthm_bringup.dashboard.report import Report
 from rthm_bringup.dashboard.server import Server
-from rthm_bringup.interruption import interrupted_by
+from rthm_bringup.interruption import Interruption, held_back
 from rthm_bringup.run.domain import led
 from rthm_bringup.run.environment import BUILTIN, PROFILES, Network
 from rthm_core.errors import InputError
@@ -60,12 +59,13 @@ class Dashboard:
         self._test: RunningTest | None = None
         self._report: Report | None = None
         self._unread = ""
+        self._interruption = Interruption()
 
     def run(self) -> None:
         """Go on until somebody interrupts."""
         step_back()
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
-        with TemporaryDirectory() as log, closing(self.server), interrupted_by(SIGINT, SIGTERM):
+        with TemporaryDirectory() as log, closing(self.server), held_back() as self._interruption:
             os.environ.update(variables(self._network) | {"ROS_LOG_DIR": log})
             try:
                 while True:
@@ -111,6 +111,7 @@ class Dashboard:
             self._look()
 
     def _look(self) -> None:
+        self._interruption.obey()
         beside: dict[str, Any] = {"cost": self._cost.share(), "report": None}
         if self._unread:
             beside["words"] = self._unread

@@ -17,6 +17,7 @@ from sensor_msgs.msg import JointState
 
 from rthm_bringup.driver.answer import check_swing, swing
 from rthm_bringup.driver.heard import NO_NUMBER, Commanded, Heard, Publisher, Sample
+from rthm_bringup.interruption import Interruption, held_back
 from rthm_bringup.run.environment import Network
 from rthm_core.clock import NS
 from rthm_core.errors import InputError
@@ -51,15 +52,18 @@ def listen(spec: Spec, network: Network, seconds: float, patience: float, distan
     """
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=network.domain, signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        return _Ear(context, spec, network.namespace).hear(seconds, patience, distance)
-    finally:
-        rclpy.try_shutdown(context=context)
+    with held_back() as interruption:
+        try:
+            return _Ear(context, spec, network.namespace, interruption).hear(seconds, patience, distance)
+        finally:
+            rclpy.try_shutdown(context=context)
 
 
 class _Ear:
-    def __init__(self, context: rclpy.Context, spec: Spec, namespace: str) -> None:
-        self._spec, self._loop = spec, spec.loop()
+    def __init__(
+        self, context: rclpy.Context, spec: Spec, namespace: str, interruption: Interruption
+    ) -> None:
+        self._spec, self._loop, self._interruption = spec, spec.loop(), interruption
         self._node = rclpy.create_node("check_driver", namespace=namespace, context=context)
         reach.enforce(context.get_domain_id())
         self._executor = SingleThreadedExecutor(context=context)
@@ -105,6 +109,7 @@ class _Ear:
     def _spin(self, seconds: float, until: Callable[[], object] = lambda: False) -> None:
         deadline = time.monotonic() + seconds
         while not until() and time.monotonic() < deadline:
+            self._interruption.obey()
             self._executor.spin_once(timeout_sec=0.02)
 
     def _command(self, seconds: float, distance: float) -> Commanded:

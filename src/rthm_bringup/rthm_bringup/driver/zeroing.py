@@ -12,6 +12,7 @@ import numpy as np
 
 from rthm_actuator.sensors import FORCE, Sensors
 from rthm_bringup.driver.rest import Reading, readings
+from rthm_bringup.interruption import held_back
 from rthm_bringup.run.shared_memory import Caretaker
 from rthm_bringup.run.stopped import StoppedError
 from rthm_core.clock import NS
@@ -38,7 +39,10 @@ def at_rig(network: Network) -> Iterator[Conductor]:
         os.environ.update(network.variables() | {"ROS_LOG_DIR": log})
         from rthm_bringup.run.conductor_node import Conductor  # ROS reads its environment when imported
 
-        with Conductor(lambda: None, network.domain, network.namespace) as conductor:
+        with (
+            held_back() as interruption,
+            Conductor(lambda: None, network.domain, network.namespace, interruption.obey) as conductor,
+        ):
             yield conductor
 
 

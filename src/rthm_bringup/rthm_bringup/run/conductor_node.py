@@ -50,6 +50,8 @@ class Conductor:
         Called all the time while something is awaited; what it raises ends the waiting.
     domain, namespace
         Of the nodes.
+    obey
+        Called like `watch`, whatever is watched: raises KeyboardInterrupt if somebody asked for the end.
 
     Attributes
     ----------
@@ -65,8 +67,14 @@ class Conductor:
         Called with the name of every node that says that it is alive.
     """
 
-    def __init__(self, watch: Callable[[], None], domain: int, namespace: str = NAMESPACE) -> None:
-        self.watch = watch
+    def __init__(
+        self,
+        watch: Callable[[], None],
+        domain: int,
+        namespace: str = NAMESPACE,
+        obey: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.watch, self._obey = watch, obey
         self._namespace, self._word = namespace, leader.new_word()
         self._context = rclpy.Context()
         rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
@@ -111,6 +119,7 @@ class Conductor:
         """
         deadline = time.monotonic() + seconds
         while not condition():
+            self._obey()
             self._hear_beats()
             self.watch()
             if time.monotonic() > deadline:

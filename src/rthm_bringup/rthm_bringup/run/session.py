@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
 
+from rthm_bringup.interruption import held_back
 from rthm_bringup.run import roles
 from rthm_bringup.run.beginning import begin_together
 from rthm_bringup.run.company import look_at, refuse_company
@@ -66,28 +67,33 @@ class Session:
     def run(self) -> Ending:
         """Do all of it."""
         network = self._plan.network
-        look = self._watch.look
-        with self._keys, self._processes, Conductor(look, network.domain, network.namespace) as conductor:
-            try:
-                self._connect(conductor)
-                self._begin(conductor)
-                self._wait(conductor)
-            except StoppedError as stopped:
-                self.ending.reason = self._explained(stopped)
-                self._watch.abort("node", self.ending.reason)
-            except AbortedError:
-                self._view.phase("the test was aborted")
-            except KeyboardInterrupt:
-                self.ending.interrupted = True
-            self._watch.end()
-            self.ending.abort = conductor.abort
-            with suppress(KeyboardInterrupt):
-                leaving = Leaving(self._plan, conductor, self._parts(), self.ending)
-                leaving.come_to_rest()
-                self._view.phase("ending the test")
-                leaving.end()
-            self.ending.diagnostics = conductor.diagnostics
+        with held_back() as interruption, self._keys, self._processes:
+            look = self._watch.look
+            with Conductor(look, network.domain, network.namespace, interruption.obey) as conductor:
+                self._perform(conductor)
         return self.ending
+
+    def _perform(self, conductor: Conductor) -> None:
+        """Begin, wait and end, with nodes that can be asked."""
+        try:
+            self._connect(conductor)
+            self._begin(conductor)
+            self._wait(conductor)
+        except StoppedError as stopped:
+            self.ending.reason = self._explained(stopped)
+            self._watch.abort("node", self.ending.reason)
+        except AbortedError:
+            self._view.phase("the test was aborted")
+        except KeyboardInterrupt:
+            self.ending.interrupted = True
+        self._watch.end()
+        self.ending.abort = conductor.abort
+        with suppress(KeyboardInterrupt):
+            leaving = Leaving(self._plan, conductor, self._parts(), self.ending)
+            leaving.come_to_rest()
+            self._view.phase("ending the test")
+            leaving.end()
+        self.ending.diagnostics = conductor.diagnostics
 
     def _parts(self) -> Parts:
         return Parts(self._managed, self._processes, self._watch.silent)

@@ -32,16 +32,22 @@ def test_what_is_held_back_is_obeyed_once_when_asked(asked: signal.Signals) -> N
     assert signal.getsignal(asked) is before
 
 
-def test_what_was_not_obeyed_is_at_the_end() -> None:
-    done = []
-    with pytest.raises(KeyboardInterrupt), held_back():
+def held_back_until_the_end(told: list[str], error: Exception | None = None) -> None:
+    with held_back():
         signal.raise_signal(signal.SIGINT)
-        done.append("all of it")
-    assert done
+        told.append("what comes behind it")
+        if error is not None:
+            raise error
+
+
+def test_what_was_not_obeyed_is_at_the_end() -> None:
+    told: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        held_back_until_the_end(told)
+    assert told
 
 
 def test_an_error_is_told_before_an_interruption() -> None:
-    with pytest.raises(ValueError, match="first"), held_back():
-        signal.raise_signal(signal.SIGINT)
-        raise ValueError("first")
+    with pytest.raises(ValueError, match="first"):
+        held_back_until_the_end([], ValueError("first"))
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

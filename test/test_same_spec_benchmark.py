@@ -31,7 +31,9 @@ def test_nothing_is_missing_where_no_velocity_tells_how_the_motion_began(draw: D
 
 
 @pytest.mark.parametrize(
-    "draw", [pytest.param(PULLS, marks=pytest.mark.long), SLACKENS], ids=lambda one: one.kind
+    "draw",
+    [STIFFENS, *(pytest.param(one, marks=pytest.mark.long) for one in (PULLS, SLACKENS))],
+    ids=lambda one: one.kind,
 )
 def test_what_dominates_lets_the_motion_be_bounded(draw: Draw) -> None:
     spec = spec_of(draw)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from rthm_analysis.diagnosis.criteria.replay import BUDGET_STEPS
 from rthm_analysis.diagnosis.faults import mend
 from rthm_analysis.diagnosis.faults.force_lag import ForceLag
 from rthm_analysis.diagnosis.faults.leaks import Crosstalk, ForceLeak
 from rthm_analysis.diagnosis.physical import diagnose_physical
 from rthm_analysis.diagnosis.physical.deviating import deviation
 from rthm_analysis.diagnosis.physical.side import Physical
+from rthm_analysis.diagnosis.replay.budget import budget_for
 from rthm_analysis.diagnosis.replay.evidence import Evidence
 from rthm_core.spec import Spec, apply
 
@@ -65,7 +68,11 @@ def of_two_dofs() -> tuple[Spec, Evidence]:
     return spec, recorded(lambda x, v: (0.0, 0.0), duration=12.0)
 
 
-def test_a_share_of_a_force_that_acts_on_another_dof_is_told_and_added() -> None:
+def test_a_share_of_a_force_that_acts_on_another_dof_is_told_and_added(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hardly_any = partial(budget_for, steps=0.02 * BUDGET_STEPS)  # the search before it finds nothing anyway
+    monkeypatch.setattr("rthm_analysis.diagnosis.physical.side.budget_for", hardly_any)
     spec, acting = of_two_dofs()
     seen = replace(acting, load=acting.load - SHARE * np.outer(acting.load[:, 0], [0.0, 1.0]))
     leak = deviation(found(seen, spec))

@@ -42,15 +42,8 @@ CHANGES = {
     "no delay at all": {f"timing.tau{k}": 0.0 for k in (1, 2, 3, 4)},
     "extra commands at once": {"timing.tau4": 0.0, "timing.tau3": 0.0105, "timing.td2": 0.007},
     "prediction at irregular stamps": LATE_AND_LOST | PREDICTION,
-    "jitter, loss and friction": LATE_AND_LOST | FRICTION,
     "faster than the spec": FASTER,
 }
-TAKE_LONG = (
-    "extra commands at once",
-    "faster than the spec",
-    "no delay at all",
-    "prediction at irregular stamps",
-)
 
 
 def spec(changes: dict[str, Any], folder: Path) -> Path:
@@ -68,12 +61,8 @@ def run(environment: dict[str, str], file: Path, out: Path) -> Path:
     return Path(json.loads(done.stdout)["bag"])
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long if name in TAKE_LONG else ()) for name in CHANGES]
-)
-def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path: Path, name: str) -> None:
-    file = spec(CHANGES[name], tmp_path)
-    recording = read_recording(run(environment, file, tmp_path / "out"))
+def is_the_exact_engine(bag: Path, file: Path) -> None:
+    recording = read_recording(bag)
     assert worst_difference(recording, read_spec(file), DURATION) < 1e-9
     schedule = Schedule(read_spec(file))
     end = round(DURATION * 1e9)
@@ -82,10 +71,17 @@ def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path
     assert sent.tolist() == schedule.commands(0, end + 1).time.tolist()
 
 
-def test_repeated_it_gives_the_same_bytes_from_separate_processes(
+@pytest.mark.long
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_virtual_run_is_the_exact_engine(environment: dict[str, str], tmp_path: Path, name: str) -> None:
+    file = spec(CHANGES[name], tmp_path)
+    is_the_exact_engine(run(environment, file, tmp_path / "out"), file)
+
+
+def test_repeated_it_gives_the_same_bytes_from_separate_processes_and_the_motion_of_the_exact_engine(
     environment: dict[str, str], tmp_path: Path, own_processes: Callable[[], list[str]]
 ) -> None:
-    file = spec(LATE_AND_LOST, tmp_path)
+    file = spec(LATE_AND_LOST | FRICTION, tmp_path)
     first = run(environment, file, tmp_path / "one")
     with ThreadPoolExecutor(1) as aside:
         waiting = aside.submit(run, environment, file, tmp_path / "two")
@@ -100,4 +96,4 @@ def test_repeated_it_gives_the_same_bytes_from_separate_processes(
     assert len(one["/rthm/plant/state"]) == 1251
     assert set(one) == set(two)
     assert all(one[topic] == two[topic] for topic in one)
-    assert worst_difference(read_recording(again), read_spec(file), DURATION) < 1e-9
+    is_the_exact_engine(again, file)

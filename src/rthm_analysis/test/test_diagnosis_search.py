@@ -40,6 +40,17 @@ def test_a_wire_tells_what_it_does_beside_an_end_stop_that_nobody_knows_of(known
     assert released(model, 0).parameters[0].prior is None
 
 
+def test_no_kind_of_a_wire_is_looked_for_where_an_offset_of_its_force_is_all() -> None:
+    fitting = fitting_of(having("sensor.force", "bias", bias=0.45), 1)
+    base = fitting.fit(Model(PAPER))
+    used = fitting.budget.used
+    assert wires_from_force(fitting, base) == []
+    assert fitting.budget.used - used < 2.0 * base.samples
+    fitting.reduced_chi2 = reduced_chi2(fitting, base)
+    ((found, *_),) = choose(fitting, base).rounds
+    assert found.label == ("sensor.force", "bias", "a1")
+
+
 def test_beside_the_kind_that_explains_the_force_of_a_wire_no_other_is_looked_for_in_it() -> None:
     fitting = fitting_of(having("wire", "slack", pretension=0.5), 4)
     fitting.identified["a1"] = "slack"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rthm_analysis.diagnosis.criteria.noise import UNTOUCHED_SHARE
+from rthm_analysis.diagnosis.criteria.replay import SECOND_QUESTION_STEPS
 from rthm_analysis.diagnosis.criteria.verdict import NOISE_REVISED_RATIO
 from rthm_analysis.diagnosis.fitting.fitting import Fitted, Fitting
 from rthm_analysis.diagnosis.fitting.limits import Limits
@@ -135,6 +136,7 @@ def diagnose_physical(
         begun, *others = whitened(begin(seen, settled, first, budget, progress))
     plain = _of_plain_kinds(begun, seen, settled, train) if seen.ends_at_rest else None
     if seen.ends_at_rest and plain is None:
+        budget.allow(SECOND_QUESTION_STEPS)
         begun, *others = whitened(begin(seen, settled, first, budget, progress))
     wanted = formula and not seen.comes_to_rest
     begun, selection = plain or chosen(begun, seen, settled, train, formula=wanted)

@@ -41,7 +41,7 @@ _ANSWERS: WeakKeyDictionary[WiresAlone, tuple[Model, Explained]] = WeakKeyDictio
 def wires_from_force(fitting: Fitting, fitted: Fitted) -> Explained:
     """Effects that each explain the force of a wire, and models with them, best first.
 
-    None where no effect does, or so many that the force tells nothing.
+    None where no effect does, or so many that the force tells nothing, or where an offset of its sensor does.
     """
     model, found = _ANSWERS.get(fitting.wires_alone, (None, []))
     if model is not fitted.model:
@@ -55,7 +55,7 @@ def _from_force(fitting: Fitting, without: Model) -> Explained:
     if not alone.forces:
         return []
     nothing = _alone(alone, without, alone.residual(without), np.empty(0))
-    if nothing.left < WIRE_NOISE_TO_WHITE * nothing.white:
+    if min(nothing.left, _without_offsets(alone, nothing)) < WIRE_NOISE_TO_WHITE * nothing.white:
         return []
     found = _best_fits(fitting, nothing)
     least = min((one.beyond(nothing) for _, one in found), default=np.inf)
@@ -93,6 +93,12 @@ def _alone(alone: WiresAlone, model: Model, residual: Floats, stds: Floats) -> _
     columns = residual.reshape(-1, len(alone.forces))
     white = 0.5 * float(np.square(np.diff(columns, axis=0)).sum())
     return _Alone(residual, model, stds, _squares(residual), white)
+
+
+def _without_offsets(alone: WiresAlone, nothing: _Alone) -> float:
+    """Squared error that the best offset of each force leaves."""
+    columns = nothing.residual.reshape(-1, len(alone.forces))
+    return _squares((columns - columns.mean(axis=0)).ravel())
 
 
 def _best_fits(fitting: Fitting, nothing: _Alone) -> list[tuple[InitialGuess, _Alone]]:

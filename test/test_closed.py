@@ -112,7 +112,7 @@ def start(environment: dict[str, str], *options: str | Path) -> subprocess.Popen
 def test_a_second_run_is_refused_in_one_sentence_and_the_first_ends_undisturbed(
     environment: dict[str, str], tmp_path: Path, network: Network
 ) -> None:
-    with start(environment, "--duration", "30", "--out", tmp_path / "first") as first:
+    with start(environment, "--duration", "15", "--out", tmp_path / "first") as first:
         while first.poll() is None and not (tmp_path / "first" / "bag").exists():
             time.sleep(0.1)
         with start(environment, "--duration", "1", "--out", tmp_path / "second") as second:
@@ -152,9 +152,8 @@ def test_nodes_of_somebody_else_are_noticed_before_anything_moves(
     assert not (tmp_path / "out" / "bag").exists()
 
 
-@pytest.mark.parametrize(
-    "mode", [["--virtual"], pytest.param([], marks=pytest.mark.long)], ids=["virtual", "real time"]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("mode", [["--virtual"], []], ids=["virtual", "real time"])
 def test_two_runs_in_one_domain_succeed_in_namespaces_of_their_own(
     environment: dict[str, str], tmp_path: Path, mode: list[str]
 ) -> None:

@@ -84,7 +84,11 @@ def off_along_recorded_delays(recording: Recording) -> float:
     return float(np.abs(x1 - motion.plant_position[: x1.shape[0]]).max())
 
 
-@pytest.mark.parametrize("mode", [[], ["--compose"], ["--virtual"]], ids=["real time", "composed", "virtual"])
+@pytest.mark.parametrize(
+    "mode",
+    [[], ["--compose"], pytest.param(["--virtual"], marks=pytest.mark.long)],  # `test_virtual` runs two
+    ids=["real time", "composed", "virtual"],
+)
 def test_a_run_ends_by_itself_with_a_bag_and_a_report(
     environment: dict[str, str], out: Path, mode: list[str]
 ) -> None:

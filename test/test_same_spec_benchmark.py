@@ -23,7 +23,9 @@ PULLS = replace(RUBS, seed=981591350, kind="quadratic_stiffness", size=1.5, td1=
 SLACKENS = replace(PULLS, block="wire", kind="slack")
 
 
-@pytest.mark.parametrize("draw", [RUBS, STIFFENS, PLAYS], ids=lambda one: one.kind)
+@pytest.mark.parametrize(
+    "draw", [pytest.param(RUBS, marks=pytest.mark.long), STIFFENS, PLAYS], ids=lambda one: one.kind
+)
 def test_nothing_is_missing_where_no_velocity_tells_how_the_motion_began(draw: Draw, tmp_path: Path) -> None:
     spec, path = spec_of(draw), tmp_path / "spec.yaml"
     path.write_text(write_spec(spec))

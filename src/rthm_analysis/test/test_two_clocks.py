@@ -125,6 +125,7 @@ def test_a_test_with_wrong_stamps_is_diagnosed_as_what_it_was(
     assert (found.verdict, found.physics, found.faults) == ("match", (), ())
 
 
+@pytest.mark.long
 def test_without_what_was_measured_they_are_not(
     messages: list[Message], lead: tuple[float, float], tmp_path: Path
 ) -> None:

@@ -48,6 +48,7 @@ def test_what_was_not_obeyed_is_at_the_end() -> None:
 
 
 def test_an_error_is_told_before_an_interruption() -> None:
+    before = signal.getsignal(signal.SIGINT)
     with pytest.raises(ValueError, match="first"):
         held_back_until_the_end([], ValueError("first"))
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is before

@@ -127,6 +127,19 @@ def test_rows_in_the_order_of_their_blocks_are_written_one_after_the_other(kinds
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("which", ["linear", "falling friction"])
+def test_a_tangent_is_the_same_among_many(which):
+    """Beyond seven numbers there are several groups of lanes, for which kernels of their own are compiled."""
+    names = ["plant.mass", "actuator.stiffness"]
+    many, few = (sensitivities(LOOPS[which], 3.0, chosen, 0.0017) for chosen in (None, names))
+    assert many.tangents and len(many.by_parameter) > 7
+    for name in names:
+        for signal in SIGNALS:
+            one, other = (getattr(found.by_parameter[name], signal) for found in (many, few))
+            assert np.abs(one - other).max() < 1e-9 * np.abs(other).max(), (name, signal)
+
+
+@pytest.mark.long
 def test_every_number_of_the_physics_is_taken_where_none_is_named():
     found = sensitivities(LOOPS["stick and slip"], 0.1)
     assert {"plant.mass", "interface.damping", "load.plant.amplitude", "guide.force"} <= set(

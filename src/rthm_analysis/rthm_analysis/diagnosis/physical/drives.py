@@ -184,7 +184,7 @@ def _tried(fitting: Fitting, model: Model, here: Fitted) -> list[FittedCandidate
             fitted = fitting.fit(one.start.added_to(model), None, DRIVE_STEPS)
         except (InputError, np.linalg.LinAlgError):
             return None
-        return FittedCandidate(one.start, fitted, float(fitted.left_out.sum()))
+        return FittedCandidate.of(one.start, fitted)
 
     tried = fitting.cores.each_in_parts(refined, best_of_each(promising, 2))
     return best_of_labels([one for one in tried if one is not None])

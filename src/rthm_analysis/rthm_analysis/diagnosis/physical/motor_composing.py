@@ -82,8 +82,8 @@ def _guesses(motors: Experiment, plain: Drives, position: Floats) -> Iterator[In
 def _rounds(guesses: list[InitialGuess], fitted: Fitted, before: Fitted) -> Iterator[list[FittedCandidate]]:
     """What was added one after the other, first beside nothing at all."""
     for index, one in enumerate(guesses):
-        nothing = [] if index else [FittedCandidate(one, before, float(before.left_out.sum()))]
-        yield [FittedCandidate(one, fitted, float(fitted.left_out.sum())), *nothing]
+        nothing = [] if index else [FittedCandidate.of(one, before)]
+        yield [FittedCandidate.of(one, fitted), *nothing]
 
 
 def _terms(place: str, position: Floats, time: Floats, error: Floats, noise: float) -> tuple[Term, ...]:

@@ -38,6 +38,11 @@ class FittedCandidate:
     fitted: Fitted
     error: float
 
+    @classmethod
+    def of(cls, start: InitialGuess, fitted: Fitted) -> FittedCandidate:
+        """A candidate with what its fit leaves of data left out."""
+        return cls(start, fitted, float(fitted.left_out.sum()))
+
     @property
     def label(self) -> tuple[str, str, str]:
         """Block, kind and place."""

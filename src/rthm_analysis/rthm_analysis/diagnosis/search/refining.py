@@ -224,7 +224,7 @@ def fit_further(
         return tried
     try:
         fitted = fitting.fit(tried.fitted.model, known, steps, least, affordable=affordable)
-        return FittedCandidate(tried.start, fitted, float(fitted.left_out.sum()))
+        return FittedCandidate.of(tried.start, fitted)
     except (InputError, np.linalg.LinAlgError):
         return tried
 

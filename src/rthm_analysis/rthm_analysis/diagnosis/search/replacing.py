@@ -73,7 +73,7 @@ def rounds_refitted(fitting: Fitting, selection: Selection) -> Selection:
             upto = fitting.fit(present)
         except np.linalg.LinAlgError:
             continue
-        rounds[i] = [FittedCandidate(first.start, upto, float(upto.left_out.sum())), *others]
+        rounds[i] = [FittedCandidate.of(first.start, upto), *others]
     return replace(selection, rounds=rounds)
 
 
@@ -115,7 +115,7 @@ def _twins(fitting: Fitting, selection: Selection) -> Iterator[FittedCandidate]:
         fitting.progress(f"comparing {first.label[1]} with {start.label[1]}")
         whole = _fitted_with(fitting, selection, index, start)
         if whole is not None:
-            yield FittedCandidate(start, whole, float(whole.left_out.sum()))
+            yield FittedCandidate.of(start, whole)
 
 
 def is_identified(fitted: Fitted, index: int) -> bool:
@@ -202,7 +202,7 @@ def _rivals(
         fitting.progress(f"comparing {first.label[1]} with {other.label[1]}")
         whole = _fitted_instead(fitting, selection, index, other)
         if whole is not None:
-            rivals.append((other, FittedCandidate(other.start, whole, float(whole.left_out.sum()))))
+            rivals.append((other, FittedCandidate.of(other.start, whole)))
     return rivals
 
 
@@ -239,7 +239,7 @@ def _replaced(
     if index + 1 < len(selection.rounds):
         starts = [(i, tried[0].start) for i, tried in enumerate(selection.rounds[:index])]
         upto = fitting.fit(model_of(selection, [*starts, (index, start)]))
-    first = FittedCandidate(start, upto, float(upto.left_out.sum()))
+    first = FittedCandidate.of(start, upto)
     others = [one for one in selection.rounds[index][1:] if one.label != start.label]
     rounds = [[first, *others] if i == index else one for i, one in enumerate(selection.rounds)]
     fitting.reduced_chi2 = reduced_chi2(fitting, whole)

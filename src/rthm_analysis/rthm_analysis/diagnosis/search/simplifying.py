@@ -81,7 +81,7 @@ def _reconsidered(fitting: Fitting, selection: Selection) -> Selection:
         except (InputError, np.linalg.LinAlgError):
             continue
         if tried and merit(tried[0].fitted) < merit(best.best) - DISTINGUISHING_GAIN:
-            first = FittedCandidate(kept.start, alone, float(alone.left_out.sum()))
+            first = FittedCandidate.of(kept.start, alone)
             best = Selection(selection.base, tried[0].fitted, [[first], tried], selection.limits)
             fitting.reduced_chi2 = reduced_chi2(fitting, best.best)
     return best

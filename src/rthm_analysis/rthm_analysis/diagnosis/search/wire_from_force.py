@@ -55,7 +55,7 @@ def _from_force(fitting: Fitting, without: Model) -> Explained:
     if not alone.forces:
         return []
     nothing = _alone(alone, without, alone.residual(without), np.empty(0))
-    if min(nothing.left, _without_offsets(alone, nothing)) < WIRE_NOISE_TO_WHITE * nothing.white:
+    if _without_offsets(alone, nothing) < WIRE_NOISE_TO_WHITE * nothing.white:
         return []
     found = _best_fits(fitting, nothing)
     least = min((one.beyond(nothing) for _, one in found), default=np.inf)
